@@ -1,0 +1,13 @@
+//! Quell: adaptive input shaping for flexible robot joints.
+//!
+//! Rooms, lowest floor first: [`signal`] and [`recording`], [`estimators`], [`plant`] and
+//! [`adaptation`], [`controller`], [`report`], [`cli`]. A room uses only rooms below it.
+
+pub mod adaptation;
+pub mod cli;
+pub mod controller;
+pub mod estimators;
+pub mod plant;
+pub mod recording;
+pub mod report;
+pub mod signal;

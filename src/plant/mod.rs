@@ -1,0 +1,1 @@
+//! The axis as a chain: servo, transmission, link, sensors.

@@ -1,0 +1,1 @@
+//! Time series on their own clocks: alignment, registration of frames, kinematics, spectra.
