@@ -1,5 +1,6 @@
 //! What ends a verb early, and the exit code that says so.
 
+use crate::recording::{Problem, ROLES, RecordingError, UNITS};
 use std::error::Error;
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -72,6 +73,42 @@ impl CliError {
         };
         code
     }
+}
+
+impl From<RecordingError> for CliError {
+    fn from(error: RecordingError) -> Self {
+        let help = match &error.problem {
+            Problem::NotAManifest | Problem::NoManifest => Some(MANIFEST_HELP.to_owned()),
+            Problem::UnknownRole { .. } => Some(format!(
+                "roles: {}",
+                names(ROLES.iter().map(|entry| entry.name))
+            )),
+            Problem::UnknownUnit { .. } => Some(format!(
+                "units: {}",
+                names(UNITS.iter().map(|unit| unit.names[0]))
+            )),
+            _ => None,
+        };
+        let error = Self::input(error);
+        match help {
+            Some(help) => error.with_help(help),
+            None => error,
+        }
+    }
+}
+
+const MANIFEST_HELP: &str = "\
+write beside the CSV file a recording.toml such as
+    name = \"arm 7\"
+    [[channel]]
+    role = \"motor_position\"
+    file = \"encoder.csv.gz\"
+    time = \"time_s\"
+    column = \"joint_1_rad\"
+    unit = \"rad\"";
+
+fn names(names: impl Iterator<Item = &'static str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
 }
 
 impl From<io::Error> for CliError {

@@ -5,6 +5,7 @@
 //! [`Verb::run`]. What it prints goes through [`output`], so that a closed pipe ends it quietly.
 
 pub mod error;
+pub mod inspect;
 pub mod log;
 pub mod output;
 
@@ -32,11 +33,15 @@ struct Cli {
 
 /// What `quell` can be asked to do.
 #[derive(Debug, Subcommand)]
-enum Verb {}
+enum Verb {
+    Inspect(inspect::Args),
+}
 
 impl Verb {
     fn run(self) -> Result<(), CliError> {
-        match self {}
+        match self {
+            Self::Inspect(args) => inspect::run(args),
+        }
     }
 }
 
