@@ -43,7 +43,10 @@ impl Mode {
         if !(0.0..1.0).contains(&damping_ratio) {
             return Err(ModeError::DampingRatio(damping_ratio));
         }
-        Ok(Self { natural_frequency, damping_ratio })
+        Ok(Self {
+            natural_frequency,
+            damping_ratio,
+        })
     }
 
     /// A mode from its natural frequency `f_n = omega_n / 2 pi` in hertz and its damping ratio.
@@ -71,7 +74,7 @@ impl Mode {
 
     /// `omega_d = omega_n sqrt(1 - xi^2)`, rad/s.
     pub fn damped_frequency(&self) -> f64 {
-        self.natural_frequency * (1.0 - self.damping_ratio * self.damping_ratio).sqrt()
+        self.natural_frequency * Float::sqrt(1.0 - self.damping_ratio * self.damping_ratio)
     }
 
     /// `xi omega_n`, the rate at which the envelope decays, 1/s.
