@@ -8,6 +8,7 @@ pub mod error;
 pub mod inspect;
 pub mod log;
 pub mod output;
+pub mod shape;
 
 pub use error::CliError;
 
@@ -35,12 +36,14 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Inspect(inspect::Args),
+    Shape(shape::Args),
 }
 
 impl Verb {
     fn run(self) -> Result<(), CliError> {
         match self {
             Self::Inspect(args) => inspect::run(args),
+            Self::Shape(args) => shape::run(args),
         }
     }
 }

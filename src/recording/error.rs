@@ -128,6 +128,21 @@ pub enum Problem {
         /// Whether it is the same time again.
         repeats: bool,
     },
+    /// A stamp does not lie on the ticks of the rate that was given.
+    #[error(
+        "time \"{text}\" is {off:.2} ticks from its place at {rate_hz} Hz (the file runs at about \
+         {own_rate_hz:.2} Hz)"
+    )]
+    Rate {
+        /// The cell.
+        text: String,
+        /// Distance from the row's tick, ticks.
+        off: f64,
+        /// The rate that was given, Hz.
+        rate_hz: f64,
+        /// The rate by the median interval, Hz.
+        own_rate_hz: f64,
+    },
     /// A channel that was to be written is not well formed.
     #[error("channel {role}: {reason}")]
     Channel {

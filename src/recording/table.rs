@@ -110,19 +110,51 @@ impl Table {
         let index = self.index(name)?;
         let stamps = self.numbers(&[name])?.swap_remove(0);
         if let Some(after) = stamps.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let previous = stamps[after];
-            let repeats = stamps[after + 1] == previous;
-            if let Some(Ok((offset, record))) = self.body().nth(after + 1) {
-                let text = record[index].trim().to_owned();
-                let problem = Problem::Clock {
-                    text,
-                    previous,
-                    repeats,
-                };
-                return Err(problem.at_cell(&self.path, self.line(offset), name));
-            }
+            let (previous, repeats) = (stamps[after], stamps[after + 1] == stamps[after]);
+            let problem = |text| Problem::Clock {
+                text,
+                previous,
+                repeats,
+            };
+            return Err(self.at_row(after + 1, index, problem));
         }
         Ok(stamps)
+    }
+
+    /// A column as stamps that lie within half a tick of the ticks of a rate in Hz, counted from
+    /// the first one.
+    ///
+    /// # Errors
+    /// As [`Self::stamps`], and where a stamp does not lie there.
+    pub fn stamps_at_rate(&self, name: &str, rate_hz: f64) -> Result<Vec<f64>, RecordingError> {
+        let stamps = self.stamps(name)?;
+        let ticks = |row: usize| (stamps[row] - stamps[0]) * rate_hz - row as f64;
+        if let Some(row) = (0..stamps.len()).find(|&row| ticks(row).abs() > 0.5) {
+            let own_rate_hz = super::health::clock(&stamps).rate().unwrap_or(0.0);
+            let off = ticks(row);
+            let problem = |text| Problem::Rate {
+                text,
+                off,
+                rate_hz,
+                own_rate_hz,
+            };
+            return Err(self.at_row(row, self.index(name)?, problem));
+        }
+        Ok(stamps)
+    }
+
+    /// A problem with the cell of a row, counted from 0 below the header.
+    fn at_row(
+        &self,
+        row: usize,
+        column: usize,
+        problem: impl FnOnce(String) -> Problem,
+    ) -> RecordingError {
+        let (line, text) = match self.body().nth(row) {
+            Some(Ok((offset, record))) => (self.line(offset), record[column].trim().to_owned()),
+            _ => (1, String::new()),
+        };
+        problem(text).at_cell(&self.path, line, &self.header[column])
     }
 
     /// Where a column is in the header.

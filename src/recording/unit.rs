@@ -192,7 +192,7 @@ mod tests {
         let si = |value, name| Unit::from_name(name).unwrap().to_si(value);
         assert_eq!(si(1.0, "in"), 0.0254);
         assert_eq!(si(1.0, "g"), 9.80665);
-        assert_eq!(si(60.0, "rpm"), TAU);
+        assert_eq!(si(1.0, "rpm"), TAU / 60.0);
         assert_eq!(si(1.0, "kip"), 4448.2216152605);
         assert_eq!(si(0.7, "um"), 0.7e-6);
     }

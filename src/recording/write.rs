@@ -148,3 +148,52 @@ fn rows(channel: &Channel, entry: &Entry, out: &mut impl Write) -> io::Result<()
     }
     out.flush()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::ROLES;
+    use proptest::prelude::*;
+
+    fn channel() -> impl Strategy<Value = Channel> {
+        let units = || {
+            super::super::UNITS
+                .iter()
+                .filter(|unit| unit.names[0] == unit.si)
+        };
+        let unit = proptest::sample::select(units().map(|unit| unit.si).collect::<Vec<_>>());
+        let finite = || proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL;
+        (proptest::sample::select(ROLES), unit, 1..20_usize).prop_flat_map(
+            move |(entry, unit, samples)| {
+                let column = proptest::collection::vec(finite(), samples);
+                let columns = proptest::collection::vec(column, entry.columns[0]);
+                let time = proptest::collection::btree_set(-1_000_000..1_000_000_i32, samples);
+                (columns, time).prop_map(move |(columns, time)| Channel {
+                    role: entry.role,
+                    unit: unit.into(),
+                    time: time
+                        .into_iter()
+                        .map(|tick| f64::from(tick) / 333.0)
+                        .collect(),
+                    columns,
+                })
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn what_is_written_is_read_back_to_the_bit(
+            name in "\\PC{0,12}",
+            channels in proptest::collection::vec(channel(), 1..4),
+            compress: bool,
+        ) {
+            let recording = Recording { name, channels };
+            let folder = tempfile::TempDir::new()?;
+            recording.write(folder.path(), compress)?;
+            prop_assert_eq!(Recording::from_path(folder.path())?, recording);
+        }
+    }
+}

@@ -6,6 +6,9 @@ use crate::recording::Channel;
 /// Jitter, as a share of the period, from which it is remarked upon. A stamp that is off by j
 /// shifts a sample by j times the slope; 1 % of a period is 1 % of an increment between samples.
 const JITTER: f64 = 0.01;
+/// Quantisation step, as a share of the range, from which it is remarked upon: from there on the
+/// rounding error (step / sqrt 12) is above 0.3 % of the range.
+const COARSE: f64 = 0.01;
 
 /// One sentence for each thing that looks wrong; none where nothing does.
 pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
@@ -92,13 +95,12 @@ fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
             "{count} lone sample(s) far from both neighbours, first at {first} s"
         ));
     }
-    match (column.noise_std, column.quantum) {
-        (Some(noise), Some(step)) if noise < step => {
-            remarks.push(format!(
-                "noise is below the quantisation step of {step:.3e} {unit}"
-            ));
-        }
-        _ => {}
+    let range = column.maximum - column.minimum;
+    if let Some(step) = column.quantum.filter(|step| *step > COARSE * range) {
+        let share = 100.0 * step / range;
+        remarks.push(format!(
+            "coarse: one quantisation step is {share:.1} % of the range"
+        ));
     }
     remarks
 }

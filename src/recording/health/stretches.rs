@@ -36,8 +36,10 @@ const CHANCE: f64 = 1e-3;
 ///
 /// With p the share of repeated values outside of the run, n samples hold a run of L repeats by
 /// chance with a probability of at most `n p^L`; runs below 0.001 (and of at least 4 samples) are
-/// given. A run is a rest unless the column moves at an edge of it by more than its typical
-/// (median) increment in motion and by more than 2 quantisation steps.
+/// given. A run is a rest unless the column moves, within two samples of an edge of it, by more
+/// than half its typical (median) increment in motion and by more than 3 quantisation steps: what
+/// comes to rest and starts again does so over more than two samples. A signal that is clipped
+/// just below its top, where it is slow, is taken for a rest.
 pub fn flats(time: &[f64], values: &[f64], quantum: f64) -> Vec<Flat> {
     let increments: Vec<f64> = values
         .windows(2)
@@ -49,7 +51,7 @@ pub fn flats(time: &[f64], values: &[f64], quantum: f64) -> Vec<Flat> {
         .filter(|step| *step > 0.0)
         .collect();
     let repeats = (increments.len() - moving.len()) as f64;
-    let abrupt = median(moving).max(2.0 * quantum);
+    let abrupt = (0.5 * median(moving)).max(3.0 * quantum);
     let minimum = values.iter().copied().fold(f64::INFINITY, f64::min);
     let maximum = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let is_long = |run: &Run| {
@@ -125,18 +127,30 @@ pub fn wraps(angles: &[f64]) -> Vec<usize> {
 /// Standard deviations beyond which a sample is no noise: a Gaussian exceeds 8 with probability
 /// 1e-15.
 const SPIKE: f64 = 8.0;
+/// Samples on either side that a spike is compared with.
+const AROUND: usize = 8;
 
 /// Samples that lie far beyond both their neighbours, on the same side, while those agree.
 ///
-/// Far: by more than 8 standard deviations of the noise, 8 quantisation steps, and 8 times the
-/// distance between the two neighbours.
+/// Far: by more than 8 standard deviations of the noise, 8 quantisation steps, 8 times the
+/// distance between the two neighbours, and 8 times any second difference near by that does not
+/// contain the sample (the top of an oscillation is as curved as what is around it).
 pub fn spikes(values: &[f64], noise_std: f64, quantum: f64) -> Vec<usize> {
-    let is_spike = |sample: &usize| {
+    let bend = |sample: Option<usize>| {
+        let near = sample.and_then(|sample| values.get(sample.checked_sub(1)?..sample + 2));
+        near.map_or(0.0, |near| (near[2] - 2.0 * near[1] + near[0]).abs())
+    };
+    let is_spike = |&sample: &usize| {
         let (before, after) = (values[sample - 1], values[sample + 1]);
-        let (left, right) = (values[*sample] - before, values[*sample] - after);
+        let (left, right) = (values[sample] - before, values[sample] - after);
+        let floor = SPIKE * noise_std.max(quantum).max((after - before).abs());
         let height = left.abs().min(right.abs());
-        let floor = noise_std.max(quantum).max((after - before).abs());
-        left * right > 0.0 && height > SPIKE * floor
+        left * right > 0.0
+            && height > floor
+            && (2..=AROUND).all(|far| {
+                let near = bend(sample.checked_sub(far)).max(bend(Some(sample + far)));
+                height > SPIKE * near
+            })
     };
     (1..values.len().saturating_sub(1))
         .filter(is_spike)
