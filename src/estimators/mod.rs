@@ -13,12 +13,22 @@
 
 use quell_shapers::Mode;
 
+mod algebraic;
+mod convergence;
+mod least_squares;
 mod likelihood;
 mod modal_response;
+mod quadrature;
+mod regression;
 mod settings;
+mod super_twisting;
 
+pub use algebraic::{Algebraic, AlgebraicForm};
+pub use convergence::{Convergence, SETTLED};
 pub use likelihood::Likelihood;
+pub use quadrature::Integral;
 pub use settings::Settings;
+pub use super_twisting::SuperTwisting;
 
 /// One aligned sample of the axis, on the sensor's stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,12 +95,38 @@ pub struct EstimatorEntry {
 }
 
 /// Every estimator, the project's best first.
-pub const ESTIMATORS: &[EstimatorEntry] = &[EstimatorEntry {
-    name: "likelihood",
-    summary: "maximum likelihood of the output error, the motion included",
-    uses_motion: true,
-    build: |settings| Box::new(Likelihood::new(settings)),
-}];
+pub const ESTIMATORS: &[EstimatorEntry] = &[
+    EstimatorEntry {
+        name: "likelihood",
+        summary: "maximum likelihood of the output error, the motion included",
+        uses_motion: true,
+        build: |settings| Box::new(Likelihood::new(settings)),
+    },
+    EstimatorEntry {
+        name: "algebraic",
+        summary: "algebraic method on the equation that holds in motion and at rest",
+        uses_motion: true,
+        build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Energetic)),
+    },
+    EstimatorEntry {
+        name: "algebraic_integrated",
+        summary: "the same with one more integration",
+        uses_motion: true,
+        build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Integrated)),
+    },
+    EstimatorEntry {
+        name: "algebraic_paper",
+        summary: "algebraic method with the three unknowns of the paper, free decay only",
+        uses_motion: false,
+        build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Paper)),
+    },
+    EstimatorEntry {
+        name: "super_twisting",
+        summary: "super-twisting observer and regression, free decay only",
+        uses_motion: false,
+        build: |settings| Box::new(SuperTwisting::new(settings)),
+    },
+];
 
 /// The estimator of that name.
 pub fn estimator(name: &str) -> Option<&'static EstimatorEntry> {

@@ -173,7 +173,7 @@ pub fn decay(truth: &Truth, amplitude: f64, phase: f64, times: &[f64]) -> Vec<Sa
         .iter()
         .map(|&time| Sample {
             time,
-            motor_position: 0.0,
+            motor_position: 30f64.to_radians(),
             deformation: amplitude * (-xi * w * time).exp() * (wd * time + phase).cos(),
         })
         .collect()

@@ -101,6 +101,30 @@ pub fn profile(
     Some((linear, cost))
 }
 
+/// Sum of squares that an offset and a gain alone leave of the deformation.
+pub fn still(moments: &Moments) -> f64 {
+    let measured =
+        |other: usize| moment(moments, DEFORMATION, other) + moment(moments, RESIDUAL, other);
+    let square = measured(DEFORMATION) + measured(RESIDUAL);
+    let (one, cross, input) = (
+        moments[OFFSET][OFFSET],
+        moments[OFFSET][INPUT],
+        moments[INPUT][INPUT],
+    );
+    if one <= 0.0 {
+        return square;
+    }
+    let slope_square = input - cross * cross / one;
+    let centred = square - measured(OFFSET) * measured(OFFSET) / one;
+    let product = measured(INPUT) - measured(OFFSET) * cross / one;
+    // An input that stands still is no column.
+    if slope_square > 1e-12 * input {
+        centred - product * product / slope_square
+    } else {
+        centred
+    }
+}
+
 /// One Gauss-Newton step of all eight unknowns.
 ///
 /// The derivatives by the mode contain the linear unknowns (the free decay's amplitude, the rate's

@@ -24,8 +24,9 @@ mod track;
 
 use quell_shapers::Mode;
 
-use self::fit::{Fit, Priors, fit, profile};
+use self::fit::{Fit, Priors, fit, profile, still};
 use self::track::Track;
+use super::convergence::SETTLED;
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// Samples that replays may take in one tick.
@@ -41,10 +42,6 @@ const DAMPING_RANGE: (f64, f64) = (1e-4, 0.7);
 const NOISE_SAMPLES: f64 = 10.0;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
-/// Standard deviations of `ln w` and `xi` below which the estimate has settled: a ZV shaper that
-/// is off by `e` in either leaves `(pi / 2) e` of the vibration, so two standard deviations leave
-/// 1.6 %.
-const SETTLED: f64 = 0.005;
 /// A standard deviation of `ln w` above which there is no estimate to speak of.
 const USABLE: f64 = 0.2;
 /// Difference of `-2 ln` likelihood that rules another start out (odds of 3e6).
@@ -286,7 +283,7 @@ impl Likelihood {
         let [x, y] = fit.step;
         let distance = (d * x * x - 2.0 * b * x * y + a * y * y) / determinant;
         let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
-        if negligible || !(distance > 0.01 * self.variance) || self.shrink < 1e-3 {
+        if negligible || distance <= 0.01 * self.variance || self.shrink < 1e-3 {
             return false;
         }
         let point = trusted(self.active.mode, fit.step, self.shrink);
@@ -327,8 +324,11 @@ impl Likelihood {
             return;
         }
         let [log_std, damping_std, gain_std] = self.spread(&fit);
+        // What an offset and a gain explain as well is no vibration: noise always has a best mode.
+        let explained = still(&self.active.moments) - fit.cost_after;
+        let heard = explained > (RULED_OUT + UNKNOWNS) * self.variance;
         let usable = log_std < USABLE && fit.step[0].abs() < TRUST[0];
-        if !usable {
+        if !(heard && usable) {
             return;
         }
         let point = trusted(self.active.mode, fit.step, 1.0);
