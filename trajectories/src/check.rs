@@ -7,7 +7,7 @@ const TESTED_RANGE: f64 = 1e9;
 
 impl Planner {
     pub(crate) fn check_length(&self, what: &'static str, given: usize) -> Result<(), PlanError> {
-        let expected = self.degrees_of_freedom;
+        let expected = self.degrees_of_freedom();
         if given == expected {
             Ok(())
         } else {
