@@ -95,12 +95,17 @@ impl Cell {
         &mut self.arm
     }
 
+    /// Where the command stands, rad.
+    pub fn position(&self) -> f64 {
+        self.controller.planned()[0].position
+    }
+
     /// Moves to `target` (rad) and watches the arm ring out.
     ///
     /// # Errors
     /// [`ClosedLoopError::Plan`] where the move cannot be planned.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
-        let start = self.controller.planned()[0].position;
+        let start = self.position();
         let ends = [AxisState::at_rest(start), AxisState::at_rest(target)];
         let plan = self.planner.plan(&ends[..1], &ends[1..], &[self.limits])?;
         let sampled = plan.sample(self.controller.sample_time())?;
