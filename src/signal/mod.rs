@@ -1,6 +1,8 @@
 //! Time series on their own clocks: alignment, registration of frames, kinematics, spectra.
 
 pub mod alignment;
+pub mod arc_registration;
+pub mod clock_offset;
 pub mod deformation;
 pub mod error;
 pub mod kinematics;
@@ -13,7 +15,12 @@ pub mod spline;
 pub mod urdf;
 
 pub use alignment::{Aligned, Aligner, Clock};
-pub use deformation::{DeformationSample, DeformationSensor, deformation};
+pub use arc_registration::{ArcRegistration, register_arc};
+pub use clock_offset::{ClockFit, fit_clock_offset};
+pub use deformation::{
+    DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
+    tip_deformation,
+};
 pub use error::SignalError;
 pub use kinematics::{Chain, ChainJoint, DhRow, JointArc, JointKind};
 pub use measurement::Measurement;
