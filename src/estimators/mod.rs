@@ -1,6 +1,34 @@
 //! Estimators of a vibratory mode, on-line, sample by sample.
+//!
+//! One file a method, one line a method in [`ESTIMATORS`]; command line, documents and tests loop
+//! over that table.
+//!
+//! All methods share one model of the deformation `delta = y - u` of a joint whose motor side is at
+//! `u` (measured) and whose link is at `y`:
+//! ```text
+//! delta'' + 2 xi w delta' + w^2 delta = -u''             damper across the joint
+//! delta'' + 2 xi w delta' + w^2 delta = -u'' - 2 xi w u'  damper to ground
+//! ```
+//! Both have static gain 0: at rest only a free decay is left.
 
 use quell_shapers::Mode;
+
+mod algebraic;
+mod convergence;
+mod least_squares;
+mod likelihood;
+mod modal_response;
+mod quadrature;
+mod regression;
+mod settings;
+mod super_twisting;
+
+pub use algebraic::{Algebraic, AlgebraicForm};
+pub use convergence::{Convergence, SETTLED};
+pub use likelihood::Likelihood;
+pub use quadrature::Integral;
+pub use settings::Settings;
+pub use super_twisting::SuperTwisting;
 
 /// One aligned sample of the axis, on the sensor's stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +39,13 @@ pub struct Sample {
     pub motor_position: f64,
     /// `delta = y - u`, link position minus motor-side position, rad.
     pub deformation: f64,
+}
+
+impl Sample {
+    /// Whether all three numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.time.is_finite() && self.motor_position.is_finite() && self.deformation.is_finite()
+    }
 }
 
 /// What an estimator believes after its last sample.
@@ -43,4 +78,57 @@ pub trait Estimator: Send {
     fn estimate(&self) -> Option<Estimate>;
     /// Forgets every sample, to begin a new window.
     fn restart(&mut self);
+}
+
+/// One line of the table of estimators.
+#[derive(Clone, Copy, Debug)]
+pub struct EstimatorEntry {
+    /// Name on the command line and in files.
+    pub name: &'static str,
+    /// What it is, in one sentence.
+    pub summary: &'static str,
+    /// Whether its model holds while the motor side moves; where not, feed it from the start of
+    /// the free decay on.
+    pub uses_motion: bool,
+    /// Makes one; allocates all that it will ever need.
+    pub build: fn(&Settings) -> Box<dyn Estimator>,
+}
+
+/// Every estimator, the project's best first.
+pub const ESTIMATORS: &[EstimatorEntry] = &[
+    EstimatorEntry {
+        name: "likelihood",
+        summary: "maximum likelihood of the output error, the motion included",
+        uses_motion: true,
+        build: |settings| Box::new(Likelihood::new(settings)),
+    },
+    EstimatorEntry {
+        name: "algebraic",
+        summary: "algebraic method on the equation that holds in motion and at rest",
+        uses_motion: true,
+        build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Energetic)),
+    },
+    EstimatorEntry {
+        name: "algebraic_integrated",
+        summary: "the same with one more integration",
+        uses_motion: true,
+        build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Integrated)),
+    },
+    EstimatorEntry {
+        name: "algebraic_paper",
+        summary: "algebraic method with the three unknowns of the paper, free decay only",
+        uses_motion: false,
+        build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Paper)),
+    },
+    EstimatorEntry {
+        name: "super_twisting",
+        summary: "super-twisting observer and regression, free decay only",
+        uses_motion: false,
+        build: |settings| Box::new(SuperTwisting::new(settings)),
+    },
+];
+
+/// The estimator of that name.
+pub fn estimator(name: &str) -> Option<&'static EstimatorEntry> {
+    ESTIMATORS.iter().find(|entry| entry.name == name)
 }

@@ -1,0 +1,199 @@
+//! The algebraic method: iterated time-weighted integrals that annihilate the initial state.
+//!
+//! For a signal `x`, with `t` from the window's start (eq. 10):
+//! ```text
+//! eta1[x] = t^2 x - 4 int s x + 2 iint x      stands for x''
+//! eta2[x] = int s^2 x - 2 iint s x            stands for x'
+//! eta3[x] = iint s^2 x                        stands for x
+//! ```
+//! Each stands for `t^2` times a derivative, integrated twice by parts, so no derivative of a
+//! measured signal and no initial condition is left.
+
+use super::least_squares::{COLUMNS, LeastSquares};
+use super::quadrature::Integral;
+use super::regression::Settling;
+use super::{Estimate, Estimator, Sample, Settings};
+
+/// Which regression is made of the integrals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlgebraicForm {
+    /// The paper's three unknowns, `eta1[delta] + a2 eta2[delta] + a1 eta3[delta] = a3 eta3[u]`:
+    /// valid in a free decay only.
+    ///
+    /// Source: eqs. (9) to (11) as corrected (erratum: as printed alpha_1 and alpha_2 are
+    /// interchanged and the unknowns multiply the wrong columns).
+    Paper,
+    /// `eta1[y] = -a1 eta3[delta] - a2 eta2[delta] - c eta2[u]`, `y = u + delta`: right in motion
+    /// and at rest; `c = a2` with the damper to ground, 0 with the damper across the joint. At rest
+    /// the column of `c` vanishes and is dropped.
+    Energetic,
+    /// The same with both sides integrated once more, which averages more noise.
+    Integrated,
+}
+
+/// The algebraic estimator.
+///
+/// # Cost
+/// Some twenty integrals and one 4 x 4 solution a sample; nothing is allocated.
+#[derive(Clone, Debug)]
+pub struct Algebraic {
+    settings: Settings,
+    form: AlgebraicForm,
+    state: State,
+    settling: Settling,
+}
+
+/// All that a restart forgets.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    first: Option<Sample>,
+    last: Option<Sample>,
+    position: Kernel,
+    deformation: Kernel,
+    input: Kernel,
+    constant: Kernel,
+    extra: [Integral; COLUMNS + 1],
+    equations: LeastSquares,
+    moved: f64,
+    largest: f64,
+}
+
+/// The integrals of one signal.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kernel {
+    moments: [Integral; 3],
+    iterated: [Integral; 3],
+    eta: [f64; 3],
+}
+
+impl Kernel {
+    fn push(&mut self, t: f64, x: f64, step: f64) {
+        let powers = [x, t * x, t * t * x];
+        for k in 0..3 {
+            let inner = self.moments[k].push(powers[k], step);
+            self.iterated[k].push(inner, step);
+        }
+        let [_, once, twice] = self.moments.map(|integral| integral.value());
+        let [plain, linear, square] = self.iterated.map(|integral| integral.value());
+        self.eta = [
+            powers[2] - 4.0 * once + 2.0 * plain,
+            twice - 2.0 * linear,
+            square,
+        ];
+    }
+}
+
+impl Algebraic {
+    /// An estimator of this form.
+    pub fn new(settings: &Settings, form: AlgebraicForm) -> Self {
+        Self {
+            settings: *settings,
+            form,
+            state: State::default(),
+            settling: Settling::new(settings),
+        }
+    }
+
+    /// The row `p theta = q` at this sample, `theta = a1, a2, c or a3, a1 times the offset`.
+    fn row(&self) -> ([f64; COLUMNS], f64) {
+        let State {
+            position,
+            deformation,
+            input,
+            constant,
+            ..
+        } = &self.state;
+        match self.form {
+            AlgebraicForm::Paper => (
+                [-deformation.eta[2], -deformation.eta[1], input.eta[2], 0.0],
+                deformation.eta[0],
+            ),
+            AlgebraicForm::Energetic | AlgebraicForm::Integrated => (
+                [
+                    -deformation.eta[2],
+                    -deformation.eta[1],
+                    -input.eta[1],
+                    constant.eta[2],
+                ],
+                position.eta[0],
+            ),
+        }
+    }
+
+    /// Which columns carry something: the input's once it moved by more than the noise, the
+    /// offset's where the settings allow one.
+    fn used(&self) -> [bool; COLUMNS] {
+        match self.form {
+            AlgebraicForm::Paper => [true, true, true, false],
+            AlgebraicForm::Energetic | AlgebraicForm::Integrated => {
+                let noise = self.settings.noise_std.unwrap_or(0.01 * self.state.largest);
+                [
+                    true,
+                    true,
+                    self.state.moved > 10.0 * noise,
+                    self.settings.offset_std.is_some(),
+                ]
+            }
+        }
+    }
+
+    fn solve(&mut self, time: f64) {
+        let Some([stiffness, damping, third, _]) = self.state.equations.solve(self.used()) else {
+            return;
+        };
+        let gain = if self.form == AlgebraicForm::Paper {
+            third / stiffness
+        } else {
+            0.0
+        };
+        self.settling.push(time, stiffness, damping, gain);
+    }
+}
+
+impl Estimator for Algebraic {
+    fn observe(&mut self, sample: Sample) {
+        if !sample.is_finite() || self.settling.is_frozen() {
+            return;
+        }
+        let first = *self.state.first.get_or_insert(sample);
+        let step = self.state.last.map_or(0.0, |last| sample.time - last.time);
+        if self.state.last.is_some() && step <= 0.0 {
+            return;
+        }
+        self.state.last = Some(sample);
+        let t = sample.time - first.time;
+        let moved = sample.motor_position - first.motor_position;
+        // The paper's third column is the position itself; the form with y needs the motion only.
+        let input = if self.form == AlgebraicForm::Paper {
+            sample.motor_position
+        } else {
+            moved
+        };
+        self.state.moved = self.state.moved.max(moved.abs());
+        self.state.largest = self.state.largest.max(sample.deformation.abs());
+        self.state
+            .position
+            .push(t, moved + sample.deformation, step);
+        self.state.deformation.push(t, sample.deformation, step);
+        self.state.input.push(t, input, step);
+        self.state.constant.push(t, 1.0, step);
+        let (mut row, mut value) = self.row();
+        if self.form == AlgebraicForm::Integrated {
+            for (k, entry) in row.iter_mut().enumerate() {
+                *entry = self.state.extra[k].push(*entry, step);
+            }
+            value = self.state.extra[COLUMNS].push(value, step);
+        }
+        self.state.equations.push(row, value, step);
+        self.solve(sample.time);
+    }
+
+    fn estimate(&self) -> Option<Estimate> {
+        self.settling.estimate()
+    }
+
+    fn restart(&mut self) {
+        self.state = State::default();
+        self.settling.restart();
+    }
+}

@@ -1,0 +1,71 @@
+//! When an estimate has settled: the standard deviation of the last estimates.
+
+/// Standard deviations of `ln w` and `xi` below which an estimate has settled: a ZV shaper that is
+/// off by `e` in either leaves `(pi / 2) e` of the vibration, so two standard deviations leave
+/// 1.6 %.
+pub const SETTLED: f64 = 0.005;
+
+/// Estimates that a window holds.
+const SLOTS: usize = 24;
+
+/// Standard deviation of the estimates over a sliding window of half a period.
+///
+/// The estimates are thinned to 24 a window, so the cost is the same at every rate; memory is
+/// fixed.
+///
+/// Source: E. Pereira, J. R. Trapero, I. M. Diaz, V. Feliu, "Adaptive input shaping for manoeuvring
+/// flexible structures using an algebraic identification technique", Automatica 45 (2009)
+/// 1046-1051 (the standard deviation of the estimates as criterion); the threshold is ours, see
+/// [`SETTLED`].
+#[derive(Clone, Copy, Debug)]
+pub struct Convergence {
+    slots: [[f64; 2]; SLOTS],
+    next: usize,
+    count: usize,
+    last: f64,
+}
+
+impl Default for Convergence {
+    fn default() -> Self {
+        Self {
+            slots: [[0.0; 2]; SLOTS],
+            next: 0,
+            count: 0,
+            last: f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl Convergence {
+    /// Takes an estimate of `[ln w, xi]` at a time.
+    pub fn push(&mut self, time: f64, estimate: [f64; 2]) {
+        let half_period = core::f64::consts::PI / estimate[0].exp();
+        if time - self.last < half_period / SLOTS as f64 {
+            return;
+        }
+        self.last = time;
+        self.slots[self.next] = estimate;
+        self.next = (self.next + 1) % SLOTS;
+        self.count = (self.count + 1).min(SLOTS);
+    }
+
+    /// Standard deviations of `ln w` and `xi` over the window; `None` until it is full.
+    pub fn spread(&self) -> Option<[f64; 2]> {
+        if self.count < SLOTS {
+            return None;
+        }
+        let mut spread = [0.0; 2];
+        for (k, value) in spread.iter_mut().enumerate() {
+            let mean = self.slots.iter().map(|slot| slot[k]).sum::<f64>() / SLOTS as f64;
+            let sum: f64 = self.slots.iter().map(|slot| (slot[k] - mean).powi(2)).sum();
+            *value = (sum / (SLOTS - 1) as f64).sqrt();
+        }
+        Some(spread)
+    }
+
+    /// Whether both spreads are below [`SETTLED`].
+    pub fn settled(&self) -> bool {
+        self.spread()
+            .is_some_and(|[w, xi]| w < SETTLED && xi < SETTLED)
+    }
+}

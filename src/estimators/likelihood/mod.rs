@@ -1,0 +1,422 @@
+//! Maximum likelihood of the output error, the motion phase included.
+//!
+//! The measured deformation is taken as
+//! ```text
+//! delta = (1 + g) (q - u) + c q' + a Re e^(lambda t) + b Im e^(lambda t) + o + K u + noise
+//! q''   = w^2 (u - q) - 2 xi w q'
+//! ```
+//! with `lambda = -xi w + j w_d`. `c q'` is a clock's offset and, `c = 2 xi / w`, the damper across
+//! the joint (`c = 0`: damper to ground); `a`, `b` are what vibrates before the window; `o` is the
+//! sensor's offset; `g` its scale; `K` a static gain. All six enter linearly. No derivative of `u`
+//! is needed.
+//!
+//! Along a *track*, a linearisation at one `(w, xi)`, the sensitivities are states of a filter, and
+//! the sums of products of all columns say what a batch fit would: a Gauss-Newton step costs
+//! O(1) a sample. When the step leaves the linear range a new track is started at its end and
+//! replays the stored window, a bounded number of samples a tick. A coarse grid of tracks runs
+//! beside the active one until no other start can explain the data.
+//!
+//! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
+//! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
+
+mod fit;
+mod track;
+
+use quell_shapers::Mode;
+
+use self::fit::{Fit, Priors, fit, profile, still};
+use self::track::Track;
+use super::convergence::SETTLED;
+use super::{Estimate, Estimator, Sample, Settings};
+
+/// Samples that replays may take in one tick.
+const REPLAY_BUDGET: usize = 128;
+/// Largest step of `ln w` and of `xi` before the track is moved: a tenth of the ratio between two
+/// grid points less would never reach from one to the next, more would leave its linear range.
+const TRUST: [f64; 2] = [0.15, 0.08];
+/// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.
+const GRID_RATIO: f64 = 1.25;
+/// Damping ratios a linearisation may take.
+const DAMPING_RANGE: (f64, f64) = (1e-4, 0.7);
+/// Weight of a given noise level in samples, against the residual's own.
+const NOISE_SAMPLES: f64 = 10.0;
+/// Unknowns: `w`, `xi`, and six linear ones.
+const UNKNOWNS: f64 = 8.0;
+/// A standard deviation of `ln w` above which there is no estimate to speak of.
+const USABLE: f64 = 0.2;
+/// Difference of `-2 ln` likelihood that rules another start out (odds of 3e6).
+const RULED_OUT: f64 = 30.0;
+
+/// The likelihood estimator.
+///
+/// # Cost
+/// One tick: at most 1 + 128 + (grid) samples of some 100 ns and a few 8 x 8 solutions; memory is
+/// taken in [`Likelihood::new`] only.
+#[derive(Clone, Debug)]
+pub struct Likelihood {
+    settings: Settings,
+    samples: Vec<Sample>,
+    grid: Vec<Track>,
+    active: Track,
+    fit: Option<Fit>,
+    candidate: Option<Track>,
+    must_replace: bool,
+    shrink: f64,
+    locked: bool,
+    largest: f64,
+    variance: f64,
+    correlation: Correlation,
+    converged: bool,
+    estimate: Option<Estimate>,
+}
+
+/// Running first autocorrelation of the residual, which widens the standard deviations where the
+/// model leaves more than white noise.
+#[derive(Clone, Copy, Debug, Default)]
+struct Correlation {
+    last: f64,
+    square: f64,
+    product: f64,
+    count: f64,
+}
+
+impl Correlation {
+    fn observe(&mut self, residual: f64) {
+        self.square += residual * residual;
+        self.product += residual * self.last;
+        self.last = residual;
+        self.count += 1.0;
+    }
+
+    /// `(1 + rho) / (1 - rho)`, the variance inflation of a mean of AR(1) noise; 1 where `rho` is
+    /// within two standard deviations (`1 / sqrt n`) of 0.
+    fn inflation(&self) -> f64 {
+        if self.count < 16.0 || self.square <= 0.0 {
+            return 1.0;
+        }
+        let rho = (self.product / self.square).min(0.999);
+        if rho < 2.0 / self.count.sqrt() {
+            1.0
+        } else {
+            (1.0 + rho) / (1.0 - rho)
+        }
+    }
+}
+
+impl Likelihood {
+    /// Takes all memory it will ever need: a window of samples and a grid of starts.
+    pub fn new(settings: &Settings) -> Self {
+        let (low, high) = settings.frequency_range;
+        let intervals = ((high / low).ln() / GRID_RATIO.ln())
+            .ceil()
+            .clamp(1.0, 40.0);
+        let damping = settings.belief.map_or(0.05, |mode| mode.damping_ratio());
+        let grid: Vec<Track> = (0..=intervals as usize)
+            .map(|k| low * (high / low).powf(k as f64 / intervals))
+            .filter_map(|w| Mode::new(w, damping.clamp(DAMPING_RANGE.0, 0.2)).ok())
+            .map(|mode| Track::new(mode, settings.sample_time))
+            .collect();
+        let fallback = Mode::new(core::f64::consts::TAU, 0.05).expect("1 Hz is a mode");
+        let start = settings
+            .belief
+            .or(grid.first().map(|track| track.mode))
+            .unwrap_or(fallback);
+        Self {
+            settings: *settings,
+            samples: Vec::with_capacity(settings.capacity()),
+            grid,
+            active: Track::new(
+                bounded(settings, log_point(start)).unwrap_or(start),
+                settings.sample_time,
+            ),
+            fit: None,
+            candidate: None,
+            must_replace: false,
+            shrink: 1.0,
+            locked: false,
+            largest: 0.0,
+            variance: 0.0,
+            correlation: Correlation::default(),
+            converged: false,
+            estimate: None,
+        }
+    }
+
+    /// Means and inverse variances: a belief says little (the whole range of frequencies, a fifth
+    /// in damping), the sensors' imperfections what the settings say.
+    fn priors(&self) -> Priors {
+        let (low, high) = self.settings.frequency_range;
+        let (mean, damping) = match self.settings.belief {
+            Some(mode) => (mode.natural_frequency().ln(), mode.damping_ratio()),
+            None => (0.5 * (low * high).ln(), 0.1),
+        };
+        let inverse_square = |std: f64| if std > 0.0 { (std * std).recip() } else { 1e30 };
+        let amplitude = inverse_square(10.0 * self.largest.max(1e-12));
+        let noise = self.variance.max(1e-30);
+        let w = self.active.mode.natural_frequency();
+        Priors {
+            mean: [mean, damping],
+            precision: [
+                inverse_square((0.5 * (high / low).ln()).max(0.1)),
+                inverse_square(0.2),
+                amplitude,
+                amplitude,
+                self.settings
+                    .offset_std
+                    .map_or(noise.recip(), inverse_square),
+                // The damper across the joint needs 2 xi / w, at most 2 / w.
+                w * w,
+                inverse_square(self.settings.scale_std),
+                inverse_square(self.settings.gain_std),
+            ],
+        }
+    }
+
+    /// Pools a given noise level with the residual's.
+    fn update_variance(&mut self) {
+        let count = self.samples.len() as f64;
+        let spare = (count - UNKNOWNS).max(0.0);
+        let residual = self.fit.map_or(0.0, |fit| fit.cost_after.max(0.0));
+        self.variance = match self.settings.noise_std {
+            Some(std) => {
+                (NOISE_SAMPLES * std * std + if spare > 0.0 { residual } else { 0.0 })
+                    / (NOISE_SAMPLES + spare)
+            }
+            None if spare > UNKNOWNS => residual / spare,
+            None => 1e-4 * self.largest * self.largest,
+        }
+        .max(1e-24 * self.largest * self.largest)
+        .max(1e-60);
+    }
+
+    /// Keeps the younger half of a full window and replays it from its own first sample.
+    fn slide(&mut self) {
+        let half = self.samples.len() / 2;
+        self.samples.drain(..half);
+        self.start_candidate(self.active.mode);
+        self.must_replace = true;
+        // The active track goes on with its old sums; only its place in the window has moved.
+        self.active.count -= half;
+        self.locked = true;
+    }
+
+    fn start_candidate(&mut self, mode: Mode) {
+        self.candidate = Some(Track::new(mode, self.settings.sample_time));
+    }
+
+    fn refit(&mut self) {
+        let priors = self.priors();
+        let Track {
+            moments,
+            response,
+            mode,
+            ..
+        } = &self.active;
+        self.fit = fit(moments, response, *mode, &priors, self.variance);
+    }
+
+    /// Moves to the start of the grid that explains the data best.
+    fn search_grid(&mut self) {
+        let priors = self.priors();
+        for track in &mut self.grid {
+            track.absorb(&self.samples);
+        }
+        let Some(active) = self.fit else { return };
+        let mut best = None;
+        let mut best_cost = active.cost;
+        let mut second = f64::INFINITY;
+        for (index, track) in self.grid.iter().enumerate() {
+            let Some((_, cost)) = profile(&track.moments, track.mode, &priors, self.variance)
+            else {
+                continue;
+            };
+            second = second.min(cost);
+            if cost < best_cost {
+                best_cost = cost;
+                best = Some(index);
+            }
+        }
+        if let Some(index) = best {
+            self.active = self.grid[index];
+            self.candidate = None;
+            self.shrink = 1.0;
+            self.refit();
+        } else if second - active.cost_after > RULED_OUT * self.variance {
+            self.locked = self.spread(&active)[0] < 0.25 * USABLE;
+        }
+    }
+
+    /// Standard deviations of `ln w`, `xi` and the gain.
+    fn spread(&self, fit: &Fit) -> [f64; 3] {
+        let variance = self.variance * self.correlation.inflation();
+        [fit.covariance[0][0], fit.covariance[1][1], fit.gain.1]
+            .map(|unit| (unit * variance).sqrt())
+    }
+
+    /// Iterates: new linearisations while the step matters and the tick's budget lasts.
+    fn relinearise(&mut self) {
+        let mut budget = REPLAY_BUDGET;
+        while budget > 0 {
+            if self.candidate.is_none() && !self.propose() {
+                return;
+            }
+            let Some(candidate) = &mut self.candidate else {
+                return;
+            };
+            while budget > 0 && candidate.count < self.samples.len() {
+                candidate.absorb(&self.samples);
+                budget -= 1;
+            }
+            if candidate.count < self.samples.len() {
+                return;
+            }
+            self.judge();
+        }
+    }
+
+    /// Starts a candidate at the end of the step, if the step is more than a tenth of a standard
+    /// deviation.
+    fn propose(&mut self) -> bool {
+        let Some(fit) = self.fit else { return false };
+        let [[a, b], [_, d]] = fit.covariance;
+        let determinant = a * d - b * b;
+        let [x, y] = fit.step;
+        let distance = (d * x * x - 2.0 * b * x * y + a * y * y) / determinant;
+        let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
+        if negligible || distance <= 0.01 * self.variance || self.shrink < 1e-3 {
+            return false;
+        }
+        let point = trusted(self.active.mode, fit.step, self.shrink);
+        match bounded(&self.settings, point) {
+            Some(mode) if mode != self.active.mode => {
+                self.start_candidate(mode);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Takes the candidate that has caught up where it explains the data better.
+    fn judge(&mut self) {
+        let Some(candidate) = self.candidate.take() else {
+            return;
+        };
+        let priors = self.priors();
+        let cost = profile(&candidate.moments, candidate.mode, &priors, self.variance)
+            .map_or(f64::INFINITY, |(_, cost)| cost);
+        let present = self.fit.map_or(f64::INFINITY, |fit| fit.cost);
+        if self.must_replace || cost <= present {
+            self.must_replace = false;
+            self.active = candidate;
+            self.shrink = (4.0 * self.shrink).min(1.0);
+            self.refit();
+        } else {
+            self.shrink *= 0.25;
+        }
+    }
+
+    /// Writes the estimate that goes with the present fit.
+    fn conclude(&mut self, time: f64) {
+        // A step that failed is tried again once there are more data.
+        self.shrink = (1.1 * self.shrink).clamp(1e-3, 1.0);
+        let Some(fit) = self.fit else { return };
+        if (self.samples.len() as f64) < 2.0 * UNKNOWNS {
+            return;
+        }
+        let [log_std, damping_std, gain_std] = self.spread(&fit);
+        // What an offset and a gain explain as well is no vibration: noise always has a best mode.
+        let explained = still(&self.active.moments) - fit.cost_after;
+        let heard = explained > (RULED_OUT + UNKNOWNS) * self.variance;
+        let usable = log_std < USABLE && fit.step[0].abs() < TRUST[0];
+        if !(heard && usable) {
+            return;
+        }
+        let point = trusted(self.active.mode, fit.step, 1.0);
+        let Some(mode) = bounded(&self.settings, point) else {
+            return;
+        };
+        let residual = (0..self.active.row.len())
+            .map(|k| fit.residual[k] * self.active.row[k])
+            .sum();
+        self.correlation.observe(residual);
+        self.converged |= log_std < SETTLED && damping_std < SETTLED && self.candidate.is_none();
+        self.estimate = Some(Estimate {
+            time,
+            mode,
+            natural_frequency_std: log_std * mode.natural_frequency(),
+            damping_ratio_std: damping_std,
+            gain: fit.gain.0,
+            gain_std,
+            converged: self.converged,
+        });
+    }
+}
+
+fn log_point(mode: Mode) -> [f64; 2] {
+    [mode.natural_frequency().ln(), mode.damping_ratio()]
+}
+
+/// The end of a step cut to the trusted length.
+fn trusted(mode: Mode, step: [f64; 2], shrink: f64) -> [f64; 2] {
+    let excess = (step[0].abs() / TRUST[0])
+        .max(step[1].abs() / TRUST[1])
+        .max(1.0);
+    let point = log_point(mode);
+    [0, 1].map(|k| point[k] + shrink * step[k] / excess)
+}
+
+/// The mode at a point, moved into the allowed ranges.
+fn bounded(settings: &Settings, point: [f64; 2]) -> Option<Mode> {
+    let (low, high) = settings.frequency_range;
+    let w = point[0].exp().max(low).min(high);
+    let xi = point[1].max(DAMPING_RANGE.0).min(DAMPING_RANGE.1);
+    Mode::new(w, xi).ok()
+}
+
+impl Estimator for Likelihood {
+    fn observe(&mut self, sample: Sample) {
+        let advances = self
+            .samples
+            .last()
+            .is_none_or(|last| sample.time > last.time);
+        if !(sample.is_finite() && advances) {
+            return;
+        }
+        if self.samples.len() == self.samples.capacity() {
+            self.slide();
+        }
+        self.samples.push(sample);
+        self.largest = self.largest.max(sample.deformation.abs());
+        self.active.absorb(&self.samples);
+        self.update_variance();
+        self.refit();
+        if !self.locked {
+            self.search_grid();
+        }
+        self.relinearise();
+        self.conclude(sample.time);
+    }
+
+    fn estimate(&self) -> Option<Estimate> {
+        self.estimate
+    }
+
+    fn restart(&mut self) {
+        self.samples.clear();
+        let sample_time = self.settings.sample_time;
+        for track in &mut self.grid {
+            *track = Track::new(track.mode, sample_time);
+        }
+        self.active = Track::new(self.active.mode, sample_time);
+        self.fit = None;
+        self.candidate = None;
+        self.must_replace = false;
+        self.shrink = 1.0;
+        self.locked = false;
+        self.largest = 0.0;
+        self.variance = 0.0;
+        self.correlation = Correlation::default();
+        self.converged = false;
+        self.estimate = None;
+    }
+}

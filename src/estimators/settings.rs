@@ -1,0 +1,68 @@
+//! What an estimator is told before its first sample.
+
+use quell_shapers::Mode;
+
+/// What an estimator is told before its first sample.
+///
+/// Standard deviations here are of zero-mean Gaussian priors on what real sensors add; infinity
+/// leaves the quantity free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Nominal time between samples, s; sizes the buffers, the stamps rule.
+    pub sample_time: f64,
+    /// One standard deviation of the deformation's noise, rad; `None`: from the residual.
+    pub noise_std: Option<f64>,
+    /// What the engineer believes; a start, never a constraint.
+    pub belief: Option<Mode>,
+    /// Lowest and highest natural frequency that are looked for, rad/s.
+    pub frequency_range: (f64, f64),
+    /// Constant offset of the deformation, rad; `None`: one standard deviation of the noise (the
+    /// deformation was zeroed at rest on at least one sample).
+    pub offset_std: Option<f64>,
+    /// Relative error of the deformation's scale (lever arm, modal participation).
+    pub scale_std: f64,
+    /// Static gain `K`, deformation over motor-side position.
+    pub gain_std: f64,
+    /// Longest stretch of samples that counts, s.
+    pub window: f64,
+}
+
+impl Settings {
+    /// Settings around a belief: half to twice its frequency, a window of 40 of its periods.
+    ///
+    /// A scale known to 10 % (lever arm) and a gain of 0.05 (the paper's 0.02 lies within) are
+    /// left to the data.
+    pub fn around(belief: Mode, sample_time: f64) -> Self {
+        let w = belief.natural_frequency();
+        Self {
+            belief: Some(belief),
+            window: 40.0 * belief.damped_period(),
+            ..Self::within((0.5 * w, 2.0 * w), sample_time)
+        }
+    }
+
+    /// Settings without a belief: frequencies (rad/s) in a range, a window of 20 of the longest
+    /// periods.
+    pub fn within(frequency_range: (f64, f64), sample_time: f64) -> Self {
+        Self {
+            sample_time,
+            noise_std: None,
+            belief: None,
+            frequency_range,
+            offset_std: None,
+            scale_std: 0.1,
+            gain_std: 0.05,
+            window: 20.0 * core::f64::consts::TAU / frequency_range.0,
+        }
+    }
+
+    /// Samples in a window, between 256 and 65 536.
+    pub(super) fn capacity(&self) -> usize {
+        let samples = self.window / self.sample_time;
+        if samples.is_finite() {
+            (samples as usize).clamp(256, 65_536)
+        } else {
+            4096
+        }
+    }
+}
