@@ -4,6 +4,7 @@
 //! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of [`Verb`] and
 //! [`Verb::run`]. What it prints goes through [`output`], so that a closed pipe ends it quietly.
 
+pub mod compare;
 pub mod error;
 pub mod inspect;
 pub mod log;
@@ -35,6 +36,7 @@ struct Cli {
 /// What `quell` can be asked to do.
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Compare(compare::Args),
     Inspect(inspect::Args),
     Shape(shape::Args),
 }
@@ -42,6 +44,7 @@ enum Verb {
 impl Verb {
     fn run(self) -> Result<(), CliError> {
         match self {
+            Self::Compare(args) => compare::run(args),
             Self::Inspect(args) => inspect::run(args),
             Self::Shape(args) => shape::run(args),
         }
