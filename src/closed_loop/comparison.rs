@@ -137,6 +137,7 @@ impl Scenario {
         CellSettings {
             robot: self.robot.clone(),
             joint: self.joint,
+            displacement: self.displacement,
             simulation: self.simulation.clone(),
             limits: self.limits,
             shaper,
