@@ -134,6 +134,7 @@ impl Cell {
             arc: *self.arm.arc(),
             registration: self.registration.clone(),
             train: axis.train(),
+            slowed_to: None,
             mode: after.mode,
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,

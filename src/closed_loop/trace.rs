@@ -71,6 +71,8 @@ pub struct MoveTrace {
     pub train: ImpulseTrain,
     /// Mode that it was designed for.
     pub mode: Mode,
+    /// Speed to which the move was slowed so that the shaped command keeps its limits, 0 to 1.
+    pub slowed_to: Option<f64>,
     /// Trains changed during the move.
     pub retunes: u32,
     /// Corrections refused during the move.
