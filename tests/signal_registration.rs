@@ -1,6 +1,6 @@
 //! Kinematics against hand values, registration and clocks against their statistical accuracy.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI};
 use std::path::Path;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
@@ -38,7 +38,7 @@ fn two_moves(t: f64) -> (f64, f64) {
         (x, 30.0 * (s * (1.0 - s)).powi(2) / 0.6)
     };
     let [(a, va), (b, vb)] = [step(t - 0.3), step(t - 2.0)];
-    (0.5236 * a - 0.35 * b, 0.5236 * va - 0.35 * vb)
+    (FRAC_PI_6 * a - 0.35 * b, FRAC_PI_6 * va - 0.35 * vb)
 }
 
 fn recorded(robot: &Robot, options: &SimulationOptions, seconds: f64) -> Recording {
@@ -201,7 +201,7 @@ proptest! {
     ) {
         let truth = frame(values);
         let arc = JointArc::from_lever_arm(1.8, 0.9).unwrap();
-        let source: Vec<_> = (0..300).map(|k| arc.tip(0.5236 * f64::from(k) / 299.0)).collect();
+        let source: Vec<_> = (0..300).map(|k| arc.tip(FRAC_PI_6 * f64::from(k) / 299.0)).collect();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let exact: Vec<_> = source.iter().map(|p| truth * p).collect();
         let target = noisy(&exact, 1e-5, &mut random);
