@@ -68,29 +68,24 @@ pub fn fit_clock_offset(
         });
     }
     let start = QuasiStatic::fit(motor, &samples)?;
-    let mut starts: Vec<f64> = belief
+    let mut frequencies: Vec<f64> = belief
         .map(|mode| mode.natural_frequency())
         .into_iter()
         .collect();
-    starts.extend(start.frequencies(&samples));
-    let mut best: Option<Candidate> = None;
-    let mut across: Option<Candidate> = None;
-    for ground in [false, true] {
-        for &frequency in &starts {
-            let candidate = Candidate::fit(motor, &samples, &start, frequency, ground, margin);
-            let Some(candidate) = candidate else { continue };
-            let slot = if ground { &mut best } else { &mut across };
-            if slot.as_ref().is_none_or(|held| candidate.sum < held.sum) {
-                *slot = Some(candidate);
-            }
+    frequencies.extend(start.frequencies(&samples));
+    let best = |ground| {
+        let fits = frequencies.iter().filter_map(|&frequency| {
+            Candidate::fit(motor, &samples, &start, frequency, ground, margin)
+        });
+        fits.min_by(|a, b| a.sum.total_cmp(&b.sum))
+    };
+    let chosen = match (best(false), best(true)) {
+        (Some(across), Some(ground)) => {
+            let samples = across.effective.min(ground.effective);
+            let gain = 0.5 * samples * (across.sum / ground.sum).ln();
+            Some(if gain > 5.0 { ground } else { across })
         }
-    }
-    let chosen = match (across, best) {
-        (Some(a), Some(g)) => {
-            let gain = 0.5 * a.effective.min(g.effective) * (a.sum / g.sum).ln();
-            if gain > 5.0 { Some(g) } else { Some(a) }
-        }
-        (a, g) => a.or(g),
+        (across, ground) => across.or(ground),
     };
     Ok(chosen.map_or_else(|| start.result(), |candidate| candidate.result()))
 }
@@ -197,7 +192,7 @@ impl Problem<'_> {
     /// Residual in units of `scale`, or `None` outside the parameters' range.
     fn residual(&self, p: &Vector6<f64>) -> Option<DVector<f64>> {
         let mode = mode_of(p)?;
-        if !(p[1].abs() <= self.margin) {
+        if p[1].is_nan() || p[1].abs() > self.margin {
             return None;
         }
         let response = Response::new(self.motor, mode, self.ground, p[4], p[5]);
