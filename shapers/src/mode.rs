@@ -43,7 +43,10 @@ impl Mode {
         if !(0.0..1.0).contains(&damping_ratio) {
             return Err(ModeError::DampingRatio(damping_ratio));
         }
-        Ok(Self { natural_frequency, damping_ratio })
+        Ok(Self {
+            natural_frequency,
+            damping_ratio,
+        })
     }
 
     /// A mode from its natural frequency `f_n = omega_n / 2 pi` in hertz and its damping ratio.
