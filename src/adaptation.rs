@@ -1,1 +1,181 @@
-//! From an estimate to a train: accept or refuse, then design.
+//! From an estimate to a mode worth shaping for: accept it, or say why not.
+//!
+//! Three questions, in this order. Is the estimate plausible? Is it certain enough, that is, would
+//! the train designed for it still hold its tolerance two standard deviations away? Does it matter,
+//! that is, does the present
+//! command leave more than the dead band at the estimated mode? A mode that
+//! jumps away from one learned before must in addition say the same for one period.
+
+use crate::estimators::Estimate;
+use quell_shapers::{ImpulseTrain, Mode, Shaper, residual_vibration};
+
+/// What is believed, and what is worth acting on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdaptationSettings {
+    /// Plausible natural frequencies `[from, to]`, rad/s.
+    pub natural_frequency: [f64; 2],
+    /// Plausible damping ratios `[from, to]`.
+    pub damping_ratio: [f64; 2],
+    /// Residual vibration V that uncertainty may add, as a fraction of the unshaped. The field's
+    /// 5 % (Singer and Seering 1990 draw insensitivity at it).
+    pub tolerance: f64,
+    /// Residual vibration V of the train in force below which a new train is not worth a retune.
+    pub dead_band: f64,
+    /// Relative change of `omega_n` against the last learned mode that is believed at once; a
+    /// larger one must persist for one period of the new mode.
+    pub largest_step: f64,
+}
+
+impl AdaptationSettings {
+    /// Settings around a belief: a quarter to four times its frequency, and whatever damping still
+    /// lets a shaper help. Dead band 1 %, tolerance 5 %, steps above 10 % confirmed.
+    pub fn around(belief: Mode) -> Self {
+        let omega = belief.natural_frequency();
+        Self {
+            natural_frequency: [0.25 * omega, 4.0 * omega],
+            damping_ratio: [0.0, 0.35],
+            tolerance: 0.05,
+            dead_band: 0.01,
+            largest_step: 0.10,
+        }
+    }
+}
+
+/// What [`Adaptation::consider`] says of an estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Decision {
+    /// Shape for this mode from now on.
+    Accept(Mode),
+    /// Keep the train in force.
+    Keep(Reason),
+}
+
+/// Why an estimate does not change the train.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reason {
+    /// The estimator has not settled.
+    NotConverged,
+    /// `omega_n` (rad/s) or `xi` lies outside the plausible range.
+    Implausible(Mode),
+    /// Within two standard deviations the new train would leave this fraction of the unshaped
+    /// vibration, which is above the tolerance.
+    Uncertain(f64),
+    /// The train in force leaves only this fraction at the estimated mode.
+    DeadBand(f64),
+    /// The mode has jumped by this relative step and has not yet persisted for one period.
+    Unconfirmed(f64),
+}
+
+/// Accepts or refuses estimates; remembers the last mode that was learned.
+#[derive(Clone, Debug)]
+pub struct Adaptation {
+    settings: AdaptationSettings,
+    learned: Option<Mode>,
+    jump: Option<(Mode, f64)>,
+}
+
+impl Adaptation {
+    /// An adaptation that has learned nothing yet.
+    pub fn new(settings: AdaptationSettings) -> Self {
+        Self {
+            settings,
+            learned: None,
+            jump: None,
+        }
+    }
+
+    /// The last mode that was accepted from an estimate.
+    pub fn learned(&self) -> Option<Mode> {
+        self.learned
+    }
+
+    /// Judges an estimate; `shaper` is the rule that would design the next train, and `left` tells
+    /// what the present command leaves of a mode, as a fraction of the unshaped vibration. Bounded
+    /// work, no allocation.
+    pub fn consider(
+        &mut self,
+        estimate: &Estimate,
+        shaper: &dyn Shaper,
+        left: impl FnOnce(Mode) -> f64,
+    ) -> Decision {
+        if !estimate.converged {
+            return Decision::Keep(Reason::NotConverged);
+        }
+        let mode = estimate.mode;
+        if !self.plausible(mode) {
+            return Decision::Keep(Reason::Implausible(mode));
+        }
+        let next = match shaper.design(mode) {
+            Ok(train) => train,
+            Err(_) => return Decision::Keep(Reason::Implausible(mode)),
+        };
+        let at_best = residual(&next, mode);
+        let doubt = worst_within_two_sigma(estimate, &next) - at_best;
+        if doubt > self.settings.tolerance {
+            return Decision::Keep(Reason::Uncertain(doubt));
+        }
+        let left = left(mode) - at_best;
+        if left < self.settings.dead_band {
+            self.jump = None;
+            return Decision::Keep(Reason::DeadBand(left));
+        }
+        if let Some(step) = self.unconfirmed_jump(mode, estimate.time) {
+            return Decision::Keep(Reason::Unconfirmed(step));
+        }
+        self.learned = Some(mode);
+        Decision::Accept(mode)
+    }
+
+    fn plausible(&self, mode: Mode) -> bool {
+        let [low, high] = self.settings.natural_frequency;
+        let [least, most] = self.settings.damping_ratio;
+        (low..=high).contains(&mode.natural_frequency())
+            && (least..=most).contains(&mode.damping_ratio())
+    }
+
+    /// The relative step from the learned mode, if it is large and younger than one period.
+    fn unconfirmed_jump(&mut self, mode: Mode, time: f64) -> Option<f64> {
+        let step = relative_step(self.learned?, mode);
+        if step <= self.settings.largest_step {
+            self.jump = None;
+            return None;
+        }
+        match self.jump {
+            Some((candidate, since))
+                if relative_step(candidate, mode) <= self.settings.largest_step =>
+            {
+                (time - since < mode.damped_period()).then_some(step)
+            }
+            _ => {
+                self.jump = Some((mode, time));
+                Some(step)
+            }
+        }
+    }
+}
+
+/// V of a train at a mode.
+fn residual(train: &ImpulseTrain, mode: Mode) -> f64 {
+    residual_vibration(train, mode.natural_frequency(), mode.damping_ratio())
+}
+
+fn relative_step(from: Mode, to: Mode) -> f64 {
+    (to.natural_frequency() / from.natural_frequency() - 1.0).abs()
+}
+
+/// The largest V of `train` over the corners of two standard deviations of frequency and damping.
+fn worst_within_two_sigma(estimate: &Estimate, train: &ImpulseTrain) -> f64 {
+    let mode = estimate.mode;
+    let mut worst: f64 = 0.0;
+    for across in [-2.0, 2.0] {
+        for along in [-2.0, 2.0] {
+            let omega = mode.natural_frequency() + across * estimate.natural_frequency_std;
+            let xi = mode.damping_ratio() + along * estimate.damping_ratio_std;
+            match Mode::new(omega, xi.max(0.0)) {
+                Ok(corner) => worst = worst.max(residual(train, corner)),
+                Err(_) => return f64::INFINITY,
+            }
+        }
+    }
+    worst
+}

@@ -5,6 +5,7 @@
 
 pub mod adaptation;
 pub mod cli;
+pub mod closed_loop;
 pub mod controller;
 pub mod estimators;
 pub mod plant;

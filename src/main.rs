@@ -1,3 +1,7 @@
 //! The `quell` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    quell::cli::main()
+}

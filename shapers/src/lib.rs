@@ -1,11 +1,101 @@
 //! Input shapers: impulse trains that leave a vibratory mode at rest, and the filter that runs them.
 //!
-//! Pure mathematics: no I/O, no allocation, no `std`, no `unsafe`.
+//! Pure mathematics: no I/O, no `std`, no `unsafe`. Only the constructors of the filters allocate,
+//! once; designing a train, stepping a filter and retuning it do not.
+//!
+//! # Example
+//! ```
+//! use quell_shapers::{GridTrain, Mode, Setpoint, ShapingFilter, shaper_by_name};
+//! let mode = Mode::from_hertz(8.12, 0.084).unwrap();
+//! let zv = shaper_by_name("zv").unwrap();
+//! let train: GridTrain = zv.on_grid(mode, 0.004).unwrap();
+//! let mut filter = ShapingFilter::new(0.004, 64);
+//! filter.install(&train).unwrap();
+//! let first = filter.step(Setpoint::at_rest(1.0));
+//! assert!((first.position - 0.57).abs() < 0.01); // the first impulse of ZV, 1 / (1 + K)
+//! for _ in 0..64 {
+//!     filter.step(Setpoint::at_rest(1.0));
+//! }
+//! assert_eq!(filter.step(Setpoint::at_rest(1.0)).position, 1.0);
+//! ```
 #![no_std]
 
+extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod complex;
+mod ei;
+mod equal_ripple;
+mod error;
+mod filter;
+mod grid;
+mod impulse_train;
+mod linear;
 mod mode;
+mod mzv;
+mod residual;
+mod three_hump_ei;
+mod two_hump_ei;
+mod um_zv;
+mod zv;
+mod zvd;
+mod zvdd;
 
+pub use ei::Ei;
+pub use equal_ripple::HUMP_TOLERANCE;
+pub use error::ShaperError;
+pub use filter::{Setpoint, ShapingFilter};
+pub use grid::{GridTrain, Tap};
+pub use impulse_train::{Impulse, ImpulseTrain, TRAIN_CAPACITY};
 pub use mode::{Mode, ModeError};
+pub use mzv::Mzv;
+pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
+pub use three_hump_ei::ThreeHumpEi;
+pub use two_hump_ei::TwoHumpEi;
+pub use um_zv::UmZv;
+pub use zv::Zv;
+pub use zvd::Zvd;
+pub use zvdd::Zvdd;
+
+/// A rule that makes an impulse train for a mode.
+///
+/// To add one: a file with a unit struct that implements this trait, and a line in [`SHAPERS`].
+pub trait Shaper: Sync {
+    /// Short stable name, as typed on a command line.
+    fn name(&self) -> &'static str;
+
+    /// Name as the literature writes it.
+    fn title(&self) -> &'static str;
+
+    /// One sentence: what it does and what it costs.
+    fn summary(&self) -> &'static str;
+
+    /// The impulse train for a mode: times in s from 0, amplitudes with sum 1. No allocation.
+    ///
+    /// # Errors
+    /// [`ShaperError`] where the damping ratio is above what the rule can be solved for.
+    fn design(&self, mode: Mode) -> Result<ImpulseTrain, ShaperError>;
+
+    /// The train with its taps on a grid of `sample_time` seconds, its zeros at the mode kept exact.
+    ///
+    /// # Errors
+    /// As [`Shaper::design`], and where half the damped period is below two ticks.
+    fn on_grid(&self, mode: Mode, sample_time: f64) -> Result<GridTrain, ShaperError> {
+        GridTrain::split(&self.design(mode)?, mode, sample_time)
+    }
+
+    /// Whether every amplitude is positive, so that the limits of a move survive the shaping.
+    fn is_convex(&self) -> bool {
+        true
+    }
+}
+
+/// Every shaper.
+pub static SHAPERS: &[&dyn Shaper] =
+    &[&Zv, &Mzv, &Zvd, &Ei, &Zvdd, &TwoHumpEi, &ThreeHumpEi, &UmZv];
+
+/// The shaper of that [`Shaper::name`].
+pub fn shaper_by_name(name: &str) -> Option<&'static dyn Shaper> {
+    SHAPERS.iter().copied().find(|shaper| shaper.name() == name)
+}

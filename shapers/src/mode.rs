@@ -74,7 +74,7 @@ impl Mode {
 
     /// `omega_d = omega_n sqrt(1 - xi^2)`, rad/s.
     pub fn damped_frequency(&self) -> f64 {
-        self.natural_frequency * (1.0 - self.damping_ratio * self.damping_ratio).sqrt()
+        self.natural_frequency * Float::sqrt(1.0 - self.damping_ratio * self.damping_ratio)
     }
 
     /// `xi omega_n`, the rate at which the envelope decays, 1/s.

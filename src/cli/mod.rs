@@ -1,1 +1,62 @@
-//! The command line: one file a verb.
+//! The command line: `quell <verb>`, one file a verb.
+//!
+//! A verb is a file with `#[derive(clap::Args)] pub struct Args` and
+//! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of [`Verb`] and
+//! [`Verb::run`]. What it prints goes through [`output`], so that a closed pipe ends it quietly.
+
+pub mod compare;
+pub mod error;
+pub mod inspect;
+pub mod log;
+pub mod output;
+pub mod shape;
+
+pub use error::CliError;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Adaptive input shaping for flexible robot joints.
+#[derive(Debug, Parser)]
+#[command(
+    name = "quell",
+    version,
+    propagate_version = true,
+    arg_required_else_help = true,
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad input. Every verb's --help shows an example."
+)]
+struct Cli {
+    /// Tells more on stderr: -v what is done, -vv the details (or set QUELL_LOG).
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// What `quell` can be asked to do.
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Compare(compare::Args),
+    Inspect(inspect::Args),
+    Shape(shape::Args),
+}
+
+impl Verb {
+    fn run(self) -> Result<(), CliError> {
+        match self {
+            Self::Compare(args) => compare::run(args),
+            Self::Inspect(args) => inspect::run(args),
+            Self::Shape(args) => shape::run(args),
+        }
+    }
+}
+
+/// Runs the command that the process was started with; the whole of `main`.
+pub fn main() -> ExitCode {
+    let Cli { verbose, verb } = Cli::parse();
+    log::start(verbose);
+    match verb.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => error.report(),
+    }
+}

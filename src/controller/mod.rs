@@ -1,1 +1,194 @@
-//! What runs at the tick.
+//! What runs at the tick: target to trajectory to shaper to setpoint, sample to estimate to train.
+//!
+//! [`Controller::tick`] composes everything. It does no I/O, does not allocate, block or fail; what
+//! allocates (planning, building an axis) happens off the tick and is handed over.
+
+mod axis;
+mod settings;
+
+pub use axis::{Axis, AxisStatus};
+pub use quell_shapers::Setpoint;
+pub use settings::{AxisSettings, Retune};
+
+use quell_shapers::ShaperError;
+use quell_trajectories::SampledTrajectory;
+
+use crate::signal::Measurement;
+
+/// A measurement and the axis, counted from 0, that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisMeasurement {
+    /// Axis, counted from 0.
+    pub axis: usize,
+    /// What was measured.
+    pub measurement: Measurement,
+}
+
+/// A plan that the controller does not take, handed back with the reason.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LoadError {
+    /// The plan has another number of axes than the controller.
+    #[error("the plan moves {found} axes, the controller has {expected}")]
+    Axes {
+        /// Axes of the controller.
+        expected: usize,
+        /// Axes of the plan.
+        found: usize,
+    },
+    /// The plan was sampled at another period than the control period.
+    #[error("the plan is sampled every {found} s, the control period is {expected} s")]
+    Period {
+        /// Control period, s.
+        expected: f64,
+        /// Period of the plan, s.
+        found: f64,
+    },
+    /// The plan does not begin where the axis stands or moves now.
+    #[error("axis {axis}: the plan begins at {found} rad, the command is at {expected} rad")]
+    Start {
+        /// Axis, counted from 0.
+        axis: usize,
+        /// Present planned position, rad.
+        expected: f64,
+        /// First position of the plan, rad.
+        found: f64,
+    },
+}
+
+/// The controller of one or more axes.
+pub struct Controller {
+    sample_time: f64,
+    axes: Vec<Axis>,
+    planned: Vec<Setpoint>,
+    setpoints: Vec<Setpoint>,
+    plan: Option<SampledTrajectory>,
+    cursor: usize,
+}
+
+impl Controller {
+    /// A controller of axes at rest at the given positions (rad), one for each of `settings`;
+    /// allocates all that it will ever need. The control period is that of the first axis.
+    ///
+    /// # Errors
+    /// [`ShaperError`] where a belief cannot be shaped for at the control rate.
+    pub fn new(settings: Vec<AxisSettings>, positions: &[f64]) -> Result<Self, ShaperError> {
+        let sample_time = settings.first().map_or(1.0, |axis| axis.sample_time);
+        let start = |axis: usize| positions.get(axis).copied().unwrap_or(0.0);
+        let rest: Vec<_> = (0..settings.len())
+            .map(|i| Setpoint::at_rest(start(i)))
+            .collect();
+        let axes = settings
+            .into_iter()
+            .enumerate()
+            .map(|(index, settings)| Axis::new(settings, start(index)))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            sample_time,
+            axes,
+            planned: rest.clone(),
+            setpoints: rest,
+            plan: None,
+            cursor: 0,
+        })
+    }
+
+    /// Takes a plan that begins at the present planned state, and gives the last one back, to be
+    /// dropped off the tick. No allocation.
+    ///
+    /// # Errors
+    /// The plan itself with a [`LoadError`]; nothing has changed then.
+    pub fn load(
+        &mut self,
+        plan: SampledTrajectory,
+    ) -> Result<Option<SampledTrajectory>, (SampledTrajectory, LoadError)> {
+        if let Err(error) = self.check(&plan) {
+            return Err((plan, error));
+        }
+        if self.is_settled() {
+            self.axes.iter_mut().for_each(Axis::begin_move);
+        }
+        self.cursor = 0;
+        Ok(self.plan.replace(plan))
+    }
+
+    /// One control period: takes what was measured since the last tick, returns one setpoint an
+    /// axis. Measurements of axes that do not exist are ignored.
+    ///
+    /// Does not allocate, block, print or fail. Cost: a few hundred nanoseconds an axis; a retune
+    /// in motion once costs in proportion to the length of the move.
+    pub fn tick(&mut self, measurements: &[AxisMeasurement]) -> &[Setpoint] {
+        for measured in measurements {
+            if let Some(axis) = self.axes.get_mut(measured.axis) {
+                axis.observe(measured.measurement);
+            }
+        }
+        let (plan, cursor) = (self.plan.as_ref(), self.cursor);
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let rest = self.planned[index];
+            let input = |ahead: usize| planned(plan, index, cursor + ahead).unwrap_or(rest);
+            self.planned[index] = input(0);
+            self.setpoints[index] = axis.step(input(0), input);
+        }
+        self.cursor = self.cursor.saturating_add(1);
+        &self.setpoints
+    }
+
+    /// The axes.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// The planned, unshaped state of each axis at the last tick.
+    pub fn planned(&self) -> &[Setpoint] {
+        &self.planned
+    }
+
+    /// Control period, s.
+    pub fn sample_time(&self) -> f64 {
+        self.sample_time
+    }
+
+    /// Whether the plan has ended and every command stands still.
+    pub fn is_settled(&self) -> bool {
+        let ended = self
+            .plan
+            .as_ref()
+            .is_none_or(|plan| self.cursor >= plan.samples());
+        ended && self.axes.iter().all(Axis::is_settled)
+    }
+
+    fn check(&self, plan: &SampledTrajectory) -> Result<(), LoadError> {
+        let (expected, found) = (self.axes.len(), plan.degrees_of_freedom());
+        if expected != found {
+            return Err(LoadError::Axes { expected, found });
+        }
+        let (expected, found) = (self.sample_time, plan.period());
+        if expected != found {
+            return Err(LoadError::Period { expected, found });
+        }
+        for (axis, planned) in self.planned.iter().enumerate() {
+            let (expected, found) = (planned.position, plan.positions(axis)[0]);
+            if (expected - found).abs() > START_TOLERANCE {
+                return Err(LoadError::Start {
+                    axis,
+                    expected,
+                    found,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How far a plan may begin from the present planned position, rad: the planner's own end is exact,
+/// so only the rounding of a position handed through a file or a message is left.
+const START_TOLERANCE: f64 = 1e-9;
+
+fn planned(plan: Option<&SampledTrajectory>, axis: usize, tick: usize) -> Option<Setpoint> {
+    let state = plan?.state(axis, tick)?;
+    Some(Setpoint {
+        position: state.position,
+        velocity: state.velocity,
+        acceleration: state.acceleration,
+    })
+}

@@ -1,40 +1,40 @@
 //! Recordings: channels, each on its own clock, described by a manifest.
+//!
+//! ```toml
+//! name = "arm 7"
+//! [[channel]]
+//! role = "motor_position"   # a name of the table of roles
+//! file = "encoder.csv.gz"   # beside the manifest; .csv or .csv.gz
+//! time = "time_s"           # the column with seconds, or rate_hz = 500
+//! column = "joint_1_rad"    # or columns = ["x_m", "y_m", "z_m"] for a vector
+//! unit = "rad"              # a name of the table of units
+//! scale = 1.0               # optional: value in `unit` = cell * scale + offset
+//! offset = 0.0
+//! ```
 
-/// What a channel measures, and so where in the chain of the axis it sits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Role {
-    /// Position that the controller commands (rad or m).
-    CommandPosition,
-    /// Position at the motor side: the gearbox output seen by the encoder (rad or m).
-    MotorPosition,
-    /// Position of the link, the arm end of the joint (rad or m).
-    LinkPosition,
-    /// Link position minus motor position (rad, or m at the tip).
-    Deformation,
-    /// Tip of the arm in the sensor's own frame, three columns (m).
-    TipPosition,
-    /// Velocity of the link (rad/s or m/s).
-    LinkVelocity,
-    /// Acceleration of the link (rad/s^2 or m/s^2).
-    LinkAcceleration,
-    /// Acceleration of the tip (m/s^2), one or three columns.
-    TipAcceleration,
-    /// Force (N).
-    Force,
-    /// Torque (N.m).
-    Torque,
-    /// Motor current (A).
-    MotorCurrent,
-    /// Motor voltage (V).
-    MotorVoltage,
-}
+mod error;
+pub mod health;
+mod manifest;
+mod role;
+mod table;
+mod unit;
+mod write;
+
+pub use error::{Place, Problem, RecordingError};
+pub use manifest::MANIFEST;
+pub use role::{ROLES, Role, RoleEntry};
+pub use table::Table;
+pub use unit::{Dimension, UNITS, Unit};
+
+use std::path::Path;
 
 /// One measured quantity on its own clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// What is measured.
     pub role: Role,
-    /// SI (or the manifest's own, where it is not a mechanical one) unit of `columns`.
+    /// SI unit of `columns`; not always one that is usual for the role (see
+    /// [`Channel::has_usual_unit`]).
     pub unit: String,
     /// Stamps, s, strictly increasing; length n.
     pub time: Vec<f64>,
@@ -52,8 +52,36 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// Reads a recording: a manifest, or a folder that has a `recording.toml`.
+    ///
+    /// Values are converted to SI. File names in the manifest are relative to its folder.
+    ///
+    /// # Errors
+    /// [`RecordingError`] with file, line and column.
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self, RecordingError> {
+        manifest::read(path.as_ref())
+    }
+
+    /// Writes the recording into a folder, as `recording.toml` and one CSV file a channel,
+    /// gzipped where `compress` says so. [`Recording::from_path`] reads the same values back, to
+    /// the bit.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where a channel would not be read back, or a file cannot be written.
+    pub fn write(&self, folder: impl AsRef<Path>, compress: bool) -> Result<(), RecordingError> {
+        write::write(self, folder.as_ref(), compress)
+    }
+
     /// The first channel with this role.
     pub fn channel(&self, role: Role) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.role == role)
+    }
+}
+
+impl Channel {
+    /// Whether the unit is one that channels of this role usually have; a force in volts is not.
+    pub fn has_usual_unit(&self) -> bool {
+        Unit::from_name(&self.unit)
+            .is_some_and(|unit| self.role.entry().dimensions.contains(&unit.dimension))
     }
 }

@@ -1,0 +1,226 @@
+"use strict";
+(() => {
+  const charts = JSON.parse(document.getElementById("curves").textContent);
+  const root = document.documentElement;
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const colour = (name) => getComputedStyle(root).getPropertyValue("--" + name).trim();
+  const family = () => getComputedStyle(document.body).fontFamily;
+  const DASHES = [[], [8, 4], [2, 3]];
+
+  // As many digits as tell neighbours on an axis apart; powers of ten where they are shorter.
+  function tidy(value, digits) {
+    if (value === 0) return "0";
+    const size = Math.abs(value);
+    if (size >= 1e6 || size < 1e-4) {
+      const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+      return mantissa.replace(/\.?0+$/, "") + "e" + Number(exponent);
+    }
+    return String(Number(value.toPrecision(digits)));
+  }
+  const withUnit = (axis) => (axis.unit ? `${axis.name} (${axis.unit})` : axis.name);
+  const measured = (axis) => (u, value) =>
+    value == null ? "–" : tidy(value, 5) + (axis.unit ? "\u202f" + axis.unit : "");
+
+  // Room for the longest label of an axis.
+  function labelRoom(u, values, index, cycle) {
+    const axis = u.axes[index];
+    if (cycle > 1) return axis._size;
+    const longest = (values || []).reduce((a, b) => (b && b.length > a.length ? b : a), "");
+    u.ctx.font = axis.font[0];
+    return Math.ceil(axis.ticks.size + axis.gap + u.ctx.measureText(longest).width / devicePixelRatio);
+  }
+
+  function axis(spec, vertical) {
+    const font = `12px ${family()}`;
+    const made = {
+      label: withUnit(spec), labelFont: `13px ${family()}`, font, labelSize: 24, gap: 4,
+      stroke: colour("quiet"), grid: { stroke: colour("grid"), width: 1 },
+      ticks: { stroke: colour("line"), width: 1, size: 5 },
+      values: (u, splits) => splits.map((v) => (v == null ? "" : tidy(v, 6))),
+    };
+    if (vertical) made.size = labelRoom;
+    return made;
+  }
+
+  // The scale's range: what is drawn, the level lines, and a margin.
+  function range(spec, levels, vertical, stems) {
+    const [from, to] = [spec.from ?? null, spec.to ?? null];
+    return (u, low, high) => {
+      if (low == null) [low, high] = spec.log ? [1, 10] : [0, 1];
+      if (vertical) for (const { at } of levels) if (!spec.log || at > 0) {
+        low = Math.min(low, at);
+        high = Math.max(high, at);
+      }
+      if (vertical && stems) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+      if (spec.log) [low, high] = vertical ? uPlot.rangeLog(low, high, 10, false) : [low, high];
+      else if (vertical) {
+        const margin = 0.06 * (high - low || Math.abs(high) || 1);
+        const bare = stems ? 0 : margin;
+        [low, high] = [low === 0 ? -bare : low - margin, high === 0 ? bare : high + margin];
+      } else if (low === high || stems) {
+        const margin = 0.04 * (high - low || Math.abs(high) || 1);
+        [low, high] = [low - margin, high + margin];
+      }
+      const zoomed = !vertical && u.data[0].length && (u._zoomed || false);
+      return [zoomed ? low : from ?? low, zoomed ? high : to ?? high];
+    };
+  }
+
+  // Dashed lines at given times and levels, each with its words, in rows where they would overlap.
+  function annotate(chart) {
+    return (u) => {
+      const { ctx, bbox } = u, px = devicePixelRatio, placed = [];
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+      ctx.clip();
+      ctx.font = `${12 * px}px ${family()}`;
+      ctx.lineWidth = 1.25 * px;
+      ctx.strokeStyle = ctx.fillStyle = colour("quiet");
+      ctx.setLineDash([5 * px, 4 * px]);
+      const line = (x0, y0, x1, y1) => { ctx.beginPath(); ctx.moveTo(x0, y0); ctx.lineTo(x1, y1); ctx.stroke(); };
+      const words = (text, left, middle) => {
+        const width = ctx.measureText(text).width, pad = 3 * px;
+        ctx.globalAlpha = 0.85;
+        ctx.fillStyle = colour("card");
+        ctx.fillRect(left - pad, middle - 8 * px, width + 2 * pad, 16 * px);
+        ctx.globalAlpha = 1;
+        ctx.fillStyle = colour("quiet");
+        ctx.textBaseline = "middle";
+        ctx.fillText(text, left, middle);
+      };
+      const notes = [];
+      for (const { at, label } of chart.levels) {
+        if (chart.y.log && !(at > 0)) continue;
+        const y = u.valToPos(at, "y", true);
+        line(bbox.left, y, bbox.left + bbox.width, y);
+        const width = ctx.measureText(label).width, left = bbox.left + bbox.width - width - 6 * px;
+        const middle = y - 10 * px < bbox.top + 8 * px ? y + 10 * px : y - 10 * px;
+        placed.push({ left, right: left + width, middle });
+        notes.push([label, left, middle]);
+      }
+      for (const { at, label } of [...chart.markers].sort((a, b) => a.at - b.at)) {
+        if (chart.x.log && !(at > 0)) continue;
+        const x = u.valToPos(at, "x", true);
+        if (x < bbox.left || x > bbox.left + bbox.width) continue;
+        line(x, bbox.top, x, bbox.top + bbox.height);
+        const width = ctx.measureText(label).width;
+        let left = x + 6 * px;
+        if (left + width > bbox.left + bbox.width - 4 * px) left = x - width - 6 * px;
+        let middle = bbox.top + 12 * px;
+        const hit = () => placed.some((p) =>
+          Math.abs(p.middle - middle) < 17 * px && left - 8 * px < p.right && p.left < left + width + 8 * px);
+        for (let row = 0; hit() && row < 12; row++) middle += 18 * px;
+        placed.push({ left, right: left + width, middle });
+        notes.push([label, left, middle]);
+      }
+      ctx.setLineDash([]);
+      for (const note of notes) words(...note);
+      ctx.restore();
+    };
+  }
+
+  // An impulse: a line from zero with a dot, series side by side where they share a time.
+  function stems(chart) {
+    return (u) => {
+      const { ctx, bbox } = u, px = devicePixelRatio, zero = u.valToPos(0, "y", true);
+      const shown = chart.series.map((s, k) => [s, k]).filter(([, k]) => u.series[k + 1].show);
+      ctx.save();
+      ctx.strokeStyle = colour("quiet");
+      ctx.lineWidth = px;
+      ctx.beginPath();
+      ctx.moveTo(bbox.left, zero);
+      ctx.lineTo(bbox.left + bbox.width, zero);
+      ctx.stroke();
+      ctx.font = `${12 * px}px ${family()}`;
+      ctx.textAlign = "center";
+      const numbered = chart.series.length === 1 && chart.series[0].x.length <= 12;
+      shown.forEach(([s, k], place) => {
+        const shift = (place - (shown.length - 1) / 2) * 8 * px;
+        ctx.strokeStyle = ctx.fillStyle = stroke(s);
+        ctx.globalAlpha = u.series[k + 1].alpha;
+        ctx.lineWidth = 2.5 * px;
+        s.x.forEach((at, i) => {
+          const x = u.valToPos(at, "x", true) + shift, y = u.valToPos(s.y[i], "y", true);
+          if (s.y[i] == null || x < bbox.left || x > bbox.left + bbox.width) return;
+          ctx.beginPath();
+          ctx.moveTo(x, zero);
+          ctx.lineTo(x, y);
+          ctx.stroke();
+          ctx.beginPath();
+          ctx.arc(x, y, 4.5 * px, 0, 2 * Math.PI);
+          ctx.fill();
+          if (!numbered) return;
+          ctx.textBaseline = s.y[i] < 0 ? "top" : "bottom";
+          ctx.fillText(tidy(s.y[i], 4), x, y + (s.y[i] < 0 ? 7 : -7) * px);
+        });
+      });
+      ctx.restore();
+    };
+  }
+
+  const stroke = (s) => colour("c" + (s.colour % 7));
+
+  function uplotSeries(chart) {
+    const made = [{ label: chart.x.name, value: measured(chart.x) }], bands = [];
+    for (const s of chart.series) {
+      const one = {
+        label: s.name, stroke: stroke(s), width: 1.75, value: measured(chart.y),
+        dash: DASHES[Math.floor(s.colour / 7) % 3], points: { show: false },
+      };
+      if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: 6, fill: stroke(s) } });
+      if (chart.kind === "stems") one.paths = () => null;
+      if (s.kind === "band") {
+        Object.assign(one, { width: 0, fill: undefined });
+        bands.push({ series: [made.length, made.length + 1], fill: stroke(s) + "33" });
+        made.push(one, { ...one, class: "lower" });
+      } else made.push(one);
+    }
+    // A band has no line: its legend shows the wash.
+    return { made, bands };
+  }
+
+  function draw(chart, host) {
+    const tables = chart.series.map((s) => (s.kind === "band" ? [s.x, s.y, s.low] : [s.x, s.y]));
+    const data = uPlot.join(tables);
+    const { made, bands } = uplotSeries(chart);
+    const hooks = { draw: [annotate(chart)] };
+    if (chart.kind === "stems") hooks.draw.unshift(stems(chart));
+    const width = root.dataset.paper ? 680 : host.clientWidth;
+    const plot = new uPlot({
+      width, height: Math.round(Math.max(230, Math.min(360, width * 0.45))),
+      scales: {
+        x: { time: false, distr: chart.x.log ? 3 : 1, range: range(chart.x, [], false, chart.kind === "stems") },
+        y: { distr: chart.y.log ? 3 : 1, range: range(chart.y, chart.levels, true, chart.kind === "stems") },
+      },
+      axes: [axis(chart.x, false), axis(chart.y, true)],
+      series: made, bands, hooks,
+      cursor: { focus: { prox: 24 }, sync: { key: withUnit(chart.x), scales: ["x", null] }, drag: { setScale: true, x: true, y: false } },
+      focus: { alpha: 0.35 },
+      legend: { markers: { width: 0, fill: (u, i) => legendFill(chart, made, i) } },
+    }, data, host);
+    return plot;
+  }
+
+  function legendFill(chart, made, index) {
+    const series = made[index], band = chart.series.find((s) => s.name === series.label && s.kind === "band");
+    const own = typeof series.stroke === "function" ? series.stroke() : series.stroke;
+    return band ? own + "55" : own;
+  }
+
+  let plots = [];
+  function drawAll() {
+    plots.forEach((plot) => plot.destroy());
+    plots = charts.map((chart, k) => draw(chart, document.getElementById("plot-" + k)));
+  }
+  drawAll();
+  dark.addEventListener("change", drawAll);
+  let width = root.clientWidth;
+  addEventListener("resize", () => {
+    if (root.clientWidth === width) return;
+    width = root.clientWidth;
+    drawAll();
+  });
+  addEventListener("beforeprint", () => { root.dataset.paper = "1"; drawAll(); });
+  addEventListener("afterprint", () => { delete root.dataset.paper; drawAll(); });
+})();

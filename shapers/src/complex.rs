@@ -1,0 +1,74 @@
+//! The few operations on complex numbers that the residual needs.
+
+use core::ops::{Add, Mul, Sub};
+use num_traits::Float;
+
+/// `re + j im`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Complex {
+    pub re: f64,
+    pub im: f64,
+}
+
+impl Complex {
+    pub const ONE: Self = Self { re: 1.0, im: 0.0 };
+
+    pub fn new(re: f64, im: f64) -> Self {
+        Self { re, im }
+    }
+
+    /// `mu = -xi + j sqrt(1 - xi^2)`: the pole of a mode over its natural frequency.
+    pub fn unit_pole(damping_ratio: f64) -> Self {
+        Self::new(
+            -damping_ratio,
+            Float::sqrt(1.0 - damping_ratio * damping_ratio),
+        )
+    }
+
+    pub fn exp(self) -> Self {
+        let (sin, cos) = Float::sin_cos(self.im);
+        let radius = Float::exp(self.re);
+        Self::new(radius * cos, radius * sin)
+    }
+
+    pub fn abs(self) -> f64 {
+        Float::hypot(self.re, self.im)
+    }
+
+    pub fn norm_squared(self) -> f64 {
+        self.re * self.re + self.im * self.im
+    }
+
+    pub fn scale(self, factor: f64) -> Self {
+        Self::new(self.re * factor, self.im * factor)
+    }
+
+    /// Real part of `conj(self) other`.
+    pub fn dot(self, other: Self) -> f64 {
+        self.re * other.re + self.im * other.im
+    }
+}
+
+impl Add for Complex {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::new(self.re + other.re, self.im + other.im)
+    }
+}
+
+impl Sub for Complex {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.re - other.re, self.im - other.im)
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self::new(
+            self.re * other.re - self.im * other.im,
+            self.re * other.im + self.im * other.re,
+        )
+    }
+}

@@ -1,0 +1,216 @@
+//! What runs a train at the tick.
+
+use crate::{GridTrain, ShaperError};
+use alloc::boxed::Box;
+use alloc::vec;
+
+/// Position, velocity and acceleration of one axis at one tick (rad, rad/s, rad/s^2, or m ...).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setpoint {
+    /// Position.
+    pub position: f64,
+    /// Velocity.
+    pub velocity: f64,
+    /// Acceleration.
+    pub acceleration: f64,
+}
+
+impl Setpoint {
+    /// Standing still at `position`.
+    pub fn at_rest(position: f64) -> Self {
+        Self {
+            position,
+            velocity: 0.0,
+            acceleration: 0.0,
+        }
+    }
+}
+
+/// Runs one axis' setpoints through a train: `out(k) = sum A_i in(k - n_i)`, the same for
+/// position, velocity and acceleration.
+///
+/// The position is computed as `in(k) + sum A_i (in(k - n_i) - in(k))`, which is the same because
+/// the amplitudes add up to 1, and which makes a constant input come out to the bit: a move ends
+/// exactly on its target.
+///
+/// A train of positive amplitudes is a convex combination, so that limits which hold for the input
+/// hold for the output.
+#[derive(Clone, Debug)]
+pub struct ShapingFilter {
+    sample_time: f64,
+    line: DelayLine,
+    train: GridTrain,
+    pending: Option<GridTrain>,
+}
+
+impl ShapingFilter {
+    /// A filter at rest at position 0 that changes nothing, for ticks of `sample_time` seconds and
+    /// trains of up to `capacity` ticks. The only place that allocates (24 bytes a tick).
+    ///
+    /// A sample time that is not a finite number above 0 is taken as 1 s: trains for another one
+    /// are then refused by [`ShapingFilter::install`].
+    pub fn new(sample_time: f64, capacity: usize) -> Self {
+        let valid = sample_time.is_finite() && sample_time > 0.0;
+        let sample_time = if valid { sample_time } else { 1.0 };
+        let train = GridTrain::unit(sample_time);
+        Self {
+            sample_time,
+            line: DelayLine::new(capacity),
+            train,
+            pending: None,
+        }
+    }
+
+    /// One tick: takes the planned setpoint, returns the shaped one.
+    ///
+    /// Never allocates, blocks or fails; cost proportional to the number of taps.
+    pub fn step(&mut self, input: Setpoint) -> Setpoint {
+        self.try_install();
+        self.line.push(input);
+        self.line.shaped(&self.train)
+    }
+
+    /// Installs a train at rest: it takes effect at the first tick at which the filter is settled,
+    /// until then the old one runs on. A later call replaces a train that is still waiting.
+    ///
+    /// # Errors
+    /// [`ShaperError::SampleTimeMismatch`]; [`ShaperError::TooLong`].
+    pub fn install(&mut self, train: &GridTrain) -> Result<(), ShaperError> {
+        self.check(train)?;
+        self.pending = Some(train.clone());
+        self.try_install();
+        Ok(())
+    }
+
+    /// Puts the filter to rest at `position`, with a waiting train installed.
+    pub fn reset(&mut self, position: f64) {
+        self.line.fill(Setpoint::at_rest(position));
+        if let Some(train) = self.pending.take() {
+            self.train = train;
+        }
+    }
+
+    /// Whether the input has been constant for as long as the train lasts, so that the output is
+    /// that constant and a change of train changes nothing.
+    pub fn is_settled(&self) -> bool {
+        self.line.unchanged_for() >= self.train.duration_in_ticks()
+    }
+
+    /// The train in force.
+    pub fn train(&self) -> &GridTrain {
+        &self.train
+    }
+
+    /// The train that waits for rest.
+    pub fn pending(&self) -> Option<&GridTrain> {
+        self.pending.as_ref()
+    }
+
+    /// Length of a tick, s.
+    pub fn sample_time(&self) -> f64 {
+        self.sample_time
+    }
+
+    /// Longest train, ticks.
+    pub fn capacity(&self) -> usize {
+        self.line.capacity()
+    }
+
+    fn try_install(&mut self) {
+        // Constant for the longer of the two: the new train must not reach past the constant.
+        let waiting = self.pending.as_ref().map(GridTrain::duration_in_ticks);
+        let longest = waiting.map(|ticks| ticks.max(self.train.duration_in_ticks()));
+        if longest.is_some_and(|ticks| self.line.unchanged_for() >= ticks)
+            && let Some(train) = self.pending.take()
+        {
+            self.train = train;
+        }
+    }
+
+    fn check(&self, train: &GridTrain) -> Result<(), ShaperError> {
+        self.train.check_same_grid(train.sample_time())?;
+        let (ticks, capacity) = (train.duration_in_ticks(), self.capacity());
+        if ticks > capacity {
+            return Err(ShaperError::TooLong { ticks, capacity });
+        }
+        Ok(())
+    }
+}
+
+/// The last setpoints, newest first by age.
+#[derive(Clone, Debug)]
+pub(crate) struct DelayLine {
+    ring: Box<[Setpoint]>,
+    newest: usize,
+    unchanged: usize,
+}
+
+impl DelayLine {
+    /// Holds ages 0 to `capacity`.
+    pub fn new(capacity: usize) -> Self {
+        let ring = vec![Setpoint::default(); capacity + 1].into_boxed_slice();
+        Self {
+            ring,
+            newest: 0,
+            unchanged: usize::MAX,
+        }
+    }
+
+    pub fn capacity(&self) -> usize {
+        self.ring.len() - 1
+    }
+
+    pub fn fill(&mut self, setpoint: Setpoint) {
+        self.ring.fill(setpoint);
+        self.unchanged = usize::MAX;
+    }
+
+    pub fn push(&mut self, input: Setpoint) {
+        let same = input == self.ring[self.newest];
+        self.unchanged = if same {
+            self.unchanged.saturating_add(1)
+        } else {
+            0
+        };
+        self.newest = if self.newest + 1 == self.ring.len() {
+            0
+        } else {
+            self.newest + 1
+        };
+        self.ring[self.newest] = input;
+    }
+
+    /// Ticks for which the newest setpoint has been repeated.
+    pub fn unchanged_for(&self) -> usize {
+        self.unchanged
+    }
+
+    /// The setpoint `age` ticks ago, 0 for the newest; an age above the capacity gives the oldest.
+    pub fn at(&self, age: usize) -> Setpoint {
+        let age = age.min(self.capacity());
+        let index = if age <= self.newest {
+            self.newest - age
+        } else {
+            self.newest + self.ring.len() - age
+        };
+        self.ring[index]
+    }
+
+    /// `sum A_i in(k - n_i)`, with a constant passed to the bit.
+    pub fn shaped(&self, train: &GridTrain) -> Setpoint {
+        shape(train, |age| self.at(age))
+    }
+}
+
+/// `sum A_i in(n_i)` of setpoints given by age.
+pub(crate) fn shape(train: &GridTrain, input: impl Fn(usize) -> Setpoint) -> Setpoint {
+    let newest = input(0);
+    let mut output = Setpoint::at_rest(newest.position);
+    for tap in train.taps() {
+        let past = input(tap.delay as usize);
+        output.position += tap.amplitude * (past.position - newest.position);
+        output.velocity += tap.amplitude * past.velocity;
+        output.acceleration += tap.amplitude * past.acceleration;
+    }
+    output
+}

@@ -1,0 +1,74 @@
+//! A shaper designed for modes on a grid, and what it leaves of them.
+
+use quell_shapers::{
+    GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
+};
+
+/// Residual vibration at which the insensitivity is told.
+pub const TOLERANCE: f64 = 0.05;
+
+/// A shaper and what came of its design.
+pub struct Candidate {
+    /// The shaper.
+    pub shaper: &'static dyn Shaper,
+    /// Its design, or why it cannot be designed for these modes on this grid.
+    pub design: Result<Design, String>,
+}
+
+/// A train on the grid.
+pub struct Design {
+    /// The taps.
+    pub train: GridTrain,
+    /// Width of the band with `V <= 0.05` around the first mode, over its frequency.
+    pub insensitivity: Option<f64>,
+    impulses: ImpulseTrain,
+    modes: Vec<Mode>,
+}
+
+/// Every shaper, designed for all the modes at once.
+pub fn all(modes: &[Mode], sample_time: f64) -> Vec<Candidate> {
+    let candidate = |&shaper: &&'static dyn Shaper| Candidate {
+        shaper,
+        design: Design::new(shaper, modes, sample_time).map_err(|error| error.to_string()),
+    };
+    SHAPERS.iter().map(candidate).collect()
+}
+
+impl Design {
+    fn new(shaper: &dyn Shaper, modes: &[Mode], sample_time: f64) -> Result<Self, ShaperError> {
+        let mut train = GridTrain::identity(sample_time)?;
+        for &mode in modes {
+            train = train.convolve(&shaper.on_grid(mode, sample_time)?)?;
+        }
+        let impulses = train.to_impulses();
+        let mut insensitive = None;
+        if let Some(mode) = modes.first() {
+            let (frequency, damping_ratio) = (mode.natural_frequency(), mode.damping_ratio());
+            insensitive = insensitivity(&impulses, damping_ratio, frequency, TOLERANCE)?;
+        }
+        let insensitivity = insensitive.map(|band| band.width());
+        Ok(Self {
+            train,
+            insensitivity,
+            impulses,
+            modes: modes.to_vec(),
+        })
+    }
+
+    /// Residual vibration where the frequencies of all modes are `1 + error` times the believed
+    /// ones; the worst of the modes.
+    pub fn residual(&self, error: f64) -> f64 {
+        let residual = |mode: &Mode| {
+            let frequency = (1.0 + error) * mode.natural_frequency();
+            residual_vibration(&self.impulses, frequency, mode.damping_ratio())
+        };
+        self.modes.iter().map(residual).fold(0.0, f64::max)
+    }
+
+    /// The greatest residual vibration over the errors from `-spread` to `spread`.
+    pub fn worst(&self, spread: f64) -> f64 {
+        super::errors(spread)
+            .map(|error| self.residual(error))
+            .fold(0.0, f64::max)
+    }
+}

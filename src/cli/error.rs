@@ -1,0 +1,166 @@
+//! What ends a verb early, and the exit code that says so.
+
+use crate::recording::{Problem, ROLES, RecordingError, UNITS};
+use std::error::Error;
+use std::fmt;
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+/// Why a verb could not do its work.
+///
+/// Bad input leaves with exit code 2, any other failure with 1; output into a pipe that nobody
+/// reads any more is no failure and leaves quietly with 0.
+#[derive(Debug)]
+pub enum CliError {
+    /// The user's arguments or files are wrong: exit code 2.
+    Input(Message),
+    /// The work failed for another reason: exit code 1.
+    Failure(Message),
+    /// Standard output was closed by its reader: exit code 0, nothing printed.
+    BrokenPipe,
+}
+
+/// One readable message: what went wrong, what it came from, and what would help.
+#[derive(Debug)]
+pub struct Message {
+    text: String,
+    help: Option<String>,
+    source: Option<Box<dyn Error + Send + Sync>>,
+}
+
+impl CliError {
+    /// Bad input, told by an error of the room that refused it (its sources are printed too).
+    pub fn input(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self::Input(Message::new(error.into()))
+    }
+
+    /// A failure that is not the input's fault.
+    pub fn failure(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self::Failure(Message::new(error.into()))
+    }
+
+    /// The same error with a sentence on what the user can do about it.
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        if let Self::Input(message) | Self::Failure(message) = &mut self {
+            message.help = Some(help.into());
+        }
+        self
+    }
+
+    /// 2 for bad input, 1 for another failure, 0 for a closed pipe.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Failure(_) => 1,
+            Self::BrokenPipe => 0,
+        }
+    }
+
+    /// Prints the error on stderr, drawn on a terminal and plain elsewhere, and gives the exit
+    /// code.
+    pub fn report(self) -> ExitCode {
+        let code = ExitCode::from(self.exit_code());
+        let message = match self {
+            Self::Input(message) | Self::Failure(message) => message,
+            Self::BrokenPipe => return code,
+        };
+        let mut stderr = io::stderr();
+        // Nothing is left to tell, and nobody to tell it to, when stderr is closed as well.
+        let _ = if stderr.is_terminal() {
+            writeln!(stderr, "{:?}", miette::Report::new(message))
+        } else {
+            write!(stderr, "{}", message.plain())
+        };
+        code
+    }
+}
+
+impl From<RecordingError> for CliError {
+    fn from(error: RecordingError) -> Self {
+        let help = match &error.problem {
+            Problem::NotAManifest | Problem::NoManifest => Some(MANIFEST_HELP.to_owned()),
+            Problem::UnknownRole { .. } => Some(format!(
+                "roles: {}",
+                names(ROLES.iter().map(|entry| entry.name))
+            )),
+            Problem::UnknownUnit { .. } => Some(format!(
+                "units: {}",
+                names(UNITS.iter().map(|unit| unit.names[0]))
+            )),
+            _ => None,
+        };
+        let error = Self::input(error);
+        match help {
+            Some(help) => error.with_help(help),
+            None => error,
+        }
+    }
+}
+
+const MANIFEST_HELP: &str = "\
+write beside the CSV file a recording.toml such as
+    name = \"arm 7\"
+    [[channel]]
+    role = \"motor_position\"
+    file = \"encoder.csv.gz\"
+    time = \"time_s\"
+    column = \"joint_1_rad\"
+    unit = \"rad\"";
+
+fn names(names: impl Iterator<Item = &'static str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}
+
+impl From<io::Error> for CliError {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::BrokenPipe,
+            _ => Self::failure(error),
+        }
+    }
+}
+
+impl Message {
+    fn new(error: Box<dyn Error + Send + Sync>) -> Self {
+        Self {
+            text: error.to_string(),
+            help: None,
+            source: Some(error),
+        }
+    }
+
+    /// `error: ...`, one `caused by: ...` line for each source, and `help: ...`.
+    fn plain(&self) -> String {
+        let mut text = format!("error: {}\n", self.text);
+        let mut source = Error::source(self);
+        while let Some(error) = source {
+            text.push_str(&format!("  caused by: {error}\n"));
+            source = error.source();
+        }
+        if let Some(help) = &self.help {
+            text.push_str(&format!("  help: {help}\n"));
+        }
+        text
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Error for Message {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        // The text is the error's own, so the chain goes on with the error's source.
+        self.source.as_ref().and_then(|error| error.source())
+    }
+}
+
+impl miette::Diagnostic for Message {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help
+            .as_ref()
+            .map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+}

@@ -1,0 +1,191 @@
+//! `quell inspect`: what a recording holds and what looks wrong with it.
+
+use super::{CliError, output};
+use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
+use crate::recording::{Channel, Recording};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Tells what a recording holds: channels, rates, gaps, clock jitter, noise, quantisation, and
+/// what looks wrong.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell inspect arm7/recording.toml
+  quell inspect arm7 --json        (the folder of a recording.toml)
+
+Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
+jitter the root mean square of interval minus period. All values are in SI.")]
+pub struct Args {
+    /// The manifest, or the folder that holds its recording.toml.
+    pub recording: PathBuf,
+    /// Prints JSON instead of tables.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`CliError::Input`] where the recording is refused.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let recording = Recording::from_path(&args.recording)?;
+    let figures: Vec<Health> = recording.channels.iter().map(health).collect();
+    if args.json {
+        output::json(&document(&recording, &figures))
+    } else {
+        output::text(&page(&recording, &figures))
+    }
+}
+
+fn page(recording: &Recording, figures: &[Health]) -> String {
+    let channels = || recording.channels.iter().zip(figures);
+    let clocks = output::table(
+        [
+            "channel",
+            "samples",
+            "rate_hz",
+            "start_s",
+            "duration_s",
+            "missing",
+            "jitter_us",
+        ],
+        channels().map(|(channel, health)| clock_row(channel, health)),
+    );
+    let values = output::table(
+        ["values", "unit", "least", "greatest", "noise", "step"],
+        channels().flat_map(|(channel, health)| value_rows(channel, health)),
+    );
+    let mut words = String::new();
+    for (channel, health) in channels() {
+        for remark in remarks(channel, health) {
+            words.push_str(&format!("- {}: {remark}\n", channel.role));
+        }
+    }
+    if let Some(remark) = overlap(recording) {
+        words.push_str(&format!("- {remark}\n"));
+    }
+    if words.is_empty() {
+        words.push_str("- nothing\n");
+    }
+    format!(
+        "{}\n\n{clocks}\n{values}\nWhat looks wrong:\n{words}",
+        recording.name
+    )
+}
+
+fn clock_row(channel: &Channel, health: &Health) -> [String; 7] {
+    let clock = &health.clock;
+    [
+        channel.role.to_string(),
+        clock.samples.to_string(),
+        clock.rate().map_or("-".into(), |rate| format!("{rate:.2}")),
+        format!("{:.4}", clock.start),
+        format!("{:.4}", clock.duration),
+        clock.missing.to_string(),
+        format!("{:.2}", 1e6 * clock.jitter),
+    ]
+}
+
+fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Item = [String; 6]> {
+    let names = column_names(channel);
+    let figure = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3e}"));
+    names
+        .into_iter()
+        .zip(&health.columns)
+        .map(move |(name, column)| {
+            [
+                name,
+                channel.unit.clone(),
+                format!("{:.6}", column.minimum),
+                format!("{:.6}", column.maximum),
+                figure(column.noise_std),
+                figure(column.quantum),
+            ]
+        })
+}
+
+fn column_names(channel: &Channel) -> Vec<String> {
+    match channel.columns.len() {
+        1 => vec![channel.role.to_string()],
+        _ => ["x", "y", "z"]
+            .map(|axis| format!("{} {axis}", channel.role))
+            .into(),
+    }
+}
+
+/// A word where the channels have no time in common.
+fn overlap(recording: &Recording) -> Option<String> {
+    let starts = recording
+        .channels
+        .iter()
+        .filter_map(|channel| channel.time.first());
+    let ends = recording
+        .channels
+        .iter()
+        .filter_map(|channel| channel.time.last());
+    let start = starts.copied().fold(f64::NEG_INFINITY, f64::max);
+    let end = ends.copied().fold(f64::INFINITY, f64::min);
+    (recording.channels.len() > 1 && end <= start).then(|| {
+        format!("the channels have no time in common: one begins at {start} s, one ends at {end} s")
+    })
+}
+
+fn document(recording: &Recording, figures: &[Health]) -> Value {
+    let channels = recording
+        .channels
+        .iter()
+        .zip(figures)
+        .map(|(channel, health)| {
+            let clock = &health.clock;
+            let gaps = clock.gaps.iter().map(
+                |gap| json!({"from_s": gap.from, "until_s": gap.until, "missing": gap.missing}),
+            );
+            json!({
+                "role": channel.role.name(),
+                "unit": channel.unit,
+                "samples": clock.samples,
+                "start_s": clock.start,
+                "duration_s": clock.duration,
+                "rate_hz": clock.rate(),
+                "jitter_s": clock.jitter,
+                "worst_jitter_s": clock.worst_jitter,
+                "missing_samples": clock.missing,
+                "gaps": gaps.collect::<Vec<_>>(),
+                "columns": health.columns.iter().map(column_document).collect::<Vec<_>>(),
+                "remarks": remarks(channel, health),
+            })
+        });
+    json!({
+        "name": recording.name,
+        "channels": channels.collect::<Vec<_>>(),
+        "remarks": overlap(recording).into_iter().collect::<Vec<_>>(),
+    })
+}
+
+fn column_document(column: &ColumnHealth) -> Value {
+    json!({
+        "minimum": column.minimum,
+        "maximum": column.maximum,
+        "noise_std": column.noise_std,
+        "quantisation_step": column.quantum,
+        "flat_stretches": column.flats.iter().map(flat_document).collect::<Vec<_>>(),
+        "wraps_s": column.wraps,
+        "spikes_s": column.spikes,
+    })
+}
+
+fn flat_document(flat: &Flat) -> Value {
+    let kind = match flat.kind {
+        FlatKind::Rest => "rest",
+        FlatKind::Stuck => "stuck",
+        FlatKind::Saturated => "saturated",
+    };
+    json!({
+        "kind": kind,
+        "from_s": flat.from,
+        "until_s": flat.until,
+        "samples": flat.samples,
+        "value": flat.value,
+    })
+}

@@ -1,0 +1,235 @@
+//! `quell shape`: a shaper's train for given modes, and a shaped copy of a command file.
+
+mod command_file;
+
+use super::{CliError, output};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use quell_shapers::{
+    Band, GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, insensitivity, residual_vibration,
+    shaper_by_name,
+};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Residual vibration at which the insensitivity is told.
+const TOLERANCE: f64 = 0.05;
+
+/// Designs a shaper for one mode or several, and shapes a command file with it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell shape --shaper zvd --mode 8.12,0.084 --rate 250
+  quell shape --shaper zv --mode 8.12,0.084 --mode 21,0.02 --rate 1000 --json
+  quell shape --shaper zvd --mode 8.12,0.084 --rate 250 command.csv --column joint_1_rad --out out
+
+V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
+one leaves, each at its own end. The insensitivity is the width of the band of frequencies, over
+the design frequency, in which V stays at or below 5 %.")]
+pub struct Args {
+    /// The shaper.
+    #[arg(long, value_parser = names())]
+    pub shaper: String,
+    /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
+    #[arg(long, value_name = "F,XI", value_parser = mode, required = true)]
+    pub mode: Vec<Mode>,
+    /// Samples of the command a second.
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub rate: f64,
+    /// A command file to shape, .csv or .csv.gz; its name with `_shaped` is written to --out.
+    #[arg(requires = "column")]
+    pub file: Option<PathBuf>,
+    /// The column to shape; several may be named.
+    #[arg(long, value_name = "NAME", requires = "file")]
+    pub column: Vec<String>,
+    /// The column with seconds, checked against --rate [default: time_s, t_s, time or t].
+    #[arg(long, value_name = "NAME", requires = "file")]
+    pub time: Option<String>,
+    /// The folder for the shaped file.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Prints JSON instead of tables.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The table of shapers as choices, with what each does.
+fn names() -> PossibleValuesParser {
+    let choice = |shaper: &&dyn Shaper| PossibleValue::new(shaper.name()).help(shaper.summary());
+    PossibleValuesParser::new(SHAPERS.iter().map(choice))
+}
+
+/// `F,XI` as a mode.
+pub(super) fn mode(text: &str) -> Result<Mode, String> {
+    let form = || format!("{text:?} is not F,XI, such as 8.12,0.084 (Hz and a damping ratio)");
+    let (frequency, damping_ratio) = text.split_once(',').ok_or_else(form)?;
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
+    Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
+}
+
+/// A rate in Hz.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if rate.is_finite() && rate > 0.0 => Ok(rate),
+        _ => Err(format!("{text:?} is not a rate above 0 Hz")),
+    }
+}
+
+/// What was designed.
+struct Design {
+    shaper: &'static dyn Shaper,
+    modes: Vec<Mode>,
+    train: ImpulseTrain,
+    grid: GridTrain,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`CliError::Input`] where the shaper cannot be designed or the file is refused.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let design = design(&args)?;
+    let file = match &args.file {
+        Some(file) => Some(command_file::shape(file, &args, &design.grid)?),
+        None => None,
+    };
+    if args.json {
+        return output::json(&document(&design, file.as_ref())?);
+    }
+    let mut page = page(&design)?;
+    if let Some(file) = file {
+        page.push_str(&format!(
+            "\nWrote {}: {} rows, {} more than the command.\n",
+            file.path.display(),
+            file.rows,
+            file.appended
+        ));
+    }
+    output::text(&page)
+}
+
+fn design(args: &Args) -> Result<Design, CliError> {
+    let shaper = shaper_by_name(&args.shaper)
+        .ok_or_else(|| CliError::input(format!("there is no shaper {:?}", args.shaper)))?;
+    let sample_time = 1.0 / args.rate;
+    let mut train = ImpulseTrain::identity();
+    let mut grid = GridTrain::identity(sample_time).map_err(CliError::input)?;
+    for &mode in &args.mode {
+        train = train
+            .convolve(&shaper.design(mode).map_err(CliError::input)?)
+            .map_err(CliError::input)?;
+        grid = grid
+            .convolve(&shaper.on_grid(mode, sample_time).map_err(CliError::input)?)
+            .map_err(CliError::input)?;
+    }
+    Ok(Design {
+        shaper,
+        modes: args.mode.clone(),
+        train,
+        grid,
+    })
+}
+
+impl Design {
+    /// Residual vibration of the taps at one of the modes, and the band around it.
+    fn at(&self, mode: Mode) -> Result<(f64, Option<Band>), CliError> {
+        let taps = self.grid.to_impulses();
+        let (frequency, damping_ratio) = (mode.natural_frequency(), mode.damping_ratio());
+        let residual = residual_vibration(&taps, frequency, damping_ratio);
+        let band = insensitivity(&taps, damping_ratio, frequency, TOLERANCE);
+        Ok((residual, band.map_err(CliError::input)?))
+    }
+}
+
+fn page(design: &Design) -> Result<String, CliError> {
+    let impulses = design.train.impulses().iter();
+    let impulses = impulses.map(|impulse| {
+        [
+            format!("{:.6}", impulse.time),
+            format!("{:.6}", impulse.amplitude),
+        ]
+    });
+    let taps = design.grid.taps().iter().map(|tap| {
+        let time = f64::from(tap.delay) * design.grid.sample_time();
+        [
+            tap.delay.to_string(),
+            format!("{time:.6}"),
+            format!("{:.6}", tap.amplitude),
+        ]
+    });
+    let mut modes = Vec::new();
+    for &mode in &design.modes {
+        let (residual, band) = design.at(mode)?;
+        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
+        let range = band.map_or("-".into(), |band| {
+            format!(
+                "{:.3} to {:.3}",
+                band.from * mode.hertz(),
+                band.to * mode.hertz()
+            )
+        });
+        modes.push([
+            format!("{} Hz, {}", mode.hertz(), mode.damping_ratio()),
+            format!("{residual:.1e}"),
+            width,
+            range,
+        ]);
+    }
+    let gain = design.grid.gain();
+    let peak = match design.shaper.is_convex() {
+        true => String::new(),
+        false => format!(
+            "Its amplitudes have both signs: peak velocity and acceleration can grow to {gain:.2} \
+             times the command's.\n"
+        ),
+    };
+    Ok(format!(
+        "{title}: {summary}\n\n{impulses}\n{taps}\n{modes}\n\
+         Delay {:.6} s, on the grid {:.6} s. Sum of |amplitude| {gain:.4}.\n{peak}",
+        design.train.duration(),
+        design.grid.duration(),
+        title = design.shaper.title(),
+        summary = design.shaper.summary(),
+        impulses = output::table(["impulse_s", "amplitude"], impulses),
+        taps = output::table(["tap", "time_s", "amplitude"], taps),
+        modes = output::table(["mode", "V of the taps", "insensitivity", "band_hz"], modes),
+    ))
+}
+
+fn document(design: &Design, file: Option<&command_file::ShapedFile>) -> Result<Value, CliError> {
+    let impulses = design.train.impulses().iter();
+    let taps = design.grid.taps().iter();
+    let mut modes = Vec::new();
+    for &mode in &design.modes {
+        let (residual, band) = design.at(mode)?;
+        modes.push(json!({
+            "frequency_hz": mode.hertz(),
+            "damping_ratio": mode.damping_ratio(),
+            "residual_vibration": residual,
+            "insensitivity": band.map(|band| band.width()),
+            "band_hz": band.map(|band| [band.from * mode.hertz(), band.to * mode.hertz()]),
+        }));
+    }
+    Ok(json!({
+        "shaper": design.shaper.name(),
+        "rate_hz": 1.0 / design.grid.sample_time(),
+        "modes": modes,
+        "impulses": impulses
+            .map(|impulse| json!({"time_s": impulse.time, "amplitude": impulse.amplitude}))
+            .collect::<Vec<_>>(),
+        "taps": taps
+            .map(|tap| json!({
+                "delay_ticks": tap.delay,
+                "time_s": f64::from(tap.delay) * design.grid.sample_time(),
+                "amplitude": tap.amplitude,
+            }))
+            .collect::<Vec<_>>(),
+        "duration_s": design.train.duration(),
+        "duration_on_grid_s": design.grid.duration(),
+        "gain": design.grid.gain(),
+        "file": file.map(|file| json!({
+            "path": file.path,
+            "rows": file.rows,
+            "appended_rows": file.appended,
+        })),
+    }))
+}

@@ -1,0 +1,145 @@
+//! A shaped copy of a command file: every column kept, the named ones shaped.
+
+use super::Args;
+use crate::cli::{CliError, output};
+use crate::recording::Table;
+use flate2::{Compression, write::GzEncoder};
+use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Names of a column with seconds that are recognised without being told.
+const TIME_NAMES: [&str; 4] = ["time_s", "t_s", "time", "t"];
+
+/// What was written.
+pub struct ShapedFile {
+    /// The file.
+    pub path: PathBuf,
+    /// Its rows without the header.
+    pub rows: usize,
+    /// How many of them come after the command's own last row.
+    pub appended: usize,
+}
+
+/// Reads the command, shapes it and writes the copy into the folder of `--out`.
+pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, CliError> {
+    let table = Table::open(file)?;
+    let time = match &args.time {
+        Some(name) => Some(name.as_str()),
+        None => TIME_NAMES
+            .into_iter()
+            .find(|name| table.header().iter().any(|held| held == name)),
+    };
+    let end = match time {
+        Some(name) => table.stamps_at_rate(name, args.rate)?.last().copied(),
+        None => None,
+    };
+    if let Some(name) = time.filter(|name| args.column.iter().any(|column| column == name)) {
+        return Err(CliError::input(format!(
+            "--column {name}: time is not to be shaped"
+        )));
+    }
+    let names: Vec<&str> = args.column.iter().map(String::as_str).collect();
+    let columns = table.numbers(&names)?;
+    let mut filters: Vec<ShapingFilter> = Vec::new();
+    for column in &columns {
+        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
+        filter.install(train).map_err(CliError::input)?;
+        filter.reset(column[0]);
+        filters.push(filter);
+    }
+    let mut shaped: Vec<Vec<f64>> = columns
+        .iter()
+        .zip(&mut filters)
+        .map(|(column, filter)| column.iter().map(|value| step(filter, *value)).collect())
+        .collect();
+    // The command's end is held until every column has come to it.
+    while !filters.iter().all(ShapingFilter::is_settled) {
+        for ((column, filter), shaped) in columns.iter().zip(&mut filters).zip(&mut shaped) {
+            shaped.push(step(filter, column[column.len() - 1]));
+        }
+    }
+    let (given, rows) = (columns[0].len(), shaped[0].len());
+    let path = args.out.join(shaped_name(file));
+    let time = match (time, end) {
+        (Some(name), Some(end)) => Some((table.index(name)?, end)),
+        _ => None,
+    };
+    let clock = Clock {
+        time,
+        rate: args.rate,
+    };
+    let indices: Vec<usize> = names
+        .iter()
+        .map(|name| table.index(name))
+        .collect::<Result<_, _>>()?;
+    let text = text(&table, &indices, &shaped, &clock)?;
+    output::folder(&args.out)?;
+    output::file(&path, compressed(&path, text)?)?;
+    Ok(ShapedFile {
+        path,
+        rows,
+        appended: rows - given,
+    })
+}
+
+fn step(filter: &mut ShapingFilter, value: f64) -> f64 {
+    filter.step(Setpoint::at_rest(value)).position
+}
+
+/// The time column's place and its last stamp, s, where there is one; the rate, Hz.
+struct Clock {
+    time: Option<(usize, f64)>,
+    rate: f64,
+}
+
+/// The table with the shaped columns in place; rows past its end repeat its last row.
+fn text(
+    table: &Table,
+    indices: &[usize],
+    shaped: &[Vec<f64>],
+    clock: &Clock,
+) -> Result<Vec<u8>, CliError> {
+    let mut out = csv::WriterBuilder::new()
+        .delimiter(table.delimiter())
+        .from_writer(Vec::new());
+    out.write_record(table.header())
+        .map_err(CliError::failure)?;
+    let mut cells: Vec<String> = Vec::new();
+    let mut rows = table.rows();
+    let mut past_end = 0;
+    for sample in 0..shaped[0].len() {
+        match rows.next() {
+            Some(row) => cells = row?.iter().map(str::to_owned).collect(),
+            None => past_end += 1,
+        }
+        for (&index, column) in indices.iter().zip(shaped) {
+            cells[index] = format!("{:?}", column[sample]);
+        }
+        if let Some((index, end)) = clock.time.filter(|_| past_end > 0) {
+            // To the nanosecond, to keep the digits of a sum's rounding out of the file.
+            let time = end + f64::from(past_end) / clock.rate;
+            cells[index] = format!("{:?}", (time * 1e9).round() / 1e9);
+        }
+        out.write_record(&cells).map_err(CliError::failure)?;
+    }
+    out.into_inner().map_err(CliError::failure)
+}
+
+/// `command.csv.gz` as `command_shaped.csv.gz`.
+fn shaped_name(file: &Path) -> String {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    match name.find(".csv") {
+        Some(end) => format!("{}_shaped{}", &name[..end], &name[end..]),
+        None => format!("{name}_shaped.csv"),
+    }
+}
+
+fn compressed(path: &Path, text: Vec<u8>) -> Result<Vec<u8>, CliError> {
+    if path.extension().is_none_or(|extension| extension != "gz") {
+        return Ok(text);
+    }
+    let mut out = GzEncoder::new(Vec::new(), Compression::default());
+    out.write_all(&text)?;
+    Ok(out.finish()?)
+}

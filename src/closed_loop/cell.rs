@@ -1,0 +1,188 @@
+//! A simulated arm and the controller that commands it, tick by tick.
+
+use quell_shapers::{Mode, Shaper};
+use quell_trajectories::{AxisState, Limits, Planner};
+
+use super::commissioning::commission;
+use super::{ClosedLoopError, MoveTrace, Tick};
+use crate::adaptation::AdaptationSettings;
+use crate::controller::{AxisMeasurement, AxisSettings, Controller, Retune, Setpoint};
+use crate::estimators::{EstimatorEntry, Settings};
+use crate::plant::{ArmSimulation, Command, Robot, SimulationOptions};
+
+/// The arm is watched for this many periods of the believed mode after its command has ended.
+const WATCHED_PERIODS: f64 = 12.0;
+/// No move lasts longer than this, s; sizes the buffers.
+const LONGEST_MOVE: f64 = 20.0;
+
+/// What a cell is made of.
+#[derive(Clone)]
+pub struct CellSettings {
+    /// The robot.
+    pub robot: Robot,
+    /// Moved joint, counted from 0.
+    pub joint: usize,
+    /// How it is simulated.
+    pub simulation: SimulationOptions,
+    /// Limits of the moves.
+    pub limits: Limits,
+    /// The rule that designs trains; `None` sends plans as they are.
+    pub shaper: Option<&'static dyn Shaper>,
+    /// The mode that is shaped for until a better one is learned.
+    pub belief: Mode,
+    /// Whether the train follows the estimate.
+    pub adaptive: bool,
+    /// When a new train takes effect.
+    pub retune: Retune,
+    /// Method of estimation.
+    pub estimator: &'static EstimatorEntry,
+}
+
+/// A simulated arm and its controller.
+pub struct Cell {
+    arm: ArmSimulation,
+    controller: Controller,
+    planner: Planner,
+    limits: Limits,
+    encoder_step: f64,
+    watch: f64,
+    inbox: Vec<AxisMeasurement>,
+}
+
+impl Cell {
+    /// A cell at rest, its tracker registered by a slow commissioning move.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError`] where the robot cannot be simulated, registered or shaped for.
+    pub fn new(settings: &CellSettings) -> Result<Self, ClosedLoopError> {
+        let mut arm = ArmSimulation::new(&settings.robot, settings.joint, &settings.simulation)?;
+        let sensor = commission(&mut arm, settings.limits)?;
+        let robot = &settings.robot;
+        let sample_time = 1.0 / robot.control_rate;
+        let belief = settings.belief;
+        let axis = AxisSettings {
+            sample_time,
+            limits: settings.limits,
+            shaper: settings.shaper,
+            belief,
+            adaptive: settings.adaptive,
+            retune: settings.retune,
+            estimator: settings.estimator,
+            estimation: Settings::around(belief, 1.0 / robot.tracker.rate),
+            adaptation: AdaptationSettings::around(belief),
+            sensor,
+            longest_train: 4.0 * belief.damped_period(),
+            longest_move: LONGEST_MOVE,
+        };
+        Ok(Self {
+            controller: Controller::new(vec![axis], &[arm.true_motor_position()])?,
+            planner: Planner::new(1)?,
+            limits: settings.limits,
+            encoder_step: robot.encoder.resolution,
+            watch: WATCHED_PERIODS * belief.damped_period(),
+            inbox: Vec::with_capacity(256),
+            arm,
+        })
+    }
+
+    /// The arm, for what only a simulation can tell.
+    pub fn arm(&self) -> &ArmSimulation {
+        &self.arm
+    }
+
+    /// The arm, to change its payload or pose between moves.
+    pub fn arm_mut(&mut self) -> &mut ArmSimulation {
+        &mut self.arm
+    }
+
+    /// Moves to `target` (rad) and watches the arm ring out.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError::Plan`] where the move cannot be planned.
+    pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
+        let start = self.controller.planned()[0].position;
+        let ends = [AxisState::at_rest(start), AxisState::at_rest(target)];
+        let plan = self.planner.plan(&ends[..1], &ends[1..], &[self.limits])?;
+        let sampled = plan.sample(self.controller.sample_time())?;
+        let planned_end = (sampled.samples() - 1) as f64 * sampled.period();
+        let before = *self.controller.axes()[0].status();
+        self.controller.load(sampled).map_err(|(_, error)| error)?;
+        let ticks = self.run_until_quiet();
+        let axis = &self.controller.axes()[0];
+        let after = axis.status();
+        Ok(MoveTrace {
+            target,
+            planned_end,
+            command_end: command_end(&ticks),
+            motor_end: motor_end(&ticks, target, self.encoder_step),
+            lever_arm: self.arm.arc().radius(),
+            train: axis.train(),
+            mode: after.mode,
+            retunes: after.retunes - before.retunes,
+            refused: after.refused - before.refused,
+            ticks,
+        })
+    }
+
+    fn run_until_quiet(&mut self) -> Vec<Tick> {
+        let period = self.controller.sample_time();
+        let mut ticks: Vec<Tick> = Vec::new();
+        let mut quiet = 0.0;
+        while quiet < self.watch && ticks.len() as f64 * period < LONGEST_MOVE {
+            let setpoint = self.controller.tick(&self.inbox)[0];
+            ticks.push(self.observe(ticks.len() as f64 * period, setpoint));
+            self.move_arm(setpoint, period);
+            quiet = if self.controller.is_settled() {
+                quiet + period
+            } else {
+                0.0
+            };
+        }
+        ticks
+    }
+
+    fn move_arm(&mut self, setpoint: Setpoint, period: f64) {
+        let command = Command {
+            position: setpoint.position,
+            velocity: Some(setpoint.velocity),
+        };
+        self.inbox.clear();
+        for &measurement in self.arm.step(command, period) {
+            self.inbox.push(AxisMeasurement {
+                axis: 0,
+                measurement,
+            });
+        }
+    }
+
+    fn observe(&self, time: f64, setpoint: Setpoint) -> Tick {
+        let status = self.controller.axes()[0].status();
+        Tick {
+            time,
+            planned: self.controller.planned()[0].position,
+            position: setpoint.position,
+            velocity: setpoint.velocity,
+            acceleration: setpoint.acceleration,
+            motor_position: self.arm.true_motor_position(),
+            tip_deformation: self.arm.true_tip_deformation(),
+            measured: status.deformation.map(|sample| sample.tip_deformation),
+            estimate: status.estimate,
+        }
+    }
+}
+
+/// Time of the last change of the command.
+fn command_end(ticks: &[Tick]) -> f64 {
+    let changed = |pair: &[Tick]| pair[0].position != pair[1].position;
+    ticks
+        .windows(2)
+        .rposition(changed)
+        .map_or(0.0, |last| ticks[last + 1].time)
+}
+
+/// From when on the motor side stays within one encoder step of the target.
+fn motor_end(ticks: &[Tick], target: f64, encoder_step: f64) -> f64 {
+    let away = |tick: &Tick| (tick.motor_position - target).abs() > encoder_step;
+    let last = ticks.iter().rposition(away);
+    last.map_or(0.0, |last| ticks.get(last + 1).unwrap_or(&ticks[last]).time)
+}

@@ -1,0 +1,137 @@
+//! What happened in one move, and the figures that people ask of it.
+
+use quell_shapers::{ImpulseTrain, Mode};
+use quell_trajectories::Limits;
+
+use crate::estimators::Estimate;
+
+/// One tick of a move, from the simulation's own truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Time since the move began, s.
+    pub time: f64,
+    /// Planned, unshaped position, rad.
+    pub planned: f64,
+    /// Commanded position, rad.
+    pub position: f64,
+    /// Commanded velocity, rad/s.
+    pub velocity: f64,
+    /// Commanded acceleration, rad/s^2.
+    pub acceleration: f64,
+    /// True motor-side position, rad.
+    pub motor_position: f64,
+    /// True deformation at the tip, along its arc, m.
+    pub tip_deformation: f64,
+    /// Deformation at the tip as measured last, m.
+    pub measured: Option<f64>,
+    /// The estimate after this tick.
+    pub estimate: Option<Estimate>,
+}
+
+/// Largest velocity, acceleration and jerk of the command over their limits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PeakRatios {
+    /// Largest velocity over its limit.
+    pub velocity: f64,
+    /// Largest acceleration over its limit.
+    pub acceleration: f64,
+    /// Largest jerk over its limit, from differences of the acceleration.
+    pub jerk: f64,
+}
+
+impl PeakRatios {
+    /// The largest of the three.
+    pub fn largest(&self) -> f64 {
+        self.velocity.max(self.acceleration).max(self.jerk)
+    }
+}
+
+/// One move in the closed loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MoveTrace {
+    /// Every tick, from the first of the plan until the arm was left alone.
+    pub ticks: Vec<Tick>,
+    /// Where the move should end, rad.
+    pub target: f64,
+    /// End of the plan, s after its start.
+    pub planned_end: f64,
+    /// Last change of the command, s after the start.
+    pub command_end: f64,
+    /// The motor side stays within one encoder step of the target from here on, s.
+    pub motor_end: f64,
+    /// Radius of the tip's arc, m.
+    pub lever_arm: f64,
+    /// Train in force when the move ended.
+    pub train: ImpulseTrain,
+    /// Mode that it was designed for.
+    pub mode: Mode,
+    /// Trains changed during the move.
+    pub retunes: u32,
+    /// Corrections refused during the move.
+    pub refused: u32,
+}
+
+impl MoveTrace {
+    /// Peak of the true deformation at the tip once the command has ended and the motor side has
+    /// followed (to one encoder step), m. Counted from there because until then the deformation is
+    /// still being forced, not left over.
+    pub fn residual(&self) -> f64 {
+        self.ticks
+            .iter()
+            .filter(|tick| tick.time >= self.motor_end)
+            .fold(0.0, |peak, tick| peak.max(tick.tip_deformation.abs()))
+    }
+
+    /// Time from the start of the move until the tip stays within `tolerance` (m) of its target, s;
+    /// `None` if it does not within the trace.
+    pub fn settling_time(&self, tolerance: f64) -> Option<f64> {
+        let outside = |tick: &Tick| {
+            let rigid = (tick.motor_position - self.target) * self.lever_arm;
+            (rigid + tick.tip_deformation).abs() > tolerance
+        };
+        match self.ticks.iter().rposition(outside) {
+            None => Some(0.0),
+            Some(last) => self.ticks.get(last + 1).map(|tick| tick.time),
+        }
+    }
+
+    /// `|last commanded position - target|`, rad.
+    pub fn final_error(&self) -> f64 {
+        self.ticks
+            .last()
+            .map_or(f64::INFINITY, |tick| (tick.position - self.target).abs())
+    }
+
+    /// What shaping and corrections added to the duration of the command, s.
+    pub fn added_delay(&self) -> f64 {
+        self.command_end - self.planned_end
+    }
+
+    /// Largest velocity, acceleration and jerk of the command over their limits.
+    pub fn peak_ratios(&self, limits: Limits) -> PeakRatios {
+        let mut peaks = PeakRatios::default();
+        for pair in self.ticks.windows(2) {
+            let [before, now] = pair else { continue };
+            let jerk = (now.acceleration - before.acceleration) / (now.time - before.time);
+            peaks.velocity = peaks.velocity.max(now.velocity.abs() / limits.velocity);
+            peaks.acceleration = peaks
+                .acceleration
+                .max(now.acceleration.abs() / limits.acceleration);
+            peaks.jerk = peaks.jerk.max(jerk.abs() / limits.jerk);
+        }
+        peaks
+    }
+
+    /// The first tick at which the estimate had converged, and that estimate.
+    pub fn converged(&self) -> Option<(f64, Estimate)> {
+        self.ticks.iter().find_map(|tick| {
+            let estimate = tick.estimate.filter(|estimate| estimate.converged)?;
+            Some((tick.time, estimate))
+        })
+    }
+
+    /// The last estimate of the move.
+    pub fn last_estimate(&self) -> Option<Estimate> {
+        self.ticks.iter().rev().find_map(|tick| tick.estimate)
+    }
+}

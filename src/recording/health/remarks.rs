@@ -1,0 +1,106 @@
+//! What looks wrong with a channel, in plain words.
+
+use super::{ColumnHealth, Flat, FlatKind, Health};
+use crate::recording::Channel;
+
+/// Jitter, as a share of the period, from which it is remarked upon. A stamp that is off by j
+/// shifts a sample by j times the slope; 1 % of a period is 1 % of an increment between samples.
+const JITTER: f64 = 0.01;
+/// Quantisation step, as a share of the range, from which it is remarked upon: from there on the
+/// rounding error (step / sqrt 12) is above 0.3 % of the range.
+const COARSE: f64 = 0.01;
+
+/// One sentence for each thing that looks wrong; none where nothing does.
+pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if !channel.has_usual_unit() {
+        let (unit, role) = (&channel.unit, channel.role);
+        remarks.push(format!(
+            "the unit {unit} is not one of {role}: kept as it is"
+        ));
+    }
+    clock(health, &mut remarks);
+    for (index, column) in health.columns.iter().enumerate() {
+        let name = match health.columns.len() {
+            1 => String::new(),
+            _ => format!("{}: ", ["x", "y", "z"].get(index).unwrap_or(&"?")),
+        };
+        remarks.extend(
+            values(channel, column)
+                .into_iter()
+                .map(|remark| name.clone() + &remark),
+        );
+    }
+    remarks
+}
+
+fn clock(health: &Health, remarks: &mut Vec<String>) {
+    let clock = &health.clock;
+    if let [first, ..] = clock.gaps[..] {
+        remarks.push(format!(
+            "{} missing samples in {} gap(s), the first from {} to {} s",
+            clock.missing,
+            clock.gaps.len(),
+            first.from,
+            first.until
+        ));
+    }
+    if clock.jitter > JITTER * clock.period {
+        remarks.push(format!(
+            "the clock jitters by {:.1} % of its period (root mean square; worst {:.1} %)",
+            100.0 * clock.jitter / clock.period,
+            100.0 * clock.worst_jitter / clock.period
+        ));
+    }
+}
+
+fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
+    let unit = &channel.unit;
+    let mut remarks = Vec::new();
+    if column.minimum == column.maximum && channel.time.len() > 1 {
+        remarks.push(format!("the value is {} {unit} throughout", column.minimum));
+    }
+    let words = [
+        (
+            FlatKind::Saturated,
+            "stays at the end of its range, as if saturated,",
+        ),
+        (FlatKind::Stuck, "hangs at one value in motion"),
+    ];
+    // A command is piecewise constant by intention.
+    for (kind, words) in words.iter().filter(|_| !channel.role.is_input()) {
+        let of_kind = |flat: &&Flat| flat.kind == *kind;
+        let count = column.flats.iter().filter(of_kind).count();
+        if let Some(flat) = column
+            .flats
+            .iter()
+            .filter(of_kind)
+            .max_by_key(|flat| flat.samples)
+        {
+            remarks.push(format!(
+                "{words} {count} time(s), longest {} samples from {} to {} s at {:.6e} {unit}",
+                flat.samples, flat.from, flat.until, flat.value
+            ));
+        }
+    }
+    if let [first, ..] = column.wraps[..] {
+        let count = column.wraps.len();
+        remarks.push(format!(
+            "jumps by a turn {count} time(s), first at {first} s: unwrap it"
+        ));
+    }
+    if let [first, ..] = column.spikes[..] {
+        let count = column.spikes.len();
+        remarks.push(format!(
+            "{count} lone sample(s) far from both neighbours, first at {first} s"
+        ));
+    }
+    let range = column.maximum - column.minimum;
+    if let Some(step) = column.quantum.filter(|step| *step > COARSE * range) {
+        let share = 100.0 * step / range;
+        remarks.push(format!(
+            "coarse: one quantisation step is {share:.1} % of the range"
+        ));
+    }
+    remarks
+}

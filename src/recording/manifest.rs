@@ -1,0 +1,264 @@
+//! The manifest of a recording: a TOML file that says what the columns of CSV files are.
+
+use super::error::{Problem, RecordingError, nearest};
+use super::role::{ROLES, Role};
+use super::table::{Table, from_io};
+use super::unit::{UNITS, Unit};
+use super::{Channel, Recording};
+use serde::Deserialize;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// The manifest's name in a folder of its own.
+pub const MANIFEST: &str = "recording.toml";
+
+/// The keys of a manifest and of its channels, for suggestions.
+const KEYS: &[&str] = &[
+    "name", "channel", "role", "file", "time", "rate_hz", "column", "columns", "unit", "scale",
+    "offset",
+];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    name: String,
+    channel: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    role: Spanned<String>,
+    file: Spanned<PathBuf>,
+    time: Option<Spanned<String>>,
+    rate_hz: Option<Spanned<f64>>,
+    column: Option<String>,
+    columns: Option<Vec<String>>,
+    unit: Spanned<String>,
+    scale: Option<Spanned<f64>>,
+    offset: Option<Spanned<f64>>,
+}
+
+/// Reads the recording that a manifest (or the folder of a `recording.toml`) describes.
+pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
+    let path = locate(path)?;
+    let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => Problem::NotUtf8.in_file(&path),
+        _ => from_io(&error).in_file(&path),
+    })?;
+    let source = Source {
+        path: &path,
+        text: &text,
+    };
+    let manifest: Manifest = toml::from_str(&text).map_err(|error| source.syntax(&error))?;
+    if manifest.channel.is_empty() {
+        return Err(key("channel", "there is none").in_file(&path));
+    }
+    let mut tables = HashMap::new();
+    let channels = manifest
+        .channel
+        .iter()
+        .map(|entry| source.channel(entry, &mut tables));
+    Ok(Recording {
+        name: manifest.name,
+        channels: channels.collect::<Result<_, _>>()?,
+    })
+}
+
+fn locate(path: &Path) -> Result<PathBuf, RecordingError> {
+    if path.is_dir() {
+        let manifest = path.join(MANIFEST);
+        return if manifest.is_file() {
+            Ok(manifest)
+        } else {
+            Err(Problem::NoManifest.in_file(path))
+        };
+    }
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    match extension {
+        _ if !path.exists() => Err(Problem::Missing.in_file(path)),
+        Some("csv" | "gz") => Err(Problem::NotAManifest.in_file(path)),
+        _ => Ok(path.into()),
+    }
+}
+
+fn key(key: &'static str, reason: impl Into<String>) -> Problem {
+    Problem::Key {
+        key,
+        reason: reason.into(),
+    }
+}
+
+/// A manifest's path and text, to tell the line of what is wrong in it.
+struct Source<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    fn at(&self, offset: usize, problem: Problem) -> RecordingError {
+        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        problem.at_line(self.path, line)
+    }
+
+    fn syntax(&self, error: &toml::de::Error) -> RecordingError {
+        let Some(span) = error.span() else {
+            return Problem::Toml(error.message().into()).in_file(self.path);
+        };
+        let text = self
+            .text
+            .get(span.clone())
+            .unwrap_or_default()
+            .trim_matches(['"', '\'']);
+        let problem = if error.message().starts_with("unknown field") {
+            Problem::UnknownKey {
+                key: text.into(),
+                nearest: nearest(text, KEYS.iter().copied()),
+            }
+        } else {
+            Problem::Toml(error.message().trim().replace('\n', "; "))
+        };
+        self.at(span.start, problem)
+    }
+
+    fn channel(
+        &self,
+        entry: &Entry,
+        tables: &mut HashMap<PathBuf, Table>,
+    ) -> Result<Channel, RecordingError> {
+        let role = self.role(&entry.role)?;
+        let unit = self.unit(&entry.unit)?;
+        let scale = self.finite("scale", &entry.scale)?;
+        let offset = self.finite("offset", &entry.offset)?;
+        if scale == Some(0.0) {
+            return Err(self.at(start(&entry.scale), key("scale", "it is 0")));
+        }
+        let names = self.columns(entry, role)?;
+        let table = self.table(entry, tables)?;
+        let mut columns = table.numbers(&names)?;
+        let time = self.time(entry, table, columns[0].len())?;
+        for value in columns.iter_mut().flatten() {
+            *value = unit.to_si(*value * scale.unwrap_or(1.0) + offset.unwrap_or(0.0));
+            if !value.is_finite() {
+                return Err(self.at(start(&entry.scale), key("scale", "the values overflow")));
+            }
+        }
+        Ok(Channel {
+            role,
+            unit: unit.si.into(),
+            time,
+            columns,
+        })
+    }
+
+    fn role(&self, name: &Spanned<String>) -> Result<Role, RecordingError> {
+        Role::from_name(name.get_ref()).ok_or_else(|| {
+            let nearest = nearest(name.get_ref(), ROLES.iter().map(|entry| entry.name));
+            let problem = Problem::UnknownRole {
+                role: name.get_ref().clone(),
+                nearest,
+            };
+            self.at(name.span().start, problem)
+        })
+    }
+
+    fn unit(&self, name: &Spanned<String>) -> Result<&'static Unit, RecordingError> {
+        Unit::from_name(name.get_ref()).ok_or_else(|| {
+            let names = UNITS.iter().flat_map(|unit| unit.names.iter().copied());
+            let nearest = nearest(name.get_ref(), names);
+            let problem = Problem::UnknownUnit {
+                unit: name.get_ref().clone(),
+                nearest,
+            };
+            self.at(name.span().start, problem)
+        })
+    }
+
+    fn finite(
+        &self,
+        name: &'static str,
+        value: &Option<Spanned<f64>>,
+    ) -> Result<Option<f64>, RecordingError> {
+        match value.as_ref().map(|value| *value.get_ref()) {
+            Some(number) if !number.is_finite() => Err(self.at(
+                start(value),
+                key(name, format!("{number} is not a finite number")),
+            )),
+            number => Ok(number),
+        }
+    }
+
+    fn columns<'e>(&self, entry: &'e Entry, role: Role) -> Result<Vec<&'e str>, RecordingError> {
+        let names: Vec<&str> = match (&entry.column, &entry.columns) {
+            (Some(name), None) => vec![name],
+            (None, Some(names)) => names.iter().map(String::as_str).collect(),
+            _ => {
+                let problem = key("column", "give either column = \"...\" or columns = [...]");
+                return Err(self.at(entry.role.span().start, problem));
+            }
+        };
+        let allowed = role.entry().columns;
+        if allowed.contains(&names.len()) {
+            return Ok(names);
+        }
+        let allowed: Vec<String> = allowed.iter().map(usize::to_string).collect();
+        let reason = format!(
+            "{role} takes {} column(s), not {}",
+            allowed.join(" or "),
+            names.len()
+        );
+        Err(self.at(entry.role.span().start, key("columns", reason)))
+    }
+
+    fn table<'t>(
+        &self,
+        entry: &Entry,
+        tables: &'t mut HashMap<PathBuf, Table>,
+    ) -> Result<&'t Table, RecordingError> {
+        let path = self
+            .path
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(entry.file.get_ref());
+        if !path.exists() {
+            let reason = format!("there is no file {}", path.display());
+            return Err(self.at(entry.file.span().start, key("file", reason)));
+        }
+        if !tables.contains_key(&path) {
+            tables.insert(path.clone(), Table::open(&path)?);
+        }
+        Ok(&tables[&path])
+    }
+
+    fn time(
+        &self,
+        entry: &Entry,
+        table: &Table,
+        samples: usize,
+    ) -> Result<Vec<f64>, RecordingError> {
+        match (&entry.time, &entry.rate_hz) {
+            (Some(name), None) => table.stamps(name.get_ref()),
+            (None, Some(rate)) => {
+                let rate_hz = *rate.get_ref();
+                if !(rate_hz.is_finite() && rate_hz > 0.0) {
+                    let problem = key("rate_hz", format!("{rate_hz} is not a rate above 0"));
+                    return Err(self.at(rate.span().start, problem));
+                }
+                Ok((0..samples).map(|sample| sample as f64 / rate_hz).collect())
+            }
+            _ => {
+                let problem = key(
+                    "time",
+                    "give either time = \"<column>\" or rate_hz = <number>",
+                );
+                Err(self.at(entry.role.span().start, problem))
+            }
+        }
+    }
+}
+
+fn start<T>(value: &Option<Spanned<T>>) -> usize {
+    value.as_ref().map_or(0, |value| value.span().start)
+}

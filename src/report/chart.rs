@@ -1,0 +1,319 @@
+//! Charts: curves over a common abscissa, and impulse trains.
+
+use super::html::{escape, json_number, json_numbers, json_string};
+use super::thin::{STRETCHES, thinned};
+
+/// Curves, points and bands over one abscissa, or impulse trains; with lines at given places.
+///
+/// The page shows it with zoom (drag), cursor values and a legend that hides curves. Charts of the
+/// same abscissa (name and unit) share cursor and zoom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    title: String,
+    kind: &'static str,
+    x: Axis,
+    y: Axis,
+    series: Vec<Series>,
+    markers: Vec<Line>,
+    levels: Vec<Line>,
+    note: Option<String>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Axis {
+    name: String,
+    unit: String,
+    logarithmic: bool,
+    range: Option<(f64, f64)>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Series {
+    name: String,
+    kind: &'static str,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    low: Vec<f64>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Line {
+    at: f64,
+    label: String,
+}
+
+impl Chart {
+    /// Curves over an abscissa; each quantity with its unit ("" if it has none).
+    pub fn lines(
+        title: impl Into<String>,
+        x_name: impl Into<String>,
+        x_unit: impl Into<String>,
+        y_name: impl Into<String>,
+        y_unit: impl Into<String>,
+    ) -> Self {
+        let axis = |name, unit| Axis {
+            name,
+            unit,
+            logarithmic: false,
+            range: None,
+        };
+        Self {
+            title: title.into(),
+            kind: "lines",
+            x: axis(x_name.into(), x_unit.into()),
+            y: axis(y_name.into(), y_unit.into()),
+            series: Vec::new(),
+            markers: Vec::new(),
+            levels: Vec::new(),
+            note: None,
+        }
+    }
+
+    /// Impulse trains: a stem from zero for each impulse, the trains side by side.
+    pub fn stems(
+        title: impl Into<String>,
+        x_name: impl Into<String>,
+        x_unit: impl Into<String>,
+        y_name: impl Into<String>,
+        y_unit: impl Into<String>,
+    ) -> Self {
+        Self {
+            kind: "stems",
+            ..Self::lines(title, x_name, x_unit, y_name, y_unit)
+        }
+    }
+
+    /// A curve (or a train). `x` and `y` are of one length (else the longer one is cut); a `y` that
+    /// is not finite interrupts the curve, an `x` that is not finite is left out.
+    pub fn series(self, name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        self.push(name.into(), "line", x, y, &[])
+    }
+
+    /// Points that no line connects.
+    pub fn points(self, name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        self.push(name.into(), "points", x, y, &[])
+    }
+
+    /// The area between `low` and `high`, as of a standard deviation. Drawn below the curves that
+    /// are added after it; give it the name of its curve to share the colour.
+    pub fn band(self, name: impl Into<String>, x: &[f64], low: &[f64], high: &[f64]) -> Self {
+        self.push(name.into(), "band", x, high, low)
+    }
+
+    /// A vertical dashed line at `x` with a few words.
+    pub fn marker(mut self, x: f64, label: impl Into<String>) -> Self {
+        self.markers.push(Line {
+            at: x,
+            label: label.into(),
+        });
+        self
+    }
+
+    /// A horizontal dashed line at `y` with a few words.
+    pub fn level(mut self, y: f64, label: impl Into<String>) -> Self {
+        self.levels.push(Line {
+            at: y,
+            label: label.into(),
+        });
+        self
+    }
+
+    /// A logarithmic abscissa; what is not above 0 is left out.
+    pub fn x_log(mut self) -> Self {
+        self.x.logarithmic = true;
+        self
+    }
+
+    /// A logarithmic ordinate; what is not above 0 interrupts the curve.
+    pub fn y_log(mut self) -> Self {
+        self.y.logarithmic = true;
+        self
+    }
+
+    /// The part of the abscissa to show first; the reader may zoom.
+    pub fn x_range(mut self, from: f64, to: f64) -> Self {
+        self.x.range = Some((from, to));
+        self
+    }
+
+    /// The part of the ordinate to show.
+    pub fn y_range(mut self, from: f64, to: f64) -> Self {
+        self.y.range = Some((from, to));
+        self
+    }
+
+    /// A sentence below the chart: what to see in it.
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = Some(note.into());
+        self
+    }
+
+    fn push(mut self, name: String, kind: &'static str, x: &[f64], y: &[f64], low: &[f64]) -> Self {
+        let mut order: Vec<_> = (0..x.len().min(y.len()))
+            .filter(|&i| x[i].is_finite())
+            .collect();
+        order.sort_by(|&a, &b| x[a].total_cmp(&x[b]));
+        let pick = |values: &[f64]| {
+            order
+                .iter()
+                .map(|&i| values.get(i).copied().unwrap_or(f64::NAN))
+                .collect()
+        };
+        let low = if kind == "band" {
+            pick(low)
+        } else {
+            Vec::new()
+        };
+        let (x, y) = (pick(x), pick(y));
+        self.series.push(Series {
+            name,
+            kind,
+            x,
+            y,
+            low,
+        });
+        self
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.series.iter().map(|series| series.name.as_str())
+    }
+
+    /// The chart's place in the page; the script draws into it.
+    pub(super) fn render(&self, number: usize) -> String {
+        let title = escape(&self.title);
+        let thinned: Vec<_> = self
+            .series
+            .iter()
+            .filter_map(|s| s.thinning(self))
+            .collect();
+        let hint = "<span class=\"mouse\">Drag to zoom, double-click to see all again.</span>";
+        let note = self
+            .note
+            .as_ref()
+            .map(|note| format!("{} ", escape(note)))
+            .unwrap_or_default();
+        format!(
+            "<figure class=\"chart\" style=\"margin-inline:0\"><figcaption>{title}</figcaption>\
+             <div class=\"plot\" id=\"plot-{number}\" role=\"img\" aria-label=\"{title}\"></div>\
+             <p class=\"note\">{note}{}{hint}</p></figure>\n",
+            thinned.join(""),
+        )
+    }
+
+    /// The chart's data for the script.
+    pub(super) fn json(&self, colour: &dyn Fn(&str) -> usize) -> String {
+        let series: Vec<_> = self
+            .series
+            .iter()
+            .map(|series| series.json(self, colour(&series.name)))
+            .collect();
+        let lines = |lines: &[Line]| {
+            let one = |line: &Line| {
+                format!(
+                    "{{\"at\":{},\"label\":{}}}",
+                    json_number(line.at, 10),
+                    json_string(&line.label)
+                )
+            };
+            let list: Vec<_> = lines
+                .iter()
+                .filter(|line| line.at.is_finite())
+                .map(one)
+                .collect();
+            list.join(",")
+        };
+        format!(
+            "{{\"kind\":\"{}\",\"x\":{},\"y\":{},\"series\":[{}],\"markers\":[{}],\"levels\":[{}]}}",
+            self.kind,
+            self.x.json(),
+            self.y.json(),
+            series.join(","),
+            lines(&self.markers),
+            lines(&self.levels),
+        )
+    }
+}
+
+impl Axis {
+    fn json(&self) -> String {
+        let (from, to) = self.range.unwrap_or((f64::NAN, f64::NAN));
+        format!(
+            "{{\"name\":{},\"unit\":{},\"log\":{},\"from\":{},\"to\":{}}}",
+            json_string(&self.name),
+            json_string(&self.unit),
+            self.logarithmic,
+            json_number(from, 10),
+            json_number(to, 10),
+        )
+    }
+}
+
+impl Series {
+    /// Indices of what is drawn.
+    fn drawn(&self, chart: &Chart) -> Vec<usize> {
+        let from = if chart.x.logarithmic {
+            self.x.partition_point(|&x| x <= 0.0)
+        } else {
+            0
+        };
+        let mut drawn: Vec<_> = thinned(&self.x[from..], &self.y[from..], chart.x.logarithmic);
+        if self.kind == "band" {
+            drawn.extend(thinned(
+                &self.x[from..],
+                &self.low[from..],
+                chart.x.logarithmic,
+            ));
+            drawn.sort_unstable();
+            drawn.dedup();
+        }
+        drawn.iter_mut().for_each(|index| *index += from);
+        drawn
+    }
+
+    /// A sentence that says how the series was thinned, if it was.
+    fn thinning(&self, chart: &Chart) -> Option<String> {
+        let drawn = self.drawn(chart).len();
+        (drawn < self.x.len()).then(|| {
+            format!(
+                "{}: {drawn} of {} samples are drawn, the first, last, smallest and largest of \
+                 each of {STRETCHES} stretches. ",
+                escape(&self.name),
+                self.x.len(),
+            )
+        })
+    }
+
+    fn json(&self, chart: &Chart, colour: usize) -> String {
+        let drawn = self.drawn(chart);
+        let above = if chart.y.logarithmic {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
+        let column =
+            |values: &[f64], digits| json_numbers(drawn.iter().map(|&i| values[i]), digits);
+        let ordinates = |values: &[f64]| {
+            let visible = |&i: &usize| {
+                if values[i] > above {
+                    values[i]
+                } else {
+                    f64::NAN
+                }
+            };
+            json_numbers(drawn.iter().map(visible), 6)
+        };
+        let low = if self.kind == "band" {
+            ordinates(&self.low)
+        } else {
+            "[]".into()
+        };
+        format!(
+            "{{\"name\":{},\"kind\":\"{}\",\"colour\":{colour},\"x\":{},\"y\":{},\"low\":{low}}}",
+            json_string(&self.name),
+            self.kind,
+            column(&self.x, 10),
+            ordinates(&self.y),
+        )
+    }
+}

@@ -1,0 +1,172 @@
+//! Tables.
+
+use super::html::{escape, number};
+
+/// One entry of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A number, shown with four significant digits; not finite shows as a dash.
+    Number(f64),
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(value: Option<f64>) -> Self {
+        Self::Number(value.unwrap_or(f64::NAN))
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(value: usize) -> Self {
+        Self::Text(value.to_string())
+    }
+}
+
+/// A table with named columns; units stand below the names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    title: String,
+    columns: Vec<Column>,
+    rows: Vec<Row>,
+    note: Option<String>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Column {
+    name: String,
+    unit: String,
+    text: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Row {
+    cells: Vec<Cell>,
+    marked: bool,
+}
+
+impl Table {
+    /// An empty table.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            ..Self::default()
+        }
+    }
+
+    /// A column of words, set to the left. In the first column, a word that also names a curve of
+    /// the page gets the curve's colour beside it.
+    pub fn text_column(self, name: impl Into<String>) -> Self {
+        self.push_column(name.into(), String::new(), true)
+    }
+
+    /// A column of numbers, set to the right, with their unit ("" if they have none).
+    pub fn column(self, name: impl Into<String>, unit: impl Into<String>) -> Self {
+        self.push_column(name.into(), unit.into(), false)
+    }
+
+    /// A row, from left to right; what is missing stays empty, what is too much is left out.
+    pub fn row(mut self, cells: impl IntoIterator<Item = Cell>) -> Self {
+        let cells = cells.into_iter().collect();
+        self.rows.push(Row {
+            cells,
+            marked: false,
+        });
+        self
+    }
+
+    /// Marks the last row as the one to look at.
+    pub fn marked(mut self) -> Self {
+        if let Some(row) = self.rows.last_mut() {
+            row.marked = true;
+        }
+        self
+    }
+
+    /// A sentence below the table.
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = Some(note.into());
+        self
+    }
+
+    fn push_column(mut self, name: String, unit: String, text: bool) -> Self {
+        self.columns.push(Column { name, unit, text });
+        self
+    }
+
+    pub(super) fn render(&self, colour: &dyn Fn(&str) -> Option<usize>) -> String {
+        let head: String = self.columns.iter().map(Column::render).collect();
+        let body: String = self
+            .rows
+            .iter()
+            .map(|row| self.render_row(row, colour))
+            .collect();
+        let note = self
+            .note
+            .as_ref()
+            .map(|note| format!("<p class=\"note\">{}</p>", escape(note)));
+        format!(
+            "<div class=\"sheet\"><table><caption>{}</caption><thead><tr>{head}</tr></thead>\
+             <tbody>{body}</tbody></table>{}</div>\n",
+            escape(&self.title),
+            note.unwrap_or_default(),
+        )
+    }
+
+    fn render_row(&self, row: &Row, colour: &dyn Fn(&str) -> Option<usize>) -> String {
+        let cell = |(index, column): (usize, &Column)| {
+            let class = if column.text { "" } else { " class=\"number\"" };
+            let (swatch, text) = match row.cells.get(index) {
+                Some(Cell::Text(text)) => {
+                    let slot = (index == 0).then(|| colour(text)).flatten();
+                    (slot.map(swatch).unwrap_or_default(), escape(text))
+                }
+                Some(Cell::Number(value)) => (String::new(), number(*value)),
+                None => Default::default(),
+            };
+            format!("<td{class}>{swatch}{text}</td>")
+        };
+        let cells: String = self.columns.iter().enumerate().map(cell).collect();
+        format!(
+            "<tr{}>{cells}</tr>",
+            if row.marked { " class=\"marked\"" } else { "" }
+        )
+    }
+}
+
+impl Column {
+    fn render(&self) -> String {
+        let class = if self.text { "" } else { " class=\"number\"" };
+        let unit = match self.unit.as_str() {
+            "" => String::new(),
+            unit => format!("<small>{}</small>", escape(unit)),
+        };
+        format!("<th scope=\"col\"{class}>{}{unit}</th>", escape(&self.name))
+    }
+}
+
+/// A small square in the colour of a curve.
+pub(super) fn swatch(slot: usize) -> String {
+    format!(
+        "<span class=\"swatch\" style=\"background:var(--c{})\"></span>",
+        slot % 7
+    )
+}

@@ -1,0 +1,135 @@
+//! `quell compare` as a user types it: the table, the recommendation, and what is refused.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn compare(folder: &TempDir, arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("quell").unwrap();
+    command
+        .current_dir(folder.path())
+        .arg("compare")
+        .args(arguments);
+    command
+}
+
+fn compare_json(arguments: &[&str]) -> Value {
+    let folder = TempDir::new().unwrap();
+    let assert = compare(&folder, arguments).arg("--json").assert().success();
+    serde_json::from_slice(&assert.get_output().stdout).unwrap()
+}
+
+fn shaper<'a>(document: &'a Value, name: &str) -> &'a Value {
+    let shapers = document["shapers"].as_array().unwrap();
+    shapers
+        .iter()
+        .find(|shaper| shaper["shaper"] == name)
+        .unwrap()
+}
+
+#[test]
+fn val_figures_of_the_embedded_arm_are_the_closed_forms() {
+    let document = compare_json(&["--rate", "100000"]);
+    assert_eq!(
+        document["shapers"].as_array().unwrap().len(),
+        quell_shapers::SHAPERS.len()
+    );
+    // At 100 kHz the grid shifts an impulse by less than 1e-4 of a period.
+    for (name, insensitivity, periods) in [
+        ("zv", 0.0730, 0.50177),
+        ("zvd", 0.3306, 1.00355),
+        ("ei", 0.4588, 1.00026),
+    ] {
+        let entry = shaper(&document, name);
+        assert!(
+            (entry["insensitivity"].as_f64().unwrap() - insensitivity).abs() < 2e-4,
+            "{entry}"
+        );
+        let duration = entry["duration_s"].as_f64().unwrap() * 8.12;
+        assert!((duration - periods).abs() < 2e-4, "{entry}");
+    }
+    // ZV by its two impulses: with K = exp(-xi pi / sqrt(1 - xi^2)) and a true frequency r times
+    // the design frequency, V = |exp(-xi r w T) + K exp(-j w_d r T)| / (1 + K) at T = pi / w_d.
+    let damping_ratio = 0.084_f64;
+    let root = (1.0 - damping_ratio * damping_ratio).sqrt();
+    let decay = |ratio: f64| (-damping_ratio * ratio * std::f64::consts::PI / root).exp();
+    for entry in shaper(&document, "zv")["residual_vibration"]
+        .as_array()
+        .unwrap()
+    {
+        let ratio = 1.0 + entry["frequency_error"].as_f64().unwrap();
+        let angle = std::f64::consts::PI * ratio;
+        let (k, first) = (decay(1.0), decay(ratio));
+        let expected = (first * angle.cos() + k).hypot(first * angle.sin()) / (1.0 + k);
+        assert!(
+            (entry["v"].as_f64().unwrap() - expected).abs() < 1e-4,
+            "{entry}"
+        );
+    }
+}
+
+#[test]
+fn the_recommended_shaper_is_the_shortest_that_holds() {
+    // Bands in which V <= 5 % at a damping ratio of 0.084: ZV +-3.6 %, MZV +-5.8 %, ZVD +-16 %,
+    // EI +-22 %, ZVDD +-26 %, two-hump EI +-36 %, three-hump EI +-48 %.
+    for (frequency_std, expected) in [
+        ("1.5", "zv"),
+        ("2.5", "mzv"),
+        ("9", "ei"),
+        ("15", "ei2"),
+        ("20", "ei3"),
+    ] {
+        let document = compare_json(&["--rate", "1000", "--frequency-std", frequency_std]);
+        assert_eq!(
+            document["recommended"]["shaper"], expected,
+            "{}",
+            document["recommended"]
+        );
+        assert!(document["recommended"]["worst_v"].as_f64().unwrap() <= 0.05 + 1e-9);
+    }
+    let short = compare_json(&["--frequency-std", "9", "--max-delay", "0.1"]);
+    assert_eq!(short["recommended"]["shaper"], "mzv");
+    assert!(
+        short["recommended"]["reason"]
+            .as_str()
+            .unwrap()
+            .contains("leaves least")
+    );
+    assert_eq!(
+        compare_json(&["--max-delay", "0.01"])["recommended"],
+        Value::Null
+    );
+}
+
+#[test]
+fn the_table_begins_without_a_shaper_and_ends_with_advice() {
+    let folder = TempDir::new().unwrap();
+    let assert = compare(&folder, &[]).assert().success();
+    let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    for word in ["8.12 Hz", "unshaped", "zvdd", "Recommended: ei", "shortest"] {
+        assert!(text.contains(word), "no {word:?} in {text}");
+    }
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("robot.toml"), "name = 3\n").unwrap();
+    for (arguments, word) in [
+        (&["none.toml"][..], "none.toml"),
+        (&["robot.toml"], "robot.toml"),
+        (&["--joint", "9"], "joints 1 to 6"),
+        (&["--joint", "2"], "--mode 8.12,0.084"),
+        (&["--rate", "20"], "two ticks"),
+        (&["--frequency-std", "50"], "--frequency-std"),
+        (&["--spread=-1"], "--spread"),
+        (&["--max-delay", "soon"], "--max-delay"),
+    ] {
+        let assert = compare(&folder, arguments).assert().code(2).stdout("");
+        let stderr = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(
+            stderr.starts_with("error: ") && stderr.contains(word),
+            "{stderr}"
+        );
+    }
+}

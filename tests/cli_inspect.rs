@@ -1,0 +1,418 @@
+//! `quell inspect` as a user types it: what it prints, and what it refuses.
+
+mod manifests;
+
+use assert_cmd::Command;
+use flate2::{Compression, write::GzEncoder};
+use serde_json::Value;
+use std::io::Write;
+use tempfile::TempDir;
+
+const MANIFEST: &str = r#"name = "arm 7"
+
+[[channel]]
+role = "motor_position"
+file = "encoder.csv"
+time = "time_s"
+column = "joint_1_rad"
+unit = "rad"
+"#;
+const CSV: &[u8] = b"time_s,joint_1_rad\n0.000,0.1\n0.004,0.2\n0.008,0.3\n";
+
+fn folder(manifest: &str, files: &[(&str, &[u8])]) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("recording.toml"), manifest).unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    folder
+}
+
+fn inspect(folder: &TempDir) -> Command {
+    let mut command = Command::cargo_bin("quell").unwrap();
+    command.arg("inspect").arg(folder.path());
+    command
+}
+
+fn inspect_json(folder: &TempDir) -> Value {
+    let output = inspect(folder).arg("--json").assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// Exit code 2, nothing on stdout, and one message that holds all the words.
+fn refused(case: &str, folder: &TempDir, words: &[&str]) {
+    let assert = inspect(folder).assert().code(2).stdout("");
+    let stderr = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(stderr.starts_with("error: "), "{case}: {stderr}");
+    for word in words {
+        assert!(stderr.contains(word), "{case}: no {word:?} in {stderr}");
+    }
+}
+
+#[test]
+fn bad_csv_is_refused_with_file_line_and_column() {
+    let cell = "encoder.csv:3: column \"joint_1_rad\"";
+    let cases: &[(&str, &[u8], &[&str])] = &[
+        (
+            "text",
+            b"time_s,joint_1_rad\n0,1\n1,abc\n",
+            &[cell, "\"abc\" is not a number"],
+        ),
+        (
+            "empty cell",
+            b"time_s,joint_1_rad\n0,1\n1,\n",
+            &[cell, "empty"],
+        ),
+        (
+            "nan",
+            b"time_s,joint_1_rad\n0,1\n1,NaN\n",
+            &[cell, "\"NaN\" is not a finite number"],
+        ),
+        (
+            "infinity",
+            b"time_s,joint_1_rad\n0,1\n1,-inf\n",
+            &[cell, "\"-inf\""],
+        ),
+        (
+            "overflow",
+            b"time_s,joint_1_rad\n0,1\n1,1e999\n",
+            &[cell, "\"1e999\""],
+        ),
+        (
+            "crlf",
+            b"time_s,joint_1_rad\r\n0,1\r\n1,x\r\n",
+            &[cell, "\"x\""],
+        ),
+        (
+            "blank lines count as an editor counts them",
+            b"\n\ntime_s,joint_1_rad\n\n0,1\n \n1,x\n",
+            &["encoder.csv:7: column \"joint_1_rad\""],
+        ),
+        (
+            "decimal comma",
+            b"time_s;joint_1_rad\n0;1\n1;0,5\n",
+            &[cell, "\"0,5\"", "decimal comma"],
+        ),
+        (
+            "time backwards",
+            b"time_s,joint_1_rad\n0,1\n2,1\n1.5,1\n",
+            &[
+                "encoder.csv:4: column \"time_s\"",
+                "time runs backwards",
+                "\"1.5\"",
+                "2 s",
+            ],
+        ),
+        (
+            "time repeats",
+            b"time_s,joint_1_rad\n0,1\n2,1\n2.0,1\n",
+            &[
+                "encoder.csv:4: column \"time_s\"",
+                "time repeats",
+                "\"2.0\"",
+            ],
+        ),
+        (
+            "missing column",
+            b"time_s,joint_2_rad\n0,1\n",
+            &[
+                "encoder.csv:1: column \"joint_1_rad\"",
+                "the columns are: time_s, joint_2_rad",
+            ],
+        ),
+        (
+            "column twice",
+            b"time_s,joint_1_rad,joint_1_rad\n0,1,1\n",
+            &["encoder.csv:1: column \"joint_1_rad\"", "2 times"],
+        ),
+        ("empty", b"", &["encoder.csv: the file is empty"]),
+        ("blank", b"\n \n\n", &["encoder.csv: the file is empty"]),
+        (
+            "header only",
+            b"time_s,joint_1_rad\n",
+            &["encoder.csv: the file has a header but no"],
+        ),
+        (
+            "ragged",
+            b"time_s,joint_1_rad\n0,1\n1\n",
+            &["encoder.csv:3: 1 cells where the header has 2"],
+        ),
+        (
+            "not utf-8",
+            b"time_s,joint_1_rad\n0,1\n\xff,1\n",
+            &["encoder.csv:3: the text is not"],
+        ),
+    ];
+    for (case, csv, words) in cases {
+        refused(case, &folder(MANIFEST, &[("encoder.csv", csv)]), words);
+    }
+}
+
+#[test]
+fn damaged_gzip_is_refused() {
+    let manifest = MANIFEST.replace("encoder.csv", "encoder.csv.gz");
+    let whole = gzip(&CSV.repeat(100));
+    for (case, bytes, word) in [
+        ("truncated", &whole[..whole.len() / 2], "ends early"),
+        ("not gzip", CSV, "gzip"),
+        ("empty", b"".as_slice(), "the file is empty"),
+    ] {
+        refused(
+            case,
+            &folder(&manifest, &[("encoder.csv.gz", bytes)]),
+            &["encoder.csv.gz: ", word],
+        );
+    }
+}
+
+#[test]
+fn bad_manifests_are_refused_with_line_and_key() {
+    let unit = r#"unit = "rad""#;
+    let cases: &[(&str, String, &[&str])] = &[
+        (
+            "role",
+            MANIFEST.replace("motor_position", "motor_postion"),
+            &[
+                "recording.toml:4: unknown role",
+                "\"motor_postion\"",
+                "mean \"motor_position\"",
+            ],
+        ),
+        (
+            "unit",
+            MANIFEST.replace(unit, "unit = \"degs\""),
+            &["recording.toml:8: unknown unit \"degs\"", "mean \"deg\""],
+        ),
+        (
+            "unknown key",
+            MANIFEST.replace("column =", "colum ="),
+            &["recording.toml:7: unknown key \"colum\"", "mean \"column\""],
+        ),
+        (
+            "missing key",
+            MANIFEST.replace(unit, ""),
+            &["recording.toml:3: ", "unit"],
+        ),
+        (
+            "wrong type",
+            MANIFEST.replace(unit, "unit = 3"),
+            &["recording.toml:8: ", "string"],
+        ),
+        (
+            "syntax",
+            MANIFEST.replace(unit, "unit = "),
+            &["recording.toml:8: "],
+        ),
+        (
+            "missing file",
+            MANIFEST.replace("encoder.csv", "encodr.csv"),
+            &["recording.toml:5: file: there is no file", "encodr.csv"],
+        ),
+        (
+            "no clock",
+            MANIFEST.replace("time =", "#"),
+            &["recording.toml:4: time: give either"],
+        ),
+        (
+            "two clocks",
+            MANIFEST.replace(unit, "unit = \"rad\"\nrate_hz = 5"),
+            &["recording.toml:4: time: give either"],
+        ),
+        (
+            "rate",
+            MANIFEST.replace("time = \"time_s\"", "rate_hz = -500"),
+            &["recording.toml:6: rate_hz: -500 is not a rate above 0"],
+        ),
+        (
+            "scale",
+            MANIFEST.replace(unit, "unit = \"rad\"\nscale = nan"),
+            &["recording.toml:9: scale: NaN is not a finite number"],
+        ),
+        (
+            "columns of a vector",
+            MANIFEST
+                .replace("motor_position", "tip_position")
+                .replace(unit, "unit = \"m\""),
+            &["recording.toml:4: columns: tip_position takes 3 column(s), not 1"],
+        ),
+        (
+            "no channels",
+            "name = \"x\"\nchannel = []\n".into(),
+            &["channel: there is none"],
+        ),
+        (
+            "empty",
+            String::new(),
+            &["recording.toml:1: missing field `name`"],
+        ),
+    ];
+    for (case, manifest, words) in cases {
+        refused(case, &folder(manifest, &[("encoder.csv", CSV)]), words);
+    }
+}
+
+#[test]
+fn a_path_that_is_no_recording_is_refused_with_a_way_out() {
+    let empty = TempDir::new().unwrap();
+    refused(
+        "folder without manifest",
+        &empty,
+        &["has no recording.toml", "help: ", "[[channel]]"],
+    );
+    let folder = folder(MANIFEST, &[("encoder.csv", CSV)]);
+    for (name, word) in [
+        ("nothing.toml", "no such file"),
+        ("encoder.csv", "this is a CSV file"),
+    ] {
+        let mut command = Command::cargo_bin("quell").unwrap();
+        let assert = command
+            .arg("inspect")
+            .arg(folder.path().join(name))
+            .assert()
+            .code(2);
+        let stderr = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(stderr.contains(name) && stderr.contains(word), "{stderr}");
+    }
+}
+
+#[test]
+fn separators_marks_and_units_are_read_as_meant() {
+    let scaled = MANIFEST
+        .replace("rad\"\n", "deg\"\nscale = 2\noffset = 10\n")
+        .replace(
+            "column = \"joint_1_deg\"\nscale = 2\noffset = 10",
+            "column = \"joint_1_rad\"",
+        );
+    for csv in [
+        "\u{feff}time_s,joint_1_rad\n0,85\n0.5,175\n",
+        "time_s;joint_1_rad\r\n0;85\r\n0.5;175\r\n",
+        "time_s\tjoint_1_rad\n0\t 85\n0.5\t1.75e2",
+        "\"time_s\",\"joint_1_rad\"\n\"0\",\"85\"\n\"0.5\",\"175\"\n",
+    ] {
+        let figures = inspect_json(&folder(&scaled, &[("encoder.csv", csv.as_bytes())]));
+        let channel = &figures["channels"][0];
+        assert_eq!(channel["unit"], "rad", "{csv}");
+        assert_eq!(channel["rate_hz"], 2.0, "{csv}");
+        // 180 and 360 degrees.
+        assert_eq!(
+            channel["columns"][0]["minimum"],
+            std::f64::consts::PI,
+            "{csv}"
+        );
+        assert_eq!(
+            channel["columns"][0]["maximum"],
+            std::f64::consts::TAU,
+            "{csv}"
+        );
+    }
+}
+
+#[test]
+fn val_noise_step_gaps_and_faults_are_found() {
+    // A 2 Hz oscillation of 0.1 rad at 500 Hz, rounded to 1e-4 rad, clipped above 0.08 rad, with
+    // 20 samples missing after 1 s, one sample lost to 1 rad, and one turn added after 3 s.
+    let mut csv = String::from("time_s,joint_1_rad\n");
+    for sample in (0..2000).filter(|sample| !(500..520).contains(sample)) {
+        let time = sample as f64 / 500.0;
+        let angle = (0.1 * (std::f64::consts::TAU * 2.0 * time).sin()).min(0.08);
+        let turn = if sample >= 1500 {
+            std::f64::consts::TAU
+        } else {
+            0.0
+        };
+        let value = if sample == 900 {
+            1.0
+        } else {
+            (angle * 1e4).round() / 1e4 + turn
+        };
+        csv.push_str(&format!("{time},{value}\n"));
+    }
+    let figures = inspect_json(&folder(MANIFEST, &[("encoder.csv", csv.as_bytes())]));
+    let channel = &figures["channels"][0];
+    assert_eq!(channel["missing_samples"], 20);
+    assert_eq!(channel["gaps"][0]["until_s"], 1.04);
+    let column = &channel["columns"][0];
+    assert_eq!(column["spikes_s"], serde_json::json!([1.8]));
+    assert_eq!(column["wraps_s"], serde_json::json!([3.0]));
+    let step = column["quantisation_step"].as_f64().unwrap();
+    assert!((step - 1e-4).abs() < 1e-7, "{step}");
+    let remarks = channel["remarks"].to_string();
+    for word in [
+        "20 missing samples",
+        "hangs",
+        "jumps by a turn",
+        "1 lone sample",
+    ] {
+        assert!(remarks.contains(word), "no {word:?} in {remarks}");
+    }
+}
+
+#[test]
+fn help_shows_an_example_and_an_unknown_verb_is_bad_input() {
+    let quell = || Command::cargo_bin("quell").unwrap();
+    for verb in ["inspect"] {
+        let assert = quell().args([verb, "--help"]).assert().success();
+        let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+        assert!(
+            help.contains("Examples:") && help.contains(&format!("quell {verb} ")),
+            "{help}"
+        );
+    }
+    quell().arg("inspekt").assert().code(2);
+    quell().arg("inspect").assert().code(2);
+}
+
+#[test]
+fn shared_recordings_are_read() {
+    // Role, samples, rate in Hz of each channel, as the recordings' own description has them.
+    let cases: [(&str, &[(&str, u64, f64)]); 4] = [
+        (
+            "quanser_lqg_step_20deg.toml",
+            &[
+                ("command_position", 2000, 500.0),
+                ("motor_position", 2000, 500.0),
+                ("deformation", 2000, 500.0),
+            ],
+        ),
+        (
+            "flexarm_square.toml",
+            &[
+                ("motor_voltage", 3001, 50.0),
+                ("motor_position", 3001, 50.0),
+                ("deformation", 3001, 50.0),
+            ],
+        ),
+        (
+            "silverbox.toml",
+            &[("force", 131_072, 610.35), ("deformation", 131_072, 610.35)],
+        ),
+        (
+            "arts_1hz_20lb.toml",
+            &[
+                ("link_position", 10_241, 1024.0),
+                ("force", 10_241, 1024.0),
+                ("link_velocity", 10_241, 1024.0),
+            ],
+        ),
+    ];
+    for (manifest, expected) in cases {
+        let Some(folder) = manifests::shared(manifest) else {
+            continue;
+        };
+        let figures = inspect_json(&folder);
+        for (channel, (role, samples, rate_hz)) in
+            figures["channels"].as_array().unwrap().iter().zip(expected)
+        {
+            assert_eq!(channel["role"], *role, "{manifest}");
+            assert_eq!(channel["samples"], *samples, "{manifest}");
+            // Stamps are printed to 1e-7 s, a share of 1e-4 of the shortest period.
+            assert!((channel["rate_hz"].as_f64().unwrap() / rate_hz - 1.0).abs() < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! What is wrong with a move, told before it reaches Ruckig or by Ruckig itself.
+
+use std::fmt;
+
+use thiserror::Error;
+
+/// An axis as errors name it: its index from 0, and its name if it has one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AxisLabel {
+    /// Index from 0.
+    pub index: usize,
+    /// Name given by [`crate::Planner::with_axis_names`].
+    pub name: Option<String>,
+}
+
+impl fmt::Display for AxisLabel {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.name {
+            Some(name) => write!(formatter, "axis {} ({name})", self.index),
+            None => write!(formatter, "axis {}", self.index),
+        }
+    }
+}
+
+/// Why a move cannot be planned or sampled.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The number of axes is not within 1 to 7.
+    #[error("a move has 1 to 7 axes, not {given}")]
+    DegreesOfFreedom {
+        /// The number asked for.
+        given: usize,
+    },
+    /// A list does not have one entry for each axis.
+    #[error("{what}: {given} entries for {expected} axes")]
+    Length {
+        /// Which list.
+        what: &'static str,
+        /// Number of axes.
+        expected: usize,
+        /// Length of the list.
+        given: usize,
+    },
+    /// A value is not finite, not positive, or outside of the range that Ruckig is tested for.
+    #[error("{axis}: {what} is {value}, it must be {rule}")]
+    Value {
+        /// Which axis.
+        axis: AxisLabel,
+        /// Which quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// The target state itself breaks a limit.
+    #[error("{axis}: target {what} {value} is beyond the limit {limit}")]
+    TargetBeyondLimit {
+        /// Which axis.
+        axis: AxisLabel,
+        /// Velocity or acceleration.
+        what: &'static str,
+        /// The target's value.
+        value: f64,
+        /// The limit of its magnitude.
+        limit: f64,
+    },
+    /// The target can only be reached from a velocity that breaks the limit.
+    #[error(
+        "{axis}: the target's velocity and acceleration can only be reached from a velocity of \
+         {value}, beyond the limit {limit}"
+    )]
+    TargetUnreachable {
+        /// Which axis.
+        axis: AxisLabel,
+        /// Velocity at which the acceleration towards the target must begin.
+        value: f64,
+        /// The limit of its magnitude.
+        limit: f64,
+    },
+    /// The move would last longer than Ruckig supports.
+    #[error("the move would last {duration} s, longer than the {limit} s that Ruckig supports")]
+    TooLong {
+        /// Duration, s (NaN if Ruckig did not say).
+        duration: f64,
+        /// Longest duration, s.
+        limit: f64,
+    },
+    /// Ruckig found no profile for one of the axes on its own (its step 1).
+    #[error("Ruckig found no time-optimal profile for {axis} within its limits")]
+    NoProfile {
+        /// Which axis.
+        axis: AxisLabel,
+    },
+    /// Ruckig found a profile for each axis, but no common duration (its step 2).
+    #[error("Ruckig found no common duration for the {axes} axes of this move")]
+    NoCommonDuration {
+        /// Number of axes.
+        axes: usize,
+    },
+    /// Ruckig refused or failed for another reason.
+    #[error("Ruckig failed with {code}")]
+    Ruckig {
+        /// The name of its result code.
+        code: String,
+    },
+    /// What Ruckig returned does not end at the target.
+    #[error("{axis}: Ruckig's trajectory misses the target {what} by {error}")]
+    Inexact {
+        /// Which axis.
+        axis: AxisLabel,
+        /// Position, velocity or acceleration.
+        what: &'static str,
+        /// Distance from the target.
+        error: f64,
+    },
+    /// The time of a retarget is not a number.
+    #[error("a time on the running trajectory must be finite, not {time}")]
+    Time {
+        /// The time asked for, s.
+        time: f64,
+    },
+    /// The sampling period is not finite and above 0.
+    #[error("the sampling period is {period} s, it must be finite and above 0")]
+    Period {
+        /// The period asked for, s.
+        period: f64,
+    },
+    /// The trajectory would need too many samples.
+    #[error("{duration} s at a period of {period} s are more than {limit} samples an axis")]
+    TooManySamples {
+        /// Duration of the trajectory, s.
+        duration: f64,
+        /// The period asked for, s.
+        period: f64,
+        /// The most samples for each axis.
+        limit: usize,
+    },
+}
