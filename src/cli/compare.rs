@@ -319,7 +319,8 @@ fn document(comparison: &Comparison) -> Value {
                     "frequency_error": error,
                     "v": design.residual(error),
                 })),
-                "curve": {
+                "simulated_mm": design.residual_mm,
+            "curve": {
                     "frequency_error": errors(comparison.spread).collect::<Vec<_>>(),
                     "v": errors(comparison.spread).map(|e| design.residual(e)).collect::<Vec<_>>(),
                 },
