@@ -356,11 +356,11 @@ fn val_noise_step_gaps_and_faults_are_found() {
 #[test]
 fn help_shows_an_example_and_an_unknown_verb_is_bad_input() {
     let quell = || Command::cargo_bin("quell").unwrap();
-    for verb in ["inspect"] {
+    for verb in ["compare", "inspect", "shape"] {
         let assert = quell().args([verb, "--help"]).assert().success();
         let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
         assert!(
-            help.contains("Examples:") && help.contains(&format!("quell {verb} ")),
+            help.contains(&format!("Examples:\n  quell {verb} ")),
             "{help}"
         );
     }
@@ -368,10 +368,13 @@ fn help_shows_an_example_and_an_unknown_verb_is_bad_input() {
     quell().arg("inspect").assert().code(2);
 }
 
+/// Role, samples, and rate in Hz of a channel.
+type Expected = (&'static str, u64, f64);
+
 #[test]
 fn shared_recordings_are_read() {
     // Role, samples, rate in Hz of each channel, as the recordings' own description has them.
-    let cases: [(&str, &[(&str, u64, f64)]); 4] = [
+    let cases: [(&str, &[Expected]); 4] = [
         (
             "quanser_lqg_step_20deg.toml",
             &[

@@ -21,6 +21,8 @@ pub struct Design {
     pub train: GridTrain,
     /// Width of the band with `V <= 0.05` around the first mode, over its frequency.
     pub insensitivity: Option<f64>,
+    /// Simulated tip deformation after the robot's move at the errors of the table, mm.
+    pub residual_mm: Option<Vec<f64>>,
     impulses: ImpulseTrain,
     modes: Vec<Mode>,
 }
@@ -50,6 +52,7 @@ impl Design {
         Ok(Self {
             train,
             insensitivity,
+            residual_mm: None,
             impulses,
             modes: modes.to_vec(),
         })

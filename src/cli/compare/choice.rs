@@ -23,6 +23,8 @@ pub struct Choice {
     pub shaper: &'static dyn Shaper,
     /// Why, in a sentence.
     pub reason: String,
+    /// What it adds to the end of a move, s.
+    pub delay: f64,
     /// Its greatest residual vibration over the errors to be covered.
     pub worst: f64,
 }
@@ -91,6 +93,7 @@ pub fn choose(candidates: &[Candidate], wish: Wish) -> Option<Choice> {
     let delay = best.design.train.duration();
     Some(Choice {
         shaper: best.shaper,
+        delay,
         reason: format!("{name}, which adds {delay:.3} s: {reason}."),
         worst: best.worst,
     })
