@@ -6,7 +6,7 @@ use quell_trajectories::{AxisState, Limits, Planner};
 use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::adaptation::AdaptationSettings;
-use crate::controller::{AxisMeasurement, AxisSettings, Controller, Retune, Setpoint};
+use crate::controller::{AxisMeasurement, AxisSettings, Controller, RetunePolicy, Setpoint};
 use crate::estimators::{EstimatorEntry, Settings};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
 use crate::signal::{ArcRegistration, DeformationSensor, RestRule};
@@ -36,7 +36,7 @@ pub struct CellSettings {
     /// Whether the train follows the estimate.
     pub adaptive: bool,
     /// When a new train takes effect.
-    pub retune: Retune,
+    pub retune: RetunePolicy,
     /// Method of estimation.
     pub estimator: &'static EstimatorEntry,
 }
@@ -125,6 +125,7 @@ impl Cell {
         let axis = &self.controller.axes()[0];
         let after = axis.status();
         Ok(MoveTrace {
+            period: self.controller.sample_time(),
             target,
             planned_end,
             command_end: command_end(&ticks),
