@@ -294,6 +294,7 @@ fn val_clock_frame_and_deformation_come_out_of_a_simulated_recording() {
     for (seed, (damping, offset)) in [
         (Damping::AcrossJoint, 0.0017),
         (Damping::AcrossJoint, -0.0012),
+        (Damping::AcrossJoint, 0.1234),
         (Damping::ToGround, 0.0009),
         (Damping::ToGround, -0.0019),
     ]

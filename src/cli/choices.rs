@@ -15,7 +15,9 @@ pub fn shapers() -> PossibleValuesParser {
 /// The table of estimators, with what each does.
 pub fn estimators() -> PossibleValuesParser {
     PossibleValuesParser::new(
-        ESTIMATORS.iter().map(|entry| PossibleValue::new(entry.name).help(entry.summary)),
+        ESTIMATORS
+            .iter()
+            .map(|entry| PossibleValue::new(entry.name).help(entry.summary)),
     )
 }
 

@@ -35,13 +35,23 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub joint: Option<usize>,
     /// How far to move, deg [default: as the description says, 30].
-    #[arg(long, visible_alias = "target-deg", value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        visible_alias = "target-deg",
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
     pub target: Option<f64>,
     /// The believed mode: natural frequency in Hz and damping ratio.
     #[arg(long, value_name = "F,XI", value_parser = shape::mode, conflicts_with = "belief_error")]
     pub belief: Option<Mode>,
     /// How wrong the believed frequency is, percent of the true one.
-    #[arg(long, value_name = "PERCENT", default_value_t = 25.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 25.0,
+        allow_negative_numbers = true
+    )]
     pub belief_error: f64,
     /// The shaper.
     #[arg(long, default_value = "zvd", value_parser = choices::shapers())]
@@ -101,7 +111,11 @@ fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
         let unshaped = cell(&scenario, Scenario::unshaped);
         let wrong_belief = cell(&scenario, Scenario::wrong_belief);
         let adaptive = cell(&scenario, Scenario::adaptive);
-        Ok(Comparison::new(unshaped.await?, wrong_belief.await?, adaptive.await?))
+        Ok(Comparison::new(
+            unshaped.await?,
+            wrong_belief.await?,
+            adaptive.await?,
+        ))
     })
 }
 
@@ -115,5 +129,9 @@ fn cell<T: Send + 'static>(
         let _span = tracing::info_span!("cell", shaper = scenario.shaper.name()).entered();
         run(&scenario)
     });
-    async { task.await.map_err(CliError::failure)?.map_err(CliError::input) }
+    async {
+        task.await
+            .map_err(CliError::failure)?
+            .map_err(CliError::input)
+    }
 }

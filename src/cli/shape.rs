@@ -4,8 +4,7 @@ mod command_file;
 
 use super::{CliError, output};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, Shaper, insensitivity, residual_vibration,
-    shaper_by_name,
+    Band, GridTrain, ImpulseTrain, Mode, Shaper, insensitivity, residual_vibration, shaper_by_name,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -50,7 +49,6 @@ pub struct Args {
     #[arg(long)]
     pub json: bool,
 }
-
 
 /// `F,XI` as a mode.
 pub(super) fn mode(text: &str) -> Result<Mode, String> {

@@ -9,7 +9,7 @@ use crate::adaptation::AdaptationSettings;
 use crate::controller::{AxisMeasurement, AxisSettings, Controller, Retune, Setpoint};
 use crate::estimators::{EstimatorEntry, Settings};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
-use crate::signal::{ArcRegistration, DeformationSensor};
+use crate::signal::{ArcRegistration, DeformationSensor, RestRule};
 
 /// The arm is watched for this many periods of the believed mode after its command has ended.
 const WATCHED_PERIODS: f64 = 12.0;
@@ -61,11 +61,8 @@ impl Cell {
     pub fn new(settings: &CellSettings) -> Result<Self, ClosedLoopError> {
         let mut arm = ArmSimulation::new(&settings.robot, settings.joint, &settings.simulation)?;
         let registration = commission(&mut arm, settings.displacement, settings.limits)?;
-        let sensor = DeformationSensor::new(
-            *arm.arc(),
-            registration.sensor_to_base,
-            registration.clock,
-        );
+        let sensor =
+            DeformationSensor::new(*arm.arc(), registration.sensor_to_base, registration.clock);
         let robot = &settings.robot;
         let sample_time = 1.0 / robot.control_rate;
         let belief = settings.belief;
@@ -79,6 +76,7 @@ impl Cell {
             estimator: settings.estimator,
             estimation: Settings::around(belief, 1.0 / robot.tracker.rate),
             adaptation: AdaptationSettings::around(belief),
+            rest: RestRule::new(0.0, robot.encoder.resolution),
             sensor,
             longest_train: 4.0 * belief.damped_period(),
             longest_move: LONGEST_MOVE,

@@ -5,9 +5,7 @@ use quell_trajectories::{AxisState, Limits, Planner};
 
 use super::ClosedLoopError;
 use crate::plant::{ArmSimulation, Command};
-use crate::signal::{
-    ArcRegistration, CubicSpline, End, Measurement, register_arc,
-};
+use crate::signal::{ArcRegistration, CubicSpline, End, Measurement, register_arc};
 
 /// The arm rests before, between and after the two moves, s: long enough for 3 Hz at 5 % to ring out
 /// to 6 %, and seen at rest by the tracker too.
@@ -26,7 +24,13 @@ pub fn commission(
 ) -> Result<ArcRegistration, ClosedLoopError> {
     let (encoder, tracker) = there_and_back(arm, displacement, limits)?;
     let motor = CubicSpline::new(&encoder.0, &encoder.1, End::NotAKnot)?;
-    Ok(register_arc(arm.arc(), &motor, &tracker.0, &tracker.1, None)?)
+    Ok(register_arc(
+        arm.arc(),
+        &motor,
+        &tracker.0,
+        &tracker.1,
+        None,
+    )?)
 }
 
 /// Samples of one sensor: stamps and readings.
@@ -39,7 +43,10 @@ fn there_and_back(
 ) -> Result<(Samples<f64>, Samples<Point3<f64>>), ClosedLoopError> {
     let period = 1.0 / arm.robot().control_rate;
     let start = arm.true_motor_position();
-    let ends = [AxisState::at_rest(start), AxisState::at_rest(start + displacement)];
+    let ends = [
+        AxisState::at_rest(start),
+        AxisState::at_rest(start + displacement),
+    ];
     let planner = Planner::new(1)?;
     let mut seen = (Samples::default(), Samples::default());
     for [from, to] in [[ends[0], ends[1]], [ends[1], ends[0]]] {
@@ -47,8 +54,13 @@ fn there_and_back(
         let ticks = ((REST + plan.duration() + REST) / period).ceil() as usize;
         for tick in 0..ticks {
             let state = plan.state_at(tick as f64 * period - REST)[0];
-            let command = Command { position: state.position, velocity: Some(state.velocity) };
-            arm.step(command, period).iter().for_each(|measurement| sort(measurement, &mut seen));
+            let command = Command {
+                position: state.position,
+                velocity: Some(state.velocity),
+            };
+            arm.step(command, period)
+                .iter()
+                .for_each(|measurement| sort(measurement, &mut seen));
         }
     }
     Ok(seen)

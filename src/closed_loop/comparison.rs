@@ -79,7 +79,10 @@ impl Comparison {
         (first, next, truth): (MoveTrace, MoveTrace, Mode),
     ) -> Self {
         let traces = [unshaped, wrong_belief, first, next];
-        Self { moves: MoveKind::ALL.into_iter().zip(traces).collect(), truth }
+        Self {
+            moves: MoveKind::ALL.into_iter().zip(traces).collect(),
+            truth,
+        }
     }
 
     /// The move of that kind.
@@ -100,7 +103,11 @@ impl Scenario {
     /// # Errors
     /// [`ClosedLoopError`] where the robot cannot be simulated or the move cannot be planned.
     pub fn run(&self) -> Result<Comparison, ClosedLoopError> {
-        Ok(Comparison::new(self.unshaped()?, self.wrong_belief()?, self.adaptive()?))
+        Ok(Comparison::new(
+            self.unshaped()?,
+            self.wrong_belief()?,
+            self.adaptive()?,
+        ))
     }
 
     /// The plan as it is.

@@ -5,6 +5,7 @@ pub mod arc_registration;
 pub mod clock_offset;
 pub mod deformation;
 pub mod error;
+pub mod forced_response;
 pub mod icp;
 pub mod kinematics;
 pub mod measurement;
@@ -23,6 +24,7 @@ pub use deformation::{
     tip_deformation,
 };
 pub use error::SignalError;
+pub use forced_response::ForcedResponse;
 pub use icp::{IcpOptions, IcpResult, icp, initial_guess};
 pub use kinematics::{Chain, ChainJoint, DhRow, JointArc, JointKind};
 pub use measurement::Measurement;

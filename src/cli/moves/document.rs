@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::cli::output;
+use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
 
 /// Distance from the target within which the tip counts as settled, m.
@@ -29,7 +29,8 @@ impl Learned {
 
     /// Periods of the estimated mode until the estimate had settled.
     pub fn periods(&self) -> Option<f64> {
-        self.converged_at.map(|time| time * self.estimate.mode.hertz())
+        self.converged_at
+            .map(|time| time * self.estimate.mode.hertz())
     }
 
     /// One standard deviation of the frequency, Hz.
@@ -77,8 +78,18 @@ pub fn document(comparison: &Comparison) -> Value {
 /// The comparison as text for a terminal.
 pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
     let table = output::table(
-        ["move", "residual_mm", "of_unshaped", "settling_s", "delay_s", "final_error_rad"],
-        comparison.moves.iter().map(|(kind, trace)| row(comparison, *kind, trace)),
+        [
+            "move",
+            "residual_mm",
+            "of_unshaped",
+            "settling_s",
+            "delay_s",
+            "final_error_rad",
+        ],
+        comparison
+            .moves
+            .iter()
+            .map(|(kind, trace)| row(comparison, *kind, trace)),
     );
     format!(
         "{}\n\n{table}\n{}\n{}",
@@ -126,7 +137,10 @@ pub fn learned(comparison: &Comparison) -> String {
     };
     let when = match (learned.converged_at, learned.periods()) {
         (Some(time), Some(periods)) => {
-            format!("converged {:.0} ms ({periods:.2} periods) after the move began", time * 1e3)
+            format!(
+                "converged {:.0} ms ({periods:.2} periods) after the move began",
+                time * 1e3
+            )
         }
         _ => "not converged".to_string(),
     };

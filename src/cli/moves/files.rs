@@ -16,11 +16,16 @@ pub fn write(
     output::folder(folder)?;
     for (kind, trace) in &comparison.moves {
         let folder = folder.join(kind.name());
-        trace.recording.write(&folder, true).map_err(CliError::failure)?;
+        trace
+            .recording
+            .write(&folder, true)
+            .map_err(CliError::failure)?;
     }
     output::file(&folder.join("model.toml"), model(scenario, comparison))?;
     let report = folder.join("report.html");
-    page::page(scenario, comparison).write(&report).map_err(CliError::failure)?;
+    page::page(scenario, comparison)
+        .write(&report)
+        .map_err(CliError::failure)?;
     Ok(report)
 }
 

@@ -20,7 +20,10 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
         .chart(deformation(comparison))
         .heading("What was learned while the arm moved")
         .chart(estimates(comparison, "natural frequency", "Hz", |e| {
-            (e.mode.hertz(), e.natural_frequency_std / core::f64::consts::TAU)
+            (
+                e.mode.hertz(),
+                e.natural_frequency_std / core::f64::consts::TAU,
+            )
         }))
         .chart(estimates(comparison, "damping ratio", "", |e| {
             (e.mode.damping_ratio(), e.damping_ratio_std)
@@ -61,18 +64,29 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new("left after the next move", next.residual() * 1e3, "mm")
             .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
-        Figure::new("settled after", next.settling_time(SETTLED).unwrap_or(f64::NAN), "s").note(
-            format!(
-                "{:.2} s unshaped, to 0.05 mm",
-                unshaped.settling_time(SETTLED).unwrap_or(f64::NAN)
-            ),
-        ),
+        Figure::new(
+            "settled after",
+            next.settling_time(SETTLED).unwrap_or(f64::NAN),
+            "s",
+        )
+        .note(format!(
+            "{:.2} s unshaped, to 0.05 mm",
+            unshaped.settling_time(SETTLED).unwrap_or(f64::NAN)
+        )),
         Figure::new("added delay", next.added_delay() * 1e3, "ms").note("of the command"),
     ];
     if let Some(learned) = Learned::from(comparison) {
-        let text = format!("{:.3} ± {:.3}", learned.estimate.mode.hertz(), learned.frequency_std());
+        let text = format!(
+            "{:.3} ± {:.3}",
+            learned.estimate.mode.hertz(),
+            learned.frequency_std()
+        );
         let truth = format!("{:.3} Hz in truth", comparison.truth.hertz());
-        figures.push(Figure::text("frequency learned", text).unit("Hz").note(truth));
+        figures.push(
+            Figure::text("frequency learned", text)
+                .unit("Hz")
+                .note(truth),
+        );
         let ms = learned.converged_at.map_or(f64::NAN, |time| time * 1e3);
         let periods = learned.periods().unwrap_or(f64::NAN);
         figures.push(
@@ -108,8 +122,11 @@ fn table(comparison: &Comparison) -> Table {
 }
 
 fn bars(comparison: &Comparison) -> Bars {
-    let residuals: Vec<f64> =
-        comparison.moves.iter().map(|(_, trace)| trace.residual() * 1e3).collect();
+    let residuals: Vec<f64> = comparison
+        .moves
+        .iter()
+        .map(|(_, trace)| trace.residual() * 1e3)
+        .collect();
     let names = comparison.moves.iter().map(|(kind, _)| words(*kind));
     Bars::new("Residual vibration", "mm", names).series("peak at the tip", &residuals)
 }
@@ -130,7 +147,11 @@ fn column(trace: &MoveTrace, value: impl Fn(&Tick) -> f64) -> Vec<f64> {
 fn deformation(comparison: &Comparison) -> Chart {
     let mut chart = Chart::lines("Deformation of the joint", "time", "s", "at the tip", "mm");
     for (kind, trace) in &comparison.moves {
-        let sign = if *kind == MoveKind::AdaptiveNext { -1.0 } else { 1.0 };
+        let sign = if *kind == MoveKind::AdaptiveNext {
+            -1.0
+        } else {
+            1.0
+        };
         let y = column(trace, |tick| sign * tick.tip_deformation * 1e3);
         chart = chart.series(words(*kind), &column(trace, |tick| tick.time), &y);
     }
@@ -146,8 +167,11 @@ fn estimates(
     value: impl Fn(&crate::estimators::Estimate) -> (f64, f64),
 ) -> Chart {
     let first = comparison.trace(MoveKind::AdaptiveFirst);
-    let seen: Vec<_> =
-        first.ticks.iter().filter_map(|tick| Some((tick.time, tick.estimate?))).collect();
+    let seen: Vec<_> = first
+        .ticks
+        .iter()
+        .filter_map(|tick| Some((tick.time, tick.estimate?)))
+        .collect();
     let time: Vec<f64> = seen.iter().map(|(time, _)| *time).collect();
     let of = |offset: f64| -> Vec<f64> {
         let at = |(_, estimate): &(f64, _)| {
@@ -156,9 +180,13 @@ fn estimates(
         };
         seen.iter().map(at).collect()
     };
-    let exact = if unit == "Hz" { comparison.truth.hertz() } else { comparison.truth.damping_ratio() };
+    let exact = if unit == "Hz" {
+        comparison.truth.hertz()
+    } else {
+        comparison.truth.damping_ratio()
+    };
     let mut chart = Chart::lines(format!("On-line estimate: {name}"), "time", "s", name, unit)
-        .band("estimate", &time, &of(-2.0), &of(2.0))
+        .band("estimate", "± 2 std", &time, &of(-2.0), &of(2.0))
         .series("estimate", &time, &of(0.0))
         .level(exact, "truth")
         .marker(first.planned_end, "planned move ends")
@@ -176,8 +204,16 @@ fn command(comparison: &Comparison) -> Chart {
     let velocity = |trace: &MoveTrace| column(trace, |tick| tick.velocity.to_degrees());
     let time = |trace: &MoveTrace| column(trace, |tick| tick.time);
     Chart::lines("Commanded velocity", "time", "s", "velocity", "deg/s")
-        .series(words(MoveKind::Unshaped), &time(unshaped), &velocity(unshaped))
-        .series(words(MoveKind::AdaptiveFirst), &time(first), &velocity(first))
+        .series(
+            words(MoveKind::Unshaped),
+            &time(unshaped),
+            &velocity(unshaped),
+        )
+        .series(
+            words(MoveKind::AdaptiveFirst),
+            &time(first),
+            &velocity(first),
+        )
         .x_range(0.0, 1.2 * first.command_end)
 }
 
@@ -188,9 +224,16 @@ fn trains(comparison: &Comparison) -> Chart {
         ("learned", MoveKind::AdaptiveNext),
     ] {
         let impulses = comparison.trace(kind).train.clone();
-        let time: Vec<f64> = impulses.impulses().iter().map(|impulse| impulse.time).collect();
-        let amplitude: Vec<f64> =
-            impulses.impulses().iter().map(|impulse| impulse.amplitude).collect();
+        let time: Vec<f64> = impulses
+            .impulses()
+            .iter()
+            .map(|impulse| impulse.time)
+            .collect();
+        let amplitude: Vec<f64> = impulses
+            .impulses()
+            .iter()
+            .map(|impulse| impulse.amplitude)
+            .collect();
         chart = chart.series(name, &time, &amplitude);
     }
     chart.note("On the controller's grid, where each impulse is split over two ticks.")
@@ -200,12 +243,18 @@ fn trains(comparison: &Comparison) -> Chart {
 fn paper_figures(trace: &MoveTrace) -> Vec<Chart> {
     let encoder = trace.recording.channel(Role::MotorPosition);
     let tracker = trace.recording.channel(Role::TipPosition);
-    let (Some(encoder), Some(tracker)) = (encoder, tracker) else { return Vec::new() };
+    let (Some(encoder), Some(tracker)) = (encoder, tracker) else {
+        return Vec::new();
+    };
     let Ok(motor) = CubicSpline::new(&encoder.time, &encoder.columns[0], End::NotAKnot) else {
         return Vec::new();
     };
     let base = &trace.registration;
-    let stamps: Vec<f64> = tracker.time.iter().map(|&stamp| base.clock.time(stamp)).collect();
+    let stamps: Vec<f64> = tracker
+        .time
+        .iter()
+        .map(|&stamp| base.clock.time(stamp))
+        .collect();
     let laser: Vec<Point3<f64>> = (0..stamps.len())
         .map(|k| {
             let seen = Point3::new(
@@ -216,24 +265,43 @@ fn paper_figures(trace: &MoveTrace) -> Vec<Chart> {
             base.sensor_to_base * seen
         })
         .collect();
-    let encoder: Vec<Point3<f64>> =
-        stamps.iter().map(|&time| trace.arc.tip(motor.value(time))).collect();
+    let encoder: Vec<Point3<f64>> = stamps
+        .iter()
+        .map(|&time| trace.arc.tip(motor.value(time)))
+        .collect();
     let axis = |points: &[Point3<f64>], axis: usize, scale: f64| -> Vec<f64> {
         points.iter().map(|point| point[axis] * scale).collect()
     };
     let start = stamps.first().copied().unwrap_or(0.0);
     let time: Vec<f64> = stamps.iter().map(|stamp| stamp - start).collect();
-    let difference: Vec<f64> =
-        laser.iter().zip(&encoder).map(|(laser, encoder)| (laser.x - encoder.x) * 1e3).collect();
+    let difference: Vec<f64> = laser
+        .iter()
+        .zip(&encoder)
+        .map(|(laser, encoder)| (laser.x - encoder.x) * 1e3)
+        .collect();
     let mut charts = vec![
         Chart::lines("Path of the tip, unshaped", "X", "m", "Y", "m")
-            .series("encoder and kinematics", &axis(&encoder, 0, 1.0), &axis(&encoder, 1, 1.0))
-            .series("laser tracker, registered", &axis(&laser, 0, 1.0), &axis(&laser, 1, 1.0)),
+            .series(
+                "encoder and kinematics",
+                &axis(&encoder, 0, 1.0),
+                &axis(&encoder, 1, 1.0),
+            )
+            .series(
+                "laser tracker, registered",
+                &axis(&laser, 0, 1.0),
+                &axis(&laser, 1, 1.0),
+            ),
         Chart::lines("Position along X, unshaped", "time", "s", "X", "m")
             .series("encoder and kinematics", &time, &axis(&encoder, 0, 1.0))
             .series("laser tracker, registered", &time, &axis(&laser, 0, 1.0)),
-        Chart::lines("Deformation along X, unshaped", "time", "s", "difference", "mm")
-            .series("laser tracker minus encoder", &time, &difference),
+        Chart::lines(
+            "Deformation along X, unshaped",
+            "time",
+            "s",
+            "difference",
+            "mm",
+        )
+        .series("laser tracker minus encoder", &time, &difference),
     ];
     charts.extend(fourier(trace, &time, &difference));
     charts
@@ -245,10 +313,18 @@ fn fourier(trace: &MoveTrace, time: &[f64], difference: &[f64]) -> Option<Chart>
     let period = (time.last()? - time.first()?) / (time.len() - 1) as f64;
     let spectrum = spectrum(free, period, Window::Rectangular, 8).ok()?;
     let hertz = spectrum.resolution / core::f64::consts::TAU;
-    let lines: Vec<f64> = (0..spectrum.amplitude.len()).map(|line| line as f64 * hertz).collect();
+    let lines: Vec<f64> = (0..spectrum.amplitude.len())
+        .map(|line| line as f64 * hertz)
+        .collect();
     Some(
-        Chart::lines("Amplitude spectrum of the free decay", "frequency", "Hz", "amplitude", "mm")
-            .series("deformation along X", &lines, &spectrum.amplitude)
-            .x_range(0.0, 40.0),
+        Chart::lines(
+            "Amplitude spectrum of the free decay",
+            "frequency",
+            "Hz",
+            "amplitude",
+            "mm",
+        )
+        .series("deformation along X", &lines, &spectrum.amplitude)
+        .x_range(0.0, 40.0),
     )
 }

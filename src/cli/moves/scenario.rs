@@ -42,7 +42,9 @@ pub fn from(args: &Args) -> Result<Scenario, CliError> {
 }
 
 fn joint(args: &Args, robot: &Robot) -> Result<usize, CliError> {
-    let Some(number) = args.joint else { return Ok(robot.default_move.joint) };
+    let Some(number) = args.joint else {
+        return Ok(robot.default_move.joint);
+    };
     let joints = robot.joints.len();
     if !(1..=joints).contains(&number) {
         let text = format!("--joint {number}: {} has joints 1 to {joints}", robot.name);
@@ -54,20 +56,30 @@ fn joint(args: &Args, robot: &Robot) -> Result<usize, CliError> {
 /// The mode that is believed in: given, or the joint's own with a wrong frequency.
 fn belief(args: &Args, robot: &Robot, joint: usize) -> Result<Mode, CliError> {
     let Some(own) = robot.joints[joint].modes.first() else {
-        let text = format!("joint {} of {} has no mode: it does not ring", joint + 1, robot.name);
-        return Err(CliError::input(text)
-            .with_help("give the joint a line mode = [{ frequency_hz = .., damping_ratio = .. }]"));
+        let text = format!(
+            "joint {} of {} has no mode: it does not ring",
+            joint + 1,
+            robot.name
+        );
+        return Err(CliError::input(text).with_help(
+            "give the joint a line mode = [{ frequency_hz = .., damping_ratio = .. }]",
+        ));
     };
     if let Some(belief) = args.belief {
         return Ok(belief);
     }
     let factor = 1.0 + args.belief_error / 100.0;
-    Mode::new(own.mode.natural_frequency() * factor, own.mode.damping_ratio())
-        .map_err(|error| CliError::input(format!("--belief-error {}: {error}", args.belief_error)))
+    Mode::new(
+        own.mode.natural_frequency() * factor,
+        own.mode.damping_ratio(),
+    )
+    .map_err(|error| CliError::input(format!("--belief-error {}: {error}", args.belief_error)))
 }
 
 fn displacement(args: &Args, robot: &Robot) -> Result<f64, CliError> {
-    let displacement = args.target.map_or(robot.default_move.target, f64::to_radians);
+    let displacement = args
+        .target
+        .map_or(robot.default_move.target, f64::to_radians);
     if displacement.is_finite() && displacement != 0.0 {
         return Ok(displacement);
     }
