@@ -5,8 +5,8 @@ mod command_file;
 use super::{CliError, output};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, insensitivity, residual_vibration,
-    shaper_by_name,
+    Band, GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity,
+    residual_vibration, shaper_by_name,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -66,6 +66,20 @@ pub(super) fn mode(text: &str) -> Result<Mode, String> {
     Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
 }
 
+/// The longest train that is run, ticks: 24 MB of delay line, 17 minutes at 1 kHz.
+const LONGEST_TRAIN: usize = 1_000_000;
+
+/// The train, unless it is longer than anything that a filter is made for.
+pub(super) fn of_sane_length(train: GridTrain) -> Result<GridTrain, ShaperError> {
+    match train.duration_in_ticks() {
+        ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {
+            ticks,
+            capacity: LONGEST_TRAIN,
+        }),
+        _ => Ok(train),
+    }
+}
+
 /// A rate in Hz.
 pub(super) fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -121,6 +135,7 @@ fn design(args: &Args) -> Result<Design, CliError> {
             .convolve(&shaper.on_grid(mode, sample_time).map_err(CliError::input)?)
             .map_err(CliError::input)?;
     }
+    let grid = of_sane_length(grid).map_err(CliError::input)?;
     Ok(Design {
         shaper,
         modes: args.mode.clone(),
