@@ -171,24 +171,6 @@ fn page(design: &Design) -> Result<String, CliError> {
             format!("{:.6}", tap.amplitude),
         ]
     });
-    let mut modes = Vec::new();
-    for &mode in &design.modes {
-        let (residual, band) = design.at(mode)?;
-        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
-        let range = band.map_or("-".into(), |band| {
-            format!(
-                "{:.3} to {:.3}",
-                band.from * mode.hertz(),
-                band.to * mode.hertz()
-            )
-        });
-        modes.push([
-            format!("{} Hz, {}", mode.hertz(), mode.damping_ratio()),
-            format!("{residual:.1e}"),
-            width,
-            range,
-        ]);
-    }
     let gain = design.grid.gain();
     let peak = match design.shaper.is_convex() {
         true => String::new(),
@@ -206,7 +188,26 @@ fn page(design: &Design) -> Result<String, CliError> {
         summary = design.shaper.summary(),
         impulses = output::table(["impulse_s", "amplitude"], impulses),
         taps = output::table(["tap", "time_s", "amplitude"], taps),
-        modes = output::table(["mode", "V of the taps", "insensitivity", "band_hz"], modes),
+        modes = modes(design)?,
+    ))
+}
+
+/// The table of what the taps leave of each mode.
+fn modes(design: &Design) -> Result<String, CliError> {
+    let mut rows = Vec::new();
+    for &mode in &design.modes {
+        let (residual, band) = design.at(mode)?;
+        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
+        let edges = |band: Band| [band.from * mode.hertz(), band.to * mode.hertz()];
+        let range = band
+            .map(edges)
+            .map_or("-".into(), |[from, to]| format!("{from:.3} to {to:.3}"));
+        let name = format!("{} Hz, {}", mode.hertz(), mode.damping_ratio());
+        rows.push([name, format!("{residual:.1e}"), width, range]);
+    }
+    Ok(output::table(
+        ["mode", "V of the taps", "insensitivity", "band_hz"],
+        rows,
     ))
 }
 

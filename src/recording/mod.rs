@@ -15,6 +15,8 @@
 mod error;
 pub mod health;
 mod manifest;
+#[cfg(test)]
+mod properties;
 mod role;
 mod table;
 mod unit;

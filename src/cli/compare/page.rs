@@ -1,6 +1,7 @@
 //! The report of a comparison.
 
-use super::{Comparison, ERRORS, describe, errors};
+use super::print::{describe, percent_label};
+use super::{Comparison, ERRORS, errors};
 use crate::report::{Cell, Chart, Figure, Page, Table, Verdict};
 
 /// The page: advice first, then table, curves and trains.
@@ -39,7 +40,7 @@ fn percent(share: f64) -> f64 {
 
 fn percent_header(table: Table, unit: &str) -> Table {
     ERRORS.iter().fold(table, |table, error| {
-        table.column(super::percent_label(*error), unit)
+        table.column(percent_label(*error), unit)
     })
 }
 
