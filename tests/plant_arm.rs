@@ -1,6 +1,6 @@
 //! The simulated arm against closed forms: free decay, both damping conventions, servo, sensors.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_6, TAU};
 use std::path::Path;
 
 use proptest::prelude::*;
@@ -197,7 +197,7 @@ fn val_online_deformation_follows_the_truth_through_the_move() {
     let mut robot = Robot::rx170();
     robot.encoder.resolution = 0.0;
     let limits = robot.joints[0].limits;
-    let (_, profile) = jerk_limited(0.5236, limits.acceleration, limits.jerk);
+    let (_, profile) = jerk_limited(FRAC_PI_6, limits.acceleration, limits.jerk);
     let options = SimulationOptions {
         tracker_noise: Some(0.0),
         ..Default::default()

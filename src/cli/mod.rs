@@ -4,10 +4,12 @@
 //! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of [`Verb`] and
 //! [`Verb::run`]. What it prints goes through [`output`], so that a closed pipe ends it quietly.
 
+pub mod choices;
 pub mod compare;
 pub mod error;
 pub mod inspect;
 pub mod log;
+pub mod moves;
 pub mod output;
 pub mod shape;
 
@@ -38,6 +40,7 @@ struct Cli {
 enum Verb {
     Compare(compare::Args),
     Inspect(inspect::Args),
+    Move(moves::Args),
     Shape(shape::Args),
 }
 
@@ -46,6 +49,7 @@ impl Verb {
         match self {
             Self::Compare(args) => compare::run(args),
             Self::Inspect(args) => inspect::run(args),
+            Self::Move(args) => moves::run(args),
             Self::Shape(args) => shape::run(args),
         }
     }

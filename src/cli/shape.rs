@@ -3,10 +3,9 @@
 mod command_file;
 
 use super::{CliError, output};
-use clap::builder::{PossibleValue, PossibleValuesParser};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity,
-    residual_vibration, shaper_by_name,
+    Band, GridTrain, ImpulseTrain, Mode, Shaper, ShaperError, insensitivity, residual_vibration,
+    shaper_by_name,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -27,7 +26,7 @@ one leaves, each at its own end. The insensitivity is the width of the band of f
 the design frequency, in which V stays at or below 5 %.")]
 pub struct Args {
     /// The shaper.
-    #[arg(long, value_parser = names())]
+    #[arg(long, value_parser = super::choices::shapers())]
     pub shaper: String,
     /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
     #[arg(long, value_name = "F,XI", value_parser = mode, required = true)]
@@ -50,12 +49,6 @@ pub struct Args {
     /// Prints JSON instead of tables.
     #[arg(long)]
     pub json: bool,
-}
-
-/// The table of shapers as choices, with what each does.
-fn names() -> PossibleValuesParser {
-    let choice = |shaper: &&dyn Shaper| PossibleValue::new(shaper.name()).help(shaper.summary());
-    PossibleValuesParser::new(SHAPERS.iter().map(choice))
 }
 
 /// `F,XI` as a mode.

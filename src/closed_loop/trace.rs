@@ -4,6 +4,8 @@ use quell_shapers::{ImpulseTrain, Mode};
 use quell_trajectories::Limits;
 
 use crate::estimators::Estimate;
+use crate::recording::Recording;
+use crate::signal::{ArcRegistration, JointArc};
 
 /// One tick of a move, from the simulation's own truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,12 +61,18 @@ pub struct MoveTrace {
     pub command_end: f64,
     /// The motor side stays within one encoder step of the target from here on, s.
     pub motor_end: f64,
-    /// Radius of the tip's arc, m.
-    pub lever_arm: f64,
+    /// The tip's arc in the robot's base frame.
+    pub arc: JointArc,
+    /// Frame and clock of the tracker, as commissioning found them.
+    pub registration: ArcRegistration,
+    /// What encoder and tracker said, each on its own clock, and the command.
+    pub recording: Recording,
     /// Train in force when the move ended.
     pub train: ImpulseTrain,
     /// Mode that it was designed for.
     pub mode: Mode,
+    /// Speed to which the move was slowed so that the shaped command keeps its limits, 0 to 1.
+    pub slowed_to: Option<f64>,
     /// Trains changed during the move.
     pub retunes: u32,
     /// Corrections refused during the move.
@@ -86,7 +94,7 @@ impl MoveTrace {
     /// `None` if it does not within the trace.
     pub fn settling_time(&self, tolerance: f64) -> Option<f64> {
         let outside = |tick: &Tick| {
-            let rigid = (tick.motor_position - self.target) * self.lever_arm;
+            let rigid = (tick.motor_position - self.target) * self.arc.radius();
             (rigid + tick.tip_deformation).abs() > tolerance
         };
         match self.ticks.iter().rposition(outside) {

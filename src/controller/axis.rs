@@ -7,7 +7,7 @@ use quell_shapers::{
 use super::settings::{AxisSettings, Retune};
 use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
-use crate::signal::{DeformationSample, DeformationSensor, Measurement};
+use crate::signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
 
 /// What an axis believes and does; plain numbers for logs and displays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,7 @@ pub struct AxisStatus {
 pub struct Axis {
     settings: AxisSettings,
     sensor: DeformationSensor,
+    rest: RestDetector,
     estimator: Box<dyn Estimator>,
     adaptation: Adaptation,
     filter: ShapingFilter,
@@ -50,6 +51,7 @@ impl Axis {
         filter.install(&train)?;
         Ok(Self {
             sensor: settings.sensor.clone(),
+            rest: RestDetector::new(settings.rest),
             estimator: (settings.estimator.build)(&settings.estimation),
             adaptation: Adaptation::new(settings.adaptation),
             filter,
@@ -84,16 +86,35 @@ impl Axis {
 
     /// Takes a measurement. No allocation.
     pub(super) fn observe(&mut self, measurement: Measurement) {
+        if let Measurement::MotorPosition { time, position } = measurement {
+            self.watch(time, position);
+        }
         self.sensor.observe(measurement);
         while let Some(sample) = self.sensor.next_sample() {
             self.status.deformation = Some(sample);
-            self.estimator.observe(Sample {
-                time: sample.time,
-                motor_position: sample.motor_position,
-                deformation: sample.deformation,
-            });
-            self.fresh = true;
+            if self.may_use(sample.time) {
+                self.estimator.observe(Sample {
+                    time: sample.time,
+                    motor_position: sample.motor_position,
+                    deformation: sample.deformation,
+                });
+                self.fresh = true;
+            }
         }
+    }
+
+    /// Begins a new window with each free decay, for estimators that cannot use the motion.
+    fn watch(&mut self, time: f64, position: f64) {
+        let before = self.rest.motion();
+        let now = self.rest.observe(time, position);
+        if !self.settings.estimator.uses_motion && before == Motion::Moving && now == Motion::Rest {
+            self.estimator.restart();
+        }
+    }
+
+    fn may_use(&self, time: f64) -> bool {
+        let free = self.rest.free_decay_from();
+        self.settings.estimator.uses_motion || free.is_some_and(|from| time >= from)
     }
 
     /// One tick: adapts if there is a new estimate, then shapes `input`. No allocation, no failure.

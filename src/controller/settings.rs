@@ -5,7 +5,7 @@ use quell_trajectories::Limits;
 
 use crate::adaptation::AdaptationSettings;
 use crate::estimators::{EstimatorEntry, Settings};
-use crate::signal::DeformationSensor;
+use crate::signal::{DeformationSensor, RestRule};
 
 /// When a new train takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +36,8 @@ pub struct AxisSettings {
     pub estimation: Settings,
     /// What the adaptation believes and acts on.
     pub adaptation: AdaptationSettings,
+    /// What counts as rest of the motor side.
+    pub rest: RestRule,
     /// From measurements to deformation.
     pub sensor: DeformationSensor,
     /// Longest train, s; sizes the delay line.

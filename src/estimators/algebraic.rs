@@ -69,9 +69,10 @@ struct Kernel {
 impl Kernel {
     fn push(&mut self, t: f64, x: f64, step: f64) {
         let powers = [x, t * x, t * t * x];
-        for k in 0..3 {
-            let inner = self.moments[k].push(powers[k], step);
-            self.iterated[k].push(inner, step);
+        for ((moment, iterated), power) in
+            self.moments.iter_mut().zip(&mut self.iterated).zip(powers)
+        {
+            iterated.push(moment.push(power, step), step);
         }
         let [_, once, twice] = self.moments.map(|integral| integral.value());
         let [plain, linear, square] = self.iterated.map(|integral| integral.value());
@@ -131,7 +132,7 @@ impl Algebraic {
                     true,
                     true,
                     self.state.moved > 10.0 * noise,
-                    self.settings.offset_std.is_some(),
+                    self.settings.offset_is_free(),
                 ]
             }
         }

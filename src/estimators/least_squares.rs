@@ -52,7 +52,7 @@ impl LeastSquares {
             _ => 0.0,
         });
         let eigenvalues = scaled.symmetric_eigenvalues();
-        if !(eigenvalues.min() * LARGEST_CONDITION > eigenvalues.max()) {
+        if eigenvalues.min() * LARGEST_CONDITION <= eigenvalues.max() {
             return None;
         }
         let rhs = SVector::<f64, COLUMNS>::from_fn(|i, _| self.rhs[i] * scale[i]);

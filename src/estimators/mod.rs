@@ -15,9 +15,11 @@ use quell_shapers::Mode;
 
 mod algebraic;
 mod convergence;
+mod cramer_rao;
 mod least_squares;
 mod likelihood;
 mod modal_response;
+pub mod offline;
 mod quadrature;
 mod regression;
 mod settings;
@@ -25,6 +27,7 @@ mod super_twisting;
 
 pub use algebraic::{Algebraic, AlgebraicForm};
 pub use convergence::{Convergence, SETTLED};
+pub use cramer_rao::{Bound, cramer_rao};
 pub use likelihood::Likelihood;
 pub use quadrature::Integral;
 pub use settings::Settings;

@@ -17,7 +17,8 @@ pub struct Settings {
     /// Lowest and highest natural frequency that are looked for, rad/s.
     pub frequency_range: (f64, f64),
     /// Constant offset of the deformation, rad; `None`: one standard deviation of the noise (the
-    /// deformation was zeroed at rest on at least one sample).
+    /// deformation was zeroed at rest on at least one sample). The regressions know no prior: they
+    /// take it as zero, or free where a value above 0 is given.
     pub offset_std: Option<f64>,
     /// Relative error of the deformation's scale (lever arm, modal participation).
     pub scale_std: f64,
@@ -54,6 +55,11 @@ impl Settings {
             gain_std: 0.05,
             window: 20.0 * core::f64::consts::TAU / frequency_range.0,
         }
+    }
+
+    /// Whether a regression needs a column for the deformation's offset.
+    pub(super) fn offset_is_free(&self) -> bool {
+        self.offset_std.is_some_and(|std| std > 0.0)
     }
 
     /// Samples in a window, between 256 and 65 536.

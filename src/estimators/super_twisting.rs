@@ -137,10 +137,10 @@ impl Estimator for SuperTwisting {
         if !sample.is_finite() || self.settling.is_frozen() {
             return;
         }
-        self.state.largest = self.state.largest.max(sample.deformation.abs());
         let Some(last) = self.state.last else {
             self.state.begin = sample.time;
             self.state.position = sample.deformation;
+            self.state.largest = sample.deformation.abs();
             self.state.filtered_position = TwoPole {
                 first: sample.deformation,
                 second: sample.deformation,
@@ -151,6 +151,7 @@ impl Estimator for SuperTwisting {
         if sample.time <= last.time {
             return;
         }
+        self.state.largest = self.state.largest.max(sample.deformation.abs());
         self.track(last, sample);
         let rate = self.state.filtered_velocity.second.abs() / self.bound;
         self.state.largest = self.state.largest.max(rate);
@@ -172,7 +173,7 @@ impl Estimator for SuperTwisting {
         ];
         let slope = state.filtered_velocity.slope(tau);
         state.equations.push(row, slope, sample.time - last.time);
-        let used = [true, true, false, self.settings.offset_std.is_some()];
+        let used = [true, true, false, self.settings.offset_is_free()];
         if let Some([stiffness, damping, ..]) = state.equations.solve(used) {
             self.settling.push(sample.time, stiffness, damping, 0.0);
         }

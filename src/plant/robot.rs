@@ -6,7 +6,8 @@ use nalgebra::{Isometry3, Point3};
 use quell_shapers::{Mode, ModeError};
 use serde::Deserialize;
 
-use super::robot_file::{self, RobotError};
+use super::error::RobotError;
+use super::robot_file;
 use crate::signal::{Body, Chain, Clock, DeformationSensor, JointArc, SignalError};
 
 /// Where the damper of a mode is attached.

@@ -6,51 +6,11 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3
 use quell_shapers::Mode;
 use serde::Deserialize;
 
+use super::error::RobotError;
 use super::robot::{
     Damping, DefaultMove, Encoder, JointLimits, ModeOfJoint, Robot, RobotJoint, Servo, Tracker,
 };
-use crate::signal::{Body, Chain, Clock, DhRow, JointKind, SignalError, read_urdf};
-
-/// Why a robot description is refused; carries file, key and value.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RobotError {
-    /// The file cannot be read.
-    #[error("{}: {reason}", file.display())]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        reason: String,
-    },
-    /// The file is not TOML, or a key is missing, unknown or of another type.
-    #[error("{}: {message}", file.display())]
-    Syntax {
-        /// The file.
-        file: PathBuf,
-        /// Line, column and cause.
-        message: String,
-    },
-    /// A value that is out of its range.
-    #[error("{}: {key} = {value}: {expected}", file.display())]
-    Value {
-        /// The file.
-        file: PathBuf,
-        /// The key, as `joint[1].mode[1].damping_ratio`, tables counted from 1.
-        key: String,
-        /// The value as given.
-        value: String,
-        /// What it must be.
-        expected: &'static str,
-    },
-    /// The kinematics cannot be used.
-    #[error("{}: {source}", file.display())]
-    Kinematics {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: SignalError,
-    },
-}
+use crate::signal::{Body, Chain, Clock, DhRow, JointKind, read_urdf};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -6,7 +6,7 @@ use super::thin::{STRETCHES, thinned};
 /// Curves, points and bands over one abscissa, or impulse trains; with lines at given places.
 ///
 /// The page shows it with zoom (drag), cursor values and a legend that hides curves. Charts of the
-/// same abscissa (name and unit) share cursor and zoom.
+/// same abscissa (name and unit) share the cursor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     title: String,
@@ -30,6 +30,7 @@ struct Axis {
 #[derive(Clone, Debug, PartialEq)]
 struct Series {
     name: String,
+    label: String,
     kind: &'static str,
     x: Vec<f64>,
     y: Vec<f64>,
@@ -94,10 +95,23 @@ impl Chart {
         self.push(name.into(), "points", x, y, &[])
     }
 
-    /// The area between `low` and `high`, as of a standard deviation. Drawn below the curves that
-    /// are added after it; give it the name of its curve to share the colour.
-    pub fn band(self, name: impl Into<String>, x: &[f64], low: &[f64], high: &[f64]) -> Self {
-        self.push(name.into(), "band", x, high, low)
+    /// The area between `low` and `high` around a curve, in the curve's colour, as of a standard
+    /// deviation; `words` say what it is. Drawn below the curves that are added after it.
+    pub fn band(
+        self,
+        curve: impl Into<String>,
+        words: &str,
+        x: &[f64],
+        low: &[f64],
+        high: &[f64],
+    ) -> Self {
+        let curve = curve.into();
+        let label = format!("{curve} {words}");
+        let mut chart = self.push(curve, "band", x, high, low);
+        if let Some(band) = chart.series.last_mut() {
+            band.label = label;
+        }
+        chart
     }
 
     /// A vertical dashed line at `x` with a few words.
@@ -166,6 +180,7 @@ impl Chart {
         };
         let (x, y) = (pick(x), pick(y));
         self.series.push(Series {
+            label: name.clone(),
             name,
             kind,
             x,
@@ -278,7 +293,7 @@ impl Series {
             format!(
                 "{}: {drawn} of {} samples are drawn, the first, last, smallest and largest of \
                  each of {STRETCHES} stretches. ",
-                escape(&self.name),
+                escape(&self.label),
                 self.x.len(),
             )
         })
@@ -310,7 +325,7 @@ impl Series {
         };
         format!(
             "{{\"name\":{},\"kind\":\"{}\",\"colour\":{colour},\"x\":{},\"y\":{},\"low\":{low}}}",
-            json_string(&self.name),
+            json_string(&self.label),
             self.kind,
             column(&self.x, 10),
             ordinates(&self.y),

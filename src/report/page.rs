@@ -17,6 +17,9 @@ const STYLE: &str = include_str!("../../assets/report.css");
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       base-uri 'none'; form-action 'none'";
 
+/// Colours that the style sheet defines, `--c0` to `--c6`.
+pub(super) const COLOURS: usize = 7;
+
 /// Why a page could not be written.
 #[derive(Debug, Error)]
 #[error("cannot write the report {}: {source}", path.display())]
@@ -192,8 +195,13 @@ impl Page {
 
     /// The page as HTML, complete in itself.
     pub fn render(&self) -> String {
-        let names = self.names();
-        let slot = |name: &str| names.iter().position(|known| *known == name);
+        let colours = self.colours();
+        let slot = |name: &str| {
+            colours
+                .iter()
+                .find(|known| known.0 == name)
+                .map(|known| known.1)
+        };
         let charts = self.charts();
         let data: Vec<_> = charts
             .iter()
@@ -229,32 +237,43 @@ impl Page {
     }
 
     fn charts(&self) -> Vec<&Chart> {
-        let chart = |block| {
-            if let &Block::Chart(ref chart) = block {
-                Some(chart)
-            } else {
-                None
-            }
-        };
-        self.blocks.iter().filter_map(chart).collect()
-    }
-
-    /// Names of curves in the order in which they take the colours.
-    fn names(&self) -> Vec<&str> {
-        let mut names = Vec::new();
+        let mut charts = Vec::new();
         for block in &self.blocks {
-            let new: Vec<&str> = match block {
-                Block::Chart(chart) => chart.names().collect(),
-                Block::Bars(bars) => bars.names().collect(),
-                _ => Vec::new(),
-            };
-            for name in new {
-                if !names.contains(&name) {
-                    names.push(name);
-                }
+            if let Block::Chart(chart) = block {
+                charts.push(chart);
             }
         }
-        names
+        charts
+    }
+
+    /// Names that appear together in each chart.
+    fn companies(&self) -> impl Iterator<Item = Vec<&str>> {
+        self.blocks.iter().map(|block| match block {
+            Block::Chart(chart) => chart.names().collect(),
+            Block::Bars(bars) => bars.names().collect(),
+            _ => Vec::new(),
+        })
+    }
+
+    /// The colour of each curve's name: one of its own while there are any, then one that no curve
+    /// in the same chart has, then any (the script changes the dashes).
+    fn colours(&self) -> Vec<(&str, usize)> {
+        let mut colours: Vec<(&str, usize)> = Vec::new();
+        for name in self.companies().flatten() {
+            if colours.iter().any(|(known, _)| *known == name) {
+                continue;
+            }
+            let taken_beside = |slot: usize| {
+                let holder = |other: &&str| colours.contains(&(*other, slot));
+                self.companies()
+                    .any(|names| names.contains(&name) && names.iter().any(holder))
+            };
+            let own = Some(colours.len()).filter(|&slot| slot < COLOURS);
+            let free = || (0..COLOURS).find(|&slot| !taken_beside(slot));
+            let slot = own.or_else(free).unwrap_or(colours.len());
+            colours.push((name, slot));
+        }
+        colours
     }
 
     fn render_head(&self) -> String {

@@ -1,8 +1,11 @@
 //! From motor position and registered tip position to the deformation of the joint.
 
 use nalgebra::{Isometry3, Point3};
+use quell_shapers::Mode;
 
-use super::{Aligner, Clock, JointArc, Measurement};
+use super::arc_registration::{ArcRegistration, register_arc};
+use super::{Aligner, Clock, CubicSpline, End, JointArc, Measurement, SignalError};
+use crate::recording::{Channel, Recording, Role};
 
 /// Deformation of a joint whose motor side is at `u` and whose tip is at `p` in the base frame, rad.
 ///
@@ -100,4 +103,134 @@ impl DeformationSensor {
     pub fn restart(&mut self) {
         self.aligner.restart();
     }
+}
+
+/// Deformation over a whole recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedDeformation {
+    /// Samples at the stamps of the sensor of the tip, link or deformation, those within the
+    /// encoder's span; times on the encoder's clock.
+    pub samples: Vec<DeformationSample>,
+    /// Frame and clock of the tip sensor, where the recording has one and they were learned from it.
+    pub registration: Option<ArcRegistration>,
+}
+
+/// Deformation over a recording, from whichever sensor it has beside the motor position: the
+/// deformation itself, the link position, or the tip.
+///
+/// A tip sensor needs the tip's `arc`; its frame and clock are learned from the recording itself, by
+/// [`register_arc`]. A deformation in m is divided by the arc's radius. Without an arc the tip
+/// deformation is NaN.
+///
+/// # Errors
+/// [`SignalError`] where a channel is missing or bad, or the registration fails.
+pub fn recorded_deformation(
+    recording: &Recording,
+    arc: Option<&JointArc>,
+    belief: Option<Mode>,
+) -> Result<RecordedDeformation, SignalError> {
+    let missing = |channel| SignalError::MissingChannel {
+        recording: recording.name.clone(),
+        channel,
+    };
+    let motor = recording
+        .channel(Role::MotorPosition)
+        .ok_or_else(|| missing("motor_position"))?;
+    let motor = CubicSpline::new(&motor.time, scalar(motor, &missing)?, End::NotAKnot)?;
+    if let Some(channel) = recording.channel(Role::Deformation) {
+        let scale = match (channel.unit.as_str(), arc) {
+            ("m", Some(arc)) => 1.0 / arc.radius(),
+            ("m", None) => return Err(missing("deformation in rad, or a lever arm")),
+            _ => 1.0,
+        };
+        let values = scalar(channel, &missing)?;
+        let at = |k: usize, _: f64| scale * values[k];
+        return Ok(unregistered(&motor, &channel.time, arc, at));
+    }
+    if let Some(channel) = recording.channel(Role::LinkPosition) {
+        let values = scalar(channel, &missing)?;
+        let at = |k: usize, u: f64| values[k] - u;
+        return Ok(unregistered(&motor, &channel.time, arc, at));
+    }
+    let channel = recording
+        .channel(Role::TipPosition)
+        .ok_or_else(|| missing("deformation, link_position or tip_position"))?;
+    let arc = arc.ok_or_else(|| missing("link_position (tip_position needs a lever arm)"))?;
+    let tip = points(channel, &missing)?;
+    let registration = register_arc(arc, &motor, &channel.time, &tip, belief)?;
+    let samples = tip_deformation(arc, &registration, &motor, &channel.time, &tip);
+    Ok(RecordedDeformation {
+        samples,
+        registration: Some(registration),
+    })
+}
+
+/// Deformation samples from tip positions in the sensor's frame, once frame and clock are known.
+pub fn tip_deformation(
+    arc: &JointArc,
+    registration: &ArcRegistration,
+    motor: &CubicSpline,
+    stamps: &[f64],
+    tip: &[Point3<f64>],
+) -> Vec<DeformationSample> {
+    let instants: Vec<f64> = stamps.iter().map(|&t| registration.clock.time(t)).collect();
+    let at = |k: usize, u: f64| deformation(arc, u, &(registration.sensor_to_base * tip[k]));
+    unregistered(motor, &instants, Some(arc), at).samples
+}
+
+fn unregistered(
+    motor: &CubicSpline,
+    time: &[f64],
+    arc: Option<&JointArc>,
+    deformation: impl Fn(usize, f64) -> f64,
+) -> RecordedDeformation {
+    let (first, last) = motor.span();
+    let inside = time
+        .iter()
+        .enumerate()
+        .filter(|(_, t)| (first..=last).contains(*t));
+    let samples = inside.map(|(k, &time)| {
+        let motor_position = motor.value(time);
+        let deformation = deformation(k, motor_position);
+        let tip_deformation = arc.map_or(f64::NAN, |arc| deformation * arc.radius());
+        DeformationSample {
+            time,
+            motor_position,
+            deformation,
+            tip_deformation,
+        }
+    });
+    RecordedDeformation {
+        samples: samples.collect(),
+        registration: None,
+    }
+}
+
+fn scalar<'a>(
+    channel: &'a Channel,
+    missing: &impl Fn(&'static str) -> SignalError,
+) -> Result<&'a [f64], SignalError> {
+    let values = channel
+        .columns
+        .first()
+        .ok_or_else(|| missing("with a column"))?;
+    super::spline::check_series("channel", &channel.time, values)?;
+    Ok(values)
+}
+
+fn points(
+    channel: &Channel,
+    missing: &impl Fn(&'static str) -> SignalError,
+) -> Result<Vec<Point3<f64>>, SignalError> {
+    let [x, y, z] = channel.columns.as_slice() else {
+        return Err(missing("tip_position with three columns"));
+    };
+    for column in [x, y, z] {
+        super::spline::check_series("tip_position", &channel.time, column)?;
+    }
+    Ok(x.iter()
+        .zip(y)
+        .zip(z)
+        .map(|((x, y), z)| Point3::new(*x, *y, *z))
+        .collect())
 }

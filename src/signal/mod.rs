@@ -1,15 +1,36 @@
 //! Time series on their own clocks: alignment, registration of frames, kinematics, spectra.
 
 pub mod alignment;
+pub mod arc_registration;
+pub mod clock_offset;
 pub mod deformation;
 pub mod error;
+pub mod forced_response;
+pub mod icp;
 pub mod kinematics;
 pub mod measurement;
+pub mod noise;
+pub mod registration;
+pub mod rest;
+pub mod spectrum;
+pub mod spline;
 pub mod urdf;
 
 pub use alignment::{Aligned, Aligner, Clock};
-pub use deformation::{DeformationSample, DeformationSensor};
+pub use arc_registration::{ArcRegistration, register_arc};
+pub use clock_offset::{ClockFit, fit_clock_offset};
+pub use deformation::{
+    DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
+    tip_deformation,
+};
 pub use error::SignalError;
+pub use forced_response::ForcedResponse;
+pub use icp::{IcpOptions, IcpResult, icp, initial_guess};
 pub use kinematics::{Chain, ChainJoint, DhRow, JointArc, JointKind};
 pub use measurement::Measurement;
+pub use noise::{NoiseFloor, noise_floor, quantisation_step};
+pub use registration::{Registration, kabsch};
+pub use rest::{Motion, Phase, Quiet, RestDetector, RestRule, free_decays, phases};
+pub use spectrum::{Peak, Spectrum, Window, spectrum};
+pub use spline::{CubicSpline, End};
 pub use urdf::{Body, UrdfChain, read_urdf};

@@ -24,8 +24,10 @@ mod track;
 
 use quell_shapers::Mode;
 
-use self::fit::{Fit, Priors, fit, profile, still};
-use self::track::Track;
+pub(super) use self::fit::{Priors, fit};
+pub(super) use self::track::Track;
+
+use self::fit::{Fit, profile, still};
 use super::convergence::SETTLED;
 use super::{Estimate, Estimator, Sample, Settings};
 

@@ -1,0 +1,9 @@
+//! Off-line references: what a whole record says, to compare the on-line estimators with.
+
+mod batch_fit;
+mod fourier;
+mod log_decrement;
+
+pub use batch_fit::{BatchFit, batch_fit};
+pub use fourier::{amplitude_spectrum, fourier};
+pub use log_decrement::{Extremum, extrema, log_decrement, mode_of_extrema};
