@@ -150,6 +150,11 @@ impl Axis {
         self.filter.train().to_impulses()
     }
 
+    /// The train that the next move from rest will meet.
+    pub fn next_train(&self) -> &GridTrain {
+        self.filter.pending().unwrap_or(self.filter.train())
+    }
+
     fn adapt(&mut self, ahead: &Ahead<'_>) {
         let (Some(estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper) else {
             return;
@@ -176,11 +181,7 @@ impl Axis {
     }
 
     fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
-        let waiting = self
-            .filter
-            .pending()
-            .unwrap_or(self.filter.train())
-            .to_impulses();
+        let waiting = self.next_train().to_impulses();
         let left = |mode: Mode| {
             residual_vibration(&waiting, mode.natural_frequency(), mode.damping_ratio())
         };

@@ -6,10 +6,12 @@
 mod ahead;
 mod axis;
 mod settings;
+mod slow_down;
 
 pub use axis::{Axis, AxisStatus};
 pub use quell_shapers::Setpoint;
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
+pub use slow_down::{SlowedPlan, plan_shaped};
 
 use quell_shapers::ShaperError;
 use quell_trajectories::SampledTrajectory;

@@ -159,7 +159,7 @@ pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
     for (kind, trace) in &comparison.moves {
         if let Some(speed) = trace.slowed_to {
             words.push_str(&format!(
-                "{}: the negative impulses of {} would exceed the limits; slowed to {:.0} % speed.\n",
+                "{}: the negative impulses of {} would exceed the limits; slowed to {:.1} % speed.\n",
                 kind.name(),
                 scenario.shaper.name(),
                 speed * 100.0

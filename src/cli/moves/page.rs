@@ -186,7 +186,7 @@ fn estimates(
         comparison.truth.damping_ratio()
     };
     let mut chart = Chart::lines(format!("On-line estimate: {name}"), "time", "s", name, unit)
-        .band("estimate", "± 2 std", &time, &of(-2.0), &of(2.0))
+        .band("estimate", &time, &of(-2.0), &of(2.0))
         .series("estimate", &time, &of(0.0))
         .level(exact, "truth")
         .marker(first.planned_end, "planned move ends")
