@@ -77,11 +77,21 @@ impl Chart {
         self.push(name.into(), "points", x, y, &[])
     }
 
-    /// The area between `low` and `high`, as of a standard deviation. Drawn below the curves that
-    /// are added after it. Its colour is that of the curve with whose name its own begins:
-    /// "likelihood ± 2 standard deviations" belongs to "likelihood".
-    pub fn band(self, name: impl Into<String>, x: &[f64], low: &[f64], high: &[f64]) -> Self {
-        self.push(name.into(), "band", x, high, low)
+    /// The area between `low` and `high` around a curve, in the curve's colour, as of a standard
+    /// deviation; `words` say what it is. Drawn below the curves that are added after it.
+    pub fn band(
+        self,
+        curve: impl Into<String>,
+        words: &str,
+        x: &[f64],
+        low: &[f64],
+        high: &[f64],
+    ) -> Self {
+        let mut chart = self.push(curve.into(), "band", x, high, low);
+        if let Some(band) = chart.series.last_mut() {
+            band.label = format!("{} {words}", band.name);
+        }
+        chart
     }
 
     /// A vertical dashed line at `x` with a few words.
@@ -150,6 +160,7 @@ impl Chart {
         };
         let (x, y) = (pick(x), pick(y));
         self.series.push(Series {
+            label: name.clone(),
             name,
             kind,
             x,
@@ -161,19 +172,7 @@ impl Chart {
 
     /// Names that take colours.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        self.series.iter().map(|series| self.owner(series))
-    }
-
-    /// Whose colour a series has: a band's that of its curve.
-    fn owner<'a>(&'a self, series: &'a Series) -> &'a str {
-        let is_curve =
-            |other: &&Series| other.kind != "band" && series.name.starts_with(&other.name);
-        let curve = self
-            .series
-            .iter()
-            .find(is_curve)
-            .filter(|_| series.kind == "band");
-        &curve.unwrap_or(series).name
+        self.series.iter().map(|series| series.name.as_str())
     }
 
     /// The chart's place in the page; the script draws into it.
@@ -203,7 +202,7 @@ impl Chart {
         let series: Vec<_> = self
             .series
             .iter()
-            .map(|series| series.json(&self.x, &self.y, colour(self.owner(series))))
+            .map(|series| series.json(&self.x, &self.y, colour(&series.name)))
             .collect();
         let lines = |lines: &[Line]| {
             let one = |line: &Line| {

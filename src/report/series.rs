@@ -13,7 +13,10 @@ pub(super) struct Axis {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Series {
+    /// Whose colour it has.
     pub(super) name: String,
+    /// What the legend says.
+    pub(super) label: String,
     pub(super) kind: &'static str,
     pub(super) x: Vec<f64>,
     pub(super) y: Vec<f64>,
@@ -65,7 +68,7 @@ impl Series {
             format!(
                 "{}: {drawn} of {all} samples are drawn, the first, last, smallest and largest of \
                  each of {STRETCHES} stretches. ",
-                escape(&self.name),
+                escape(&self.label),
             )
         })
     }
@@ -88,7 +91,7 @@ impl Series {
         };
         format!(
             "{{\"name\":{},\"kind\":\"{}\",\"colour\":{colour},\"x\":{places},\"y\":{},\"low\":{low}}}",
-            json_string(&self.name),
+            json_string(&self.label),
             self.kind,
             ordinates(&self.y),
         )
