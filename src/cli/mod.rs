@@ -9,9 +9,11 @@ pub mod compare;
 pub mod error;
 pub mod inspect;
 pub mod log;
+pub mod model_file;
 pub mod moves;
 pub mod output;
 pub mod shape;
+pub mod simulate;
 
 pub use error::CliError;
 
@@ -42,6 +44,7 @@ enum Verb {
     Inspect(inspect::Args),
     Move(moves::Args),
     Shape(shape::Args),
+    Simulate(simulate::Args),
 }
 
 impl Verb {
@@ -51,6 +54,7 @@ impl Verb {
             Self::Inspect(args) => inspect::run(args),
             Self::Move(args) => moves::run(args),
             Self::Shape(args) => shape::run(args),
+            Self::Simulate(args) => simulate::run(args),
         }
     }
 }
