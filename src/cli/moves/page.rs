@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use super::document::{self, Learned, SETTLED};
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario, Tick};
 use crate::recording::Role;
-use crate::report::{Bars, Chart, Figure, Page, Table, Verdict};
+use crate::report::{Bars, Chart, Figure, Page, Table, Verdict, number};
 use crate::signal::{CubicSpline, End, Window, spectrum};
 
 /// The report.
@@ -18,6 +18,7 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
         .bars(bars(comparison))
         .heading("Vibration at the tip")
         .chart(deformation(comparison))
+        .chart(left_over(comparison))
         .heading("What was learned while the arm moved")
         .chart(estimates(comparison, "natural frequency", "Hz", |e| {
             (
@@ -41,9 +42,9 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
 
 fn title(scenario: &Scenario) -> String {
     format!(
-        "Joint {} moves by {:.4} degrees",
+        "Joint {} moves by {} degrees",
         scenario.joint + 1,
-        scenario.displacement.to_degrees()
+        number(scenario.displacement.to_degrees())
     )
 }
 
@@ -62,7 +63,8 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
     let unshaped = comparison.trace(MoveKind::Unshaped);
     let next = comparison.trace(MoveKind::AdaptiveNext);
     let mut figures = vec![
-        Figure::new("left after the next move", next.residual() * 1e3, "mm")
+        Figure::text("left after the next move", format!("{:.4}", next.residual() * 1e3))
+            .unit("mm")
             .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
         Figure::new(
             "settled after",
@@ -145,7 +147,22 @@ fn column(trace: &MoveTrace, value: impl Fn(&Tick) -> f64) -> Vec<f64> {
 }
 
 fn deformation(comparison: &Comparison) -> Chart {
-    let mut chart = Chart::lines("Deformation of the joint", "time", "s", "at the tip", "mm");
+    deformations(comparison, "Deformation of the joint")
+        .note("The next move goes back; it is drawn with its sign turned, to lie over the others.")
+}
+
+/// The same, from shortly before the unshaped command ends, at the scale of what is left.
+fn left_over(comparison: &Comparison) -> Chart {
+    let unshaped = comparison.trace(MoveKind::Unshaped);
+    let height = 1.1e3 * unshaped.residual();
+    let watched = unshaped.ticks.last().map_or(0.0, |tick| tick.time);
+    deformations(comparison, "What is left over")
+        .x_range(0.9 * unshaped.planned_end, watched)
+        .y_range(-height, height)
+}
+
+fn deformations(comparison: &Comparison, title: &str) -> Chart {
+    let mut chart = Chart::lines(title, "time", "s", "at the tip", "mm");
     for (kind, trace) in &comparison.moves {
         let sign = if *kind == MoveKind::AdaptiveNext {
             -1.0
@@ -155,9 +172,7 @@ fn deformation(comparison: &Comparison) -> Chart {
         let y = column(trace, |tick| sign * tick.tip_deformation * 1e3);
         chart = chart.series(words(*kind), &column(trace, |tick| tick.time), &y);
     }
-    chart
-        .marker(comparison.moves[0].1.planned_end, "unshaped command ends")
-        .note("The next move goes back; it is drawn with its sign turned, to lie over the others.")
+    chart.marker(comparison.moves[0].1.planned_end, "unshaped command ends")
 }
 
 fn estimates(
@@ -186,7 +201,7 @@ fn estimates(
         comparison.truth.damping_ratio()
     };
     let mut chart = Chart::lines(format!("On-line estimate: {name}"), "time", "s", name, unit)
-        .band("estimate", &time, &of(-2.0), &of(2.0))
+        .band("estimate", "± 2 std", &time, &of(-2.0), &of(2.0))
         .series("estimate", &time, &of(0.0))
         .level(exact, "truth")
         .marker(first.planned_end, "planned move ends")
