@@ -63,9 +63,12 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
     let unshaped = comparison.trace(MoveKind::Unshaped);
     let next = comparison.trace(MoveKind::AdaptiveNext);
     let mut figures = vec![
-        Figure::text("left after the next move", format!("{:.4}", next.residual() * 1e3))
-            .unit("mm")
-            .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
+        Figure::text(
+            "left after the next move",
+            format!("{:.4}", next.residual() * 1e3),
+        )
+        .unit("mm")
+        .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
         Figure::new(
             "settled after",
             next.settling_time(SETTLED).unwrap_or(f64::NAN),
