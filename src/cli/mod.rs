@@ -6,6 +6,7 @@
 
 pub mod compare;
 pub mod error;
+pub mod identify;
 pub mod inspect;
 pub mod log;
 pub mod output;
@@ -37,6 +38,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Compare(compare::Args),
+    Identify(identify::Args),
     Inspect(inspect::Args),
     Shape(shape::Args),
 }
@@ -45,6 +47,7 @@ impl Verb {
     fn run(self) -> Result<(), CliError> {
         match self {
             Self::Compare(args) => compare::run(args),
+            Self::Identify(args) => identify::run(args),
             Self::Inspect(args) => inspect::run(args),
             Self::Shape(args) => shape::run(args),
         }
