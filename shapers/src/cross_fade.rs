@@ -51,10 +51,6 @@ impl CrossFade {
         self.layers.is_full()
     }
 
-    pub fn is_fading(&self) -> bool {
-        !self.layers.is_empty()
-    }
-
     /// Lets a train fade in over `ticks` ticks after tick `start`; ignored where [`Self::is_full`].
     pub fn fade_in(&mut self, train: &GridTrain, start: u64, ticks: usize) {
         if !self.is_full() {

@@ -92,6 +92,8 @@ struct Plan {
     fade: usize,
     comb: Comb,
     amplitudes: [f64; CORRECTION_STEPS],
+    /// Ticks until the command without the correction is constant.
+    rest: usize,
     /// Ticks from now to the end of the command.
     end: usize,
 }
@@ -283,14 +285,14 @@ impl AdaptiveFilter {
                 continue;
             }
             let fade = self.faded(request.train, fade_ticks);
-            let end = match self.simulate(&fade, schedule, remaining) {
-                Ok(end) => end,
+            let rest = match self.simulate(&fade, schedule, remaining) {
+                Ok(rest) => rest,
                 Err(refusal) => {
                     best = best.or(Err(refusal));
                     continue;
                 }
             };
-            let (future, sent) = (&self.future[..end], self.sent);
+            let (future, sent) = (&self.future[..rest], self.sent);
             let modes = past
                 .iter()
                 .map(|&(mode, vibration)| {
@@ -316,6 +318,7 @@ impl AdaptiveFilter {
                     fade: fade_ticks,
                     comb,
                     amplitudes,
+                    rest,
                     end,
                 });
             }
@@ -335,16 +338,12 @@ impl AdaptiveFilter {
             comb,
             amplitudes,
             end,
+            ..
         } = plan;
         let fade = self.faded(request.train, fade_ticks);
+        self.simulate(&fade, &schedule, remaining)?;
+        let peaks = self.peaks(&plan, &request.limits);
         schedule.extend(comb.steps(&amplitudes));
-        let ticks = self.simulate(&fade, &schedule, remaining)?;
-        let mut before = self.sent;
-        let mut peaks = PeakRatios::default();
-        for &now in &self.future[..ticks] {
-            let tick = PeakRatios::of_tick(before, now, &request.limits, self.sample_time);
-            (peaks, before) = (peaks.max(tick), now);
-        }
         self.schedule = schedule;
         self.fade = fade;
         self.pending = if fade_ticks > 0 {
@@ -364,6 +363,31 @@ impl AdaptiveFilter {
     }
 }
 
+impl AdaptiveFilter {
+    /// Peaks of the simulated future with the correction of a plan.
+    fn peaks(&self, plan: &Plan, limits: &MotionLimits) -> PeakRatios {
+        let mut before = self.sent;
+        let mut peaks = PeakRatios::default();
+        for k in 1..=plan.end {
+            let tick = self.tick + k as u64;
+            let added = plan.comb.output(tick, self.sample_time, &plan.amplitudes);
+            let now = sum(base(self.sent, &self.future[..plan.rest], k), added);
+            peaks = peaks.max(PeakRatios::of_tick(before, now, limits, self.sample_time));
+            before = now;
+        }
+        peaks
+    }
+}
+
+/// The setpoint `ahead` ticks after the one just sent; at rest after the last.
+fn base(sent: Setpoint, future: &[Setpoint], ahead: usize) -> Setpoint {
+    let Some(index) = ahead.checked_sub(1) else {
+        return sent;
+    };
+    let at_rest = || Setpoint::at_rest(future.last().unwrap_or(&sent).position);
+    future.get(index).copied().unwrap_or_else(at_rest)
+}
+
 /// `sum du_k exp(-lambda t_k)` of positions at the ticks after now.
 fn ahead(mode: Mode, sample_time: f64, last: f64, future: &[Setpoint]) -> Complex {
     let pole = Complex::new(mode.decay_rate(), -mode.damped_frequency()).scale(sample_time);
@@ -381,15 +405,7 @@ fn ahead(mode: Mode, sample_time: f64, last: f64, future: &[Setpoint]) -> Comple
 
 impl Forecast<'_> {
     fn base(&self, ahead: usize) -> Setpoint {
-        let at_rest = |last: &Setpoint| Setpoint::at_rest(last.position);
-        match ahead.checked_sub(1) {
-            None => self.sent,
-            Some(index) => self.future.get(index).copied().unwrap_or_else(|| {
-                self.future
-                    .last()
-                    .map_or_else(|| at_rest(&self.sent), at_rest)
-            }),
-        }
+        base(self.sent, self.future, ahead)
     }
 
     fn holds(&self, before: Setpoint, now: Setpoint) -> bool {
