@@ -12,7 +12,7 @@ use crate::signal::{CubicSpline, End, Window, spectrum};
 pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
     let mut page = Page::new(title(scenario))
         .subtitle(document::headline(scenario))
-        .verdict(Verdict::Good, sentence(comparison))
+        .verdict(verdict(comparison), sentence(comparison))
         .figures(figures(comparison))
         .table(table(comparison))
         .bars(bars(comparison))
@@ -31,7 +31,8 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
         }))
         .heading("Command")
         .chart(command(comparison))
-        .chart(trains(comparison));
+        .chart(trains(comparison))
+        .heading("The unshaped move as encoder and tracker saw it");
     for chart in paper_figures(comparison.trace(MoveKind::Unshaped)) {
         page = page.chart(chart);
     }
@@ -46,6 +47,15 @@ fn title(scenario: &Scenario) -> String {
         scenario.joint + 1,
         number(scenario.displacement.to_degrees())
     )
+}
+
+/// Good where the adapted shaper keeps the 5 % that the field calls insensitive.
+fn verdict(comparison: &Comparison) -> Verdict {
+    if comparison.ratio(MoveKind::AdaptiveNext) <= 0.05 {
+        Verdict::Good
+    } else {
+        Verdict::Bad
+    }
 }
 
 fn sentence(comparison: &Comparison) -> String {
