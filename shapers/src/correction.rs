@@ -180,11 +180,13 @@ impl Comb {
 
     /// `sum ds_k exp(-lambda t_k)` of one step of amplitude 1 that starts at 0, as sampled.
     fn step_vibration(&self, pole: Complex) -> Complex {
-        let mut before = 0.0;
+        let turn = pole.scale(-1.0).exp();
+        let (mut before, mut weight) = (0.0, Complex::ONE);
         let mut total = Complex::default();
         for k in 1..=self.ticks {
             let position = step_at(k as f64, self.ticks, 1.0).position;
-            total = total + pole.scale(-(k as f64)).exp().scale(position - before);
+            weight = weight * turn;
+            total = total + weight.scale(position - before);
             before = position;
         }
         total

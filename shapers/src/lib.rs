@@ -39,6 +39,8 @@ mod limits;
 mod linear;
 mod mode;
 mod mzv;
+mod path;
+mod recommend;
 mod residual;
 mod retune;
 mod smooth_step;
@@ -57,9 +59,13 @@ pub use error::ShaperError;
 pub use filter::{Setpoint, ShapingFilter};
 pub use grid::{GridTrain, Tap};
 pub use impulse_train::{Impulse, ImpulseTrain, TRAIN_CAPACITY};
-pub use limits::{MotionLimits, PeakRatios, peak_ratios};
+pub use limits::{MotionLimits, PeakRatios, peak_ratios, shaped_peak_ratios};
 pub use mode::{Mode, ModeError};
 pub use mzv::Mzv;
+pub use path::{align_delays, common_train};
+pub use recommend::{
+    Candidate, Criterion, Reason, Recommendation, Requirements, Standing, UncertainMode, recommend,
+};
 pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
 pub use retune::{CORRECTION_OVERSHOOT, Correction, Refusal, Retune, RetuneOutcome};
 pub use three_hump_ei::ThreeHumpEi;

@@ -408,14 +408,15 @@ impl Forecast<'_> {
         base(self.sent, self.future, ahead)
     }
 
-    fn holds(&self, before: Setpoint, now: Setpoint) -> bool {
-        let peaks = PeakRatios::of_tick(before, now, &self.limits, self.sample_time);
+    fn holds(&self, before: Setpoint, now: Setpoint, ticks: usize) -> bool {
+        let time = self.sample_time * ticks as f64;
+        let peaks = PeakRatios::of_tick(before, now, &self.limits, time);
         peaks.worst() <= CORRECTION_OVERSHOOT
     }
 
     /// First and last tick at which the future exceeds the limits without a correction.
     fn excess(&self) -> Option<(usize, usize)> {
-        let exceeds = |&k: &usize| !self.holds(self.base(k - 1), self.base(k));
+        let exceeds = |&k: &usize| !self.holds(self.base(k - 1), self.base(k), 1);
         let first = (1..=self.future.len()).find(exceeds)?;
         (1..=self.future.len())
             .rev()
@@ -470,18 +471,27 @@ impl Forecast<'_> {
             return None;
         }
         let amplitudes = comb.amplitudes(self.now, self.sample_time, &self.modes, self.total)?;
+        // A coarse pass discards most: the mean jerk over several ticks is at most the largest.
+        let coarse = (comb.spacing / 8).max(1);
+        let keeps = |stride| self.keeps(comb, &amplitudes, (from, to), stride);
+        (keeps(coarse) && (coarse == 1 || keeps(1))).then_some(amplitudes)
+    }
+
+    /// Whether the future with a correction keeps the limits at every `stride`-th tick.
+    fn keeps(
+        &self,
+        comb: &Comb,
+        amplitudes: &[f64],
+        (from, to): (usize, usize),
+        stride: usize,
+    ) -> bool {
         let mut before = self.base(from);
-        for k in from + 1..=to {
-            let tick = self.now + k as u64;
-            let now = sum(
-                self.base(k),
-                comb.output(tick, self.sample_time, &amplitudes),
-            );
-            if !self.holds(before, now) {
-                return None;
-            }
+        (from + stride..=to).step_by(stride).all(|k| {
+            let added = comb.output(self.now + k as u64, self.sample_time, amplitudes);
+            let now = sum(self.base(k), added);
+            let held = self.holds(before, now, stride);
             before = now;
-        }
-        Some(amplitudes)
+            held
+        })
     }
 }
