@@ -8,12 +8,10 @@ use tempfile::TempDir;
 #[test]
 fn a_recorded_command_gives_the_same_measurements_again() {
     let folder = TempDir::new().unwrap();
-    let planned = [
-        "--target", "30", "--target", "0", "--noise", "0", "--out", "planned",
-    ];
-    let planned = simulate(folder.path(), &planned);
-    let again = ["--command", "planned", "--noise", "0", "--out", "again"];
-    let again = simulate(folder.path(), &again);
+    let planned = "--target 30 --target 0 --noise 0 --out planned";
+    let planned = simulate(folder.path(), planned);
+    let again = "--command planned --noise 0 --out again";
+    let again = simulate(folder.path(), again);
     assert_eq!(
         again["remarks"].as_array().map(Vec::len),
         Some(0),
@@ -28,7 +26,7 @@ fn a_recorded_command_gives_the_same_measurements_again() {
     let csv = format!("axis\n{}", rows.collect::<String>());
     std::fs::write(folder.path().join("command.csv"), csv).unwrap();
     let csv = "--command command.csv --column axis --unit deg --rate 250 --noise 0 --out csv";
-    let csv = simulate(folder.path(), &csv.split(' ').collect::<Vec<_>>());
+    let csv = simulate(folder.path(), csv);
 
     let read = |name: &str| Recording::from_path(folder.path().join(name)).unwrap();
     let tip = |recording: &Recording| {
@@ -71,7 +69,7 @@ fn limits_that_a_recorded_command_exceeds_are_told() {
     let csv = format!("time_s,q_deg\n{}", rows.collect::<String>());
     std::fs::write(folder.path().join("wave.csv"), csv).unwrap();
     let arguments = "--command wave.csv --column q_deg --unit deg";
-    let document = simulate(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
+    let document = simulate(folder.path(), arguments);
     let remarks = document["remarks"].as_array().unwrap();
     let w = TAU * 1.5;
     for (order, (name, limit)) in (1..).zip([

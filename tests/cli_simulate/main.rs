@@ -17,9 +17,9 @@ fn quell(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-fn simulate(folder: &Path, arguments: &[&str]) -> Value {
+fn simulate(folder: &Path, arguments: &str) -> Value {
     let assert = quell(folder, &["simulate", "--json"])
-        .args(arguments)
+        .args(arguments.split_whitespace())
         .assert()
         .success();
     serde_json::from_slice(&assert.get_output().stdout).unwrap()
@@ -45,7 +45,7 @@ fn without_arguments_the_embedded_arm_makes_its_move() {
         assert!(text.contains(word), "no {word:?} in {text}");
     }
     // The paper's Fig. 4: the unshaped move leaves 0.74 mm.
-    let document = simulate(folder.path(), &[]);
+    let document = simulate(folder.path(), "");
     assert!((residual(&document, 0) - 0.74).abs() < 0.005, "{document}");
     let model = std::fs::read_to_string(folder.path().join("out/model.toml")).unwrap();
     let model: toml::Table = model.parse().unwrap();
@@ -81,9 +81,9 @@ fn without_arguments_the_embedded_arm_makes_its_move() {
 #[test]
 fn val_the_free_decay_has_the_mode_that_was_asked_for() {
     for (arguments, frequency, damping_ratio) in [
-        (&[][..], 8.12, 0.084),
-        (&["--mode", "5.3,0.02", "--dwell", "3"], 5.3, 0.02),
-        (&["--damping", "to_ground", "--seed", "4"], 8.12, 0.084),
+        ("", 8.12, 0.084),
+        ("--mode 5.3,0.02 --dwell 3", 5.3, 0.02),
+        ("--damping to_ground --seed 4", 8.12, 0.084),
     ] {
         let folder = TempDir::new().unwrap();
         let document = simulate(folder.path(), arguments);
@@ -110,18 +110,15 @@ fn val_the_free_decay_has_the_mode_that_was_asked_for() {
 #[test]
 fn the_shaper_works_as_well_as_its_belief() {
     let folder = TempDir::new().unwrap();
-    let unshaped = residual(&simulate(folder.path(), &[]), 0);
-    let right = simulate(folder.path(), &["--shaper", "zvd"]);
+    let unshaped = residual(&simulate(folder.path(), ""), 0);
+    let right = simulate(folder.path(), "--shaper zvd");
     // What the servo still forces once the motor is within a step: see the tests of `quell compare`.
     assert!(residual(&right, 0) < 0.041, "{right}");
     // One damped period of delay, rounded up to a tick of 4 ms.
     let period = 1.0 / (8.12 * (1.0 - 0.084_f64.powi(2)).sqrt());
     let delay = right["added_delay_s"].as_f64().unwrap();
     assert!((delay - period).abs() < 0.008, "{delay}");
-    let wrong = simulate(
-        folder.path(),
-        &["--shaper", "zvd", "--belief", "10.15,0.084"],
-    );
+    let wrong = simulate(folder.path(), "--shaper zvd --belief 10.15,0.084");
     let ratio = residual(&wrong, 0) / unshaped;
     // ZVD designed 25 % above the mode leaves 10 %; half a period of decay (23 %) lies between the
     // instants from which the two peaks are counted.
@@ -133,10 +130,8 @@ fn the_shaper_works_as_well_as_its_belief() {
 #[test]
 fn several_moves_rest_between_and_payload_lowers_the_frequency() {
     let folder = TempDir::new().unwrap();
-    let targets = [
-        "--target", "30", "--target", "-10", "--target", "0", "--dwell", "2",
-    ];
-    let document = simulate(folder.path(), &targets);
+    let targets = "--target 30 --target -10 --target 0 --dwell 2";
+    let document = simulate(folder.path(), targets);
     let moves = document["moves"].as_array().unwrap();
     assert_eq!(moves.len(), 3);
     for (pair, target) in moves.windows(2).zip([-10.0, 0.0]) {
@@ -151,7 +146,7 @@ fn several_moves_rest_between_and_payload_lowers_the_frequency() {
 
     // Stiffness constant: (f_0 / f)^2 - 1 = m r^2 / J is proportional to the payload.
     let slowed = |payload: &str| {
-        let document = simulate(folder.path(), &["--payload", payload]);
+        let document = simulate(folder.path(), &format!("--payload {payload}"));
         let frequency = document["modes"][0]["frequency_hz"].as_f64().unwrap();
         (8.12 / frequency).powi(2) - 1.0
     };
@@ -162,7 +157,7 @@ fn several_moves_rest_between_and_payload_lowers_the_frequency() {
     );
     // Stretched out, the arm carries more inertia about its base than bent.
     let at = |pose: &str| {
-        let document = simulate(folder.path(), &["--pose", pose]);
+        let document = simulate(folder.path(), &format!("--pose {pose}"));
         document["modes"][0]["frequency_hz"].as_f64().unwrap()
     };
     assert!(at("0,90,0,0,0,0") < at("0,45,45,0,0,0") && at("0,0,90,0,0,0") > at("0,90,0,0,0,0"));
@@ -172,7 +167,7 @@ fn several_moves_rest_between_and_payload_lowers_the_frequency() {
 fn the_seed_decides_the_noise_and_nothing_else() {
     let folder = TempDir::new().unwrap();
     for (seed, out) in [("1", "a"), ("1", "b"), ("2", "c")] {
-        simulate(folder.path(), &["--seed", seed, "--out", out]);
+        simulate(folder.path(), &format!("--seed {seed} --out {out}"));
     }
     let read = |name: &str| Recording::from_path(folder.path().join(name)).unwrap();
     let [a, b, c] = ["a", "b", "c"].map(read);

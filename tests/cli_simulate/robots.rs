@@ -34,13 +34,13 @@ fn json(folder: &TempDir, arguments: &[&str]) -> Value {
 fn every_example_is_simulated_compared_and_moved() {
     for (robot, frequencies) in ROBOTS {
         let folder = folder();
-        let simulated = simulate(folder.path(), &["--robot", robot]);
+        let simulated = simulate(folder.path(), &format!("--robot {robot}"));
         let modes = simulated["modes"].as_array().unwrap().iter();
         let told: Vec<f64> = modes
             .map(|mode| mode["frequency_hz"].as_f64().unwrap())
             .collect();
         assert_eq!(told, frequencies, "{robot}");
-        let shaped = simulate(folder.path(), &["--robot", robot, "--shaper", "zvd"]);
+        let shaped = simulate(folder.path(), &format!("--robot {robot} --shaper zvd"));
         // Shaped for all modes of the joint; what is left is the servo's, not the modes'.
         let ratio = residual(&shaped, 0) / residual(&simulated, 0);
         assert!(ratio < 0.01, "{robot}: {ratio}");
@@ -70,58 +70,33 @@ fn every_example_is_simulated_compared_and_moved() {
 fn other_joints_poses_and_payloads_of_an_example_are_simulated() {
     let folder = folder();
     let arguments = "--robot light_arm.toml --joint 2 --target -20 --pose 0,20,60,0,30,0";
-    let arguments: Vec<&str> = arguments.split(' ').collect();
-    let empty = simulate(folder.path(), &arguments);
+    let empty = simulate(folder.path(), arguments);
     assert!((empty["moves"][0]["start_deg"].as_f64().unwrap() - 20.0).abs() < 1e-9);
     assert!(empty["moves"][0]["target_deg"].as_f64().unwrap().abs() < 1e-9);
-    let loaded = simulate(
-        folder.path(),
-        &[&arguments[..], &["--payload", "3"]].concat(),
-    );
+    let loaded = simulate(folder.path(), &format!("{arguments} --payload 3"));
     let frequency = |document: &Value| document["modes"][0]["frequency_hz"].as_f64().unwrap();
     assert!(frequency(&loaded) < 0.9 * frequency(&empty), "{loaded}");
 
     // Joint 5 has no mode: its motor side moves, nothing rings, and there is no model to write.
-    let stiff = [
-        "--robot",
-        "light_arm.toml",
-        "--joint",
-        "5",
-        "--out",
-        "stiff",
-    ];
-    let stiff = simulate(folder.path(), &stiff);
+    let stiff = "--robot light_arm.toml --joint 5 --out stiff";
+    let stiff = simulate(folder.path(), stiff);
     assert_eq!(stiff["files"].as_array().map(Vec::len), Some(1), "{stiff}");
     assert_eq!(
         (residual(&stiff, 0), &stiff["modes"]),
         (0.0, &serde_json::json!([]))
     );
-    let given = [
-        "--robot",
-        "light_arm.toml",
-        "--joint",
-        "5",
-        "--mode",
-        "20,0.05",
-    ];
-    assert!(residual(&simulate(folder.path(), &given), 0) > 0.0);
+    let given = "--robot light_arm.toml --joint 5 --mode 20,0.05";
+    assert!(residual(&simulate(folder.path(), given), 0) > 0.0);
     // The SCARA's joint 3 slides: 100 mm down, and no arc to move along.
-    let low = [
-        "--robot",
-        "scara.toml",
-        "--pose",
-        "0,30,0.2,0",
-        "--out",
-        "low",
-    ];
-    simulate(folder.path(), &low);
+    let low = "--robot scara.toml --pose 0,30,0.2,0 --out low";
+    simulate(folder.path(), low);
     let height = |out: &str| -> f64 {
         let text = std::fs::read_to_string(folder.path().join(out).join("model.toml")).unwrap();
         text.parse::<toml::Table>().unwrap()["tip_height_m"]
             .as_float()
             .unwrap()
     };
-    simulate(folder.path(), &["--robot", "scara.toml", "--out", "home"]);
+    simulate(folder.path(), "--robot scara.toml --out home");
     assert!((height("home") - height("low") - 0.1).abs() < 1e-12);
 }
 
