@@ -180,7 +180,7 @@
       if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: 6, fill: stroke(s) } });
       if (chart.kind === "stems") one.paths = () => null;
       if (s.kind === "band") {
-        one.width = 0;
+        Object.assign(one, { width: 0, band: true });
         bands.push({ series: [made.length, made.length + 1], fill: stroke(s) + "33" });
         made.push(one, { ...one, class: "lower" });
       } else made.push(one);
@@ -205,7 +205,7 @@
       series: made, bands, hooks,
       cursor: { focus: { prox: 24 }, sync: shared(chart), drag: { setScale: true, x: true, y: false } },
       focus: { alpha: 0.35 },
-      legend: { markers: { width: 0, fill: (u, i) => legendFill(chart, made, i) } },
+      legend: { markers: { width: 0, fill: (u, i) => legendFill(made, i) } },
     }, data, host);
   }
 
@@ -217,10 +217,8 @@
   }
 
   // A band has no line: its legend shows the wash.
-  function legendFill(chart, made, index) {
-    const own = made[index].stroke();
-    const band = chart.series.some((s) => s.kind === "band" && s.name === made[index].label);
-    return band ? own + "55" : own;
+  function legendFill(made, index) {
+    return made[index].stroke() + (made[index].band ? "55" : "");
   }
 
   let plots = [];

@@ -8,6 +8,7 @@ pub mod cli;
 pub mod closed_loop;
 pub mod controller;
 pub mod estimators;
+pub mod identification;
 pub mod plant;
 pub mod recording;
 pub mod report;

@@ -4,6 +4,7 @@
 mod candidate;
 mod choice;
 mod page;
+mod print;
 mod trial;
 
 use super::{CliError, output, shape};
@@ -11,7 +12,7 @@ use crate::plant::Robot;
 use candidate::{Candidate, Design};
 use choice::{Choice, Wish};
 use quell_shapers::{GridTrain, Mode, Shaper};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 use trial::Trial;
 
@@ -117,13 +118,13 @@ pub fn run(args: Args) -> Result<(), CliError> {
     output::folder(&args.out)?;
     output::file(&report, page::page(&comparison).render())?;
     if args.json {
-        let mut document = document(&comparison);
+        let mut document = print::document(&comparison);
         document["report"] = json!(report);
         return output::json(&document);
     }
     output::text(&format!(
         "{}\nReport: {}\n",
-        text(&comparison),
+        print::text(&comparison),
         report.display()
     ))
 }
@@ -219,127 +220,7 @@ fn simulate(
     residual_mm(&unshaped)
 }
 
-fn text(comparison: &Comparison) -> String {
-    let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
-    let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
-    let first = format!("V at {e1}");
-    let header = [
-        "shaper", "delay_s", "I(5 %)", &first, &e2, &e3, &e4, &e5, "gain",
-    ];
-    let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
-    let rows = comparison.candidates.iter().map(row);
-    let table = output::table(header, std::iter::once(unshaped).chain(rows));
-    let mut refused = String::new();
-    for candidate in &comparison.candidates {
-        if let Err(reason) = &candidate.design {
-            refused.push_str(&format!("{}: {reason}\n", candidate.shaper.name()));
-        }
-    }
-    let mut simulated = String::new();
-    if let Some(unshaped) = &comparison.unshaped_mm {
-        let rows = comparison
-            .designs()
-            .filter_map(|(shaper, design)| Some((shaper.name(), design.residual_mm.as_ref()?)));
-        let rows = std::iter::once(("unshaped", unshaped))
-            .chain(rows)
-            .map(|(name, values)| {
-                let mut cells = std::array::from_fn(|_| name.to_owned());
-                cells[1..]
-                    .iter_mut()
-                    .zip(values)
-                    .for_each(|(cell, mm)| *cell = format!("{mm:.4}"));
-                cells
-            });
-        let first = format!("mm at {e1}");
-        simulated = format!(
-            "\n{}",
-            output::table(["shaper", &first, &e2, &e3, &e4, &e5], rows)
-        );
-    }
-    let advice = comparison
-        .choice
-        .as_ref()
-        .map_or(NO_CHOICE, |choice| &choice.reason);
-    let (machine, rate) = (&comparison.machine, comparison.rate);
-    let modes = modes.join(" and ");
-    format!("{machine}: {modes}, {rate} Hz\n\n{table}{refused}{simulated}\nRecommended: {advice}\n")
-}
-
-/// `-25 %`, `0 %`, `+10 %`.
-fn percent_label(error: f64) -> String {
-    let percent = (100.0 * error).round();
-    if percent > 0.0 {
-        format!("+{percent} %")
-    } else {
-        format!("{percent} %")
-    }
-}
-
-fn describe(mode: &Mode) -> String {
-    format!(
-        "{} Hz with a damping ratio of {}",
-        mode.hertz(),
-        mode.damping_ratio()
-    )
-}
-
-fn row(candidate: &Candidate) -> [String; 9] {
-    let mut cells = std::array::from_fn(|_| "-".to_owned());
-    cells[0] = candidate.shaper.name().into();
-    if let Ok(design) = &candidate.design {
-        cells[1] = format!("{:.4}", design.train.duration());
-        cells[2] = design
-            .insensitivity
-            .map_or("-".into(), |width| format!("{width:.3}"));
-        for (cell, error) in cells[3..].iter_mut().zip(ERRORS) {
-            *cell = format!("{:.4}", design.residual(error));
-        }
-        cells[8] = format!("{:.2}", design.train.gain());
-    }
-    cells
-}
-
 /// Frequency errors of the curves, from minus to plus the spread.
 fn errors(spread: f64) -> impl Iterator<Item = f64> {
     (0..=2 * POINTS).map(move |k| spread * (k as f64 / POINTS as f64 - 1.0))
-}
-
-fn document(comparison: &Comparison) -> Value {
-    let shapers = comparison
-        .candidates
-        .iter()
-        .map(|candidate| match &candidate.design {
-            Err(reason) => json!({"shaper": candidate.shaper.name(), "refused": reason}),
-            Ok(design) => json!({
-                "shaper": candidate.shaper.name(),
-                "duration_s": design.train.duration(),
-                "insensitivity": design.insensitivity,
-                "gain": design.train.gain(),
-                "residual_vibration": ERRORS.map(|error| json!({
-                    "frequency_error": error,
-                    "v": design.residual(error),
-                })),
-                "simulated_mm": design.residual_mm,
-            "curve": {
-                    "frequency_error": errors(comparison.spread).collect::<Vec<_>>(),
-                    "v": errors(comparison.spread).map(|e| design.residual(e)).collect::<Vec<_>>(),
-                },
-            }),
-        });
-    let modes = comparison
-        .modes
-        .iter()
-        .map(|mode| json!({"frequency_hz": mode.hertz(), "damping_ratio": mode.damping_ratio()}));
-    json!({
-        "machine": comparison.machine,
-        "rate_hz": comparison.rate,
-        "modes": modes.collect::<Vec<_>>(),
-        "unshaped_simulated_mm": comparison.unshaped_mm,
-        "shapers": shapers.collect::<Vec<_>>(),
-        "recommended": comparison.choice.as_ref().map(|choice| json!({
-            "shaper": choice.shaper.name(),
-            "reason": choice.reason,
-            "worst_v": choice.worst,
-        })),
-    })
 }

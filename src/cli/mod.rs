@@ -7,6 +7,7 @@
 pub mod choices;
 pub mod compare;
 pub mod error;
+pub mod identify;
 pub mod inspect;
 pub mod log;
 pub mod model_file;
@@ -41,6 +42,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Compare(compare::Args),
+    Identify(identify::Args),
     Inspect(inspect::Args),
     Move(moves::Args),
     Shape(shape::Args),
@@ -51,6 +53,7 @@ impl Verb {
     fn run(self) -> Result<(), CliError> {
         match self {
             Self::Compare(args) => compare::run(args),
+            Self::Identify(args) => identify::run(args),
             Self::Inspect(args) => inspect::run(args),
             Self::Move(args) => moves::run(args),
             Self::Shape(args) => shape::run(args),

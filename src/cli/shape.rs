@@ -4,7 +4,8 @@ mod command_file;
 
 use super::{CliError, output};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, Shaper, insensitivity, residual_vibration, shaper_by_name,
+    Band, GridTrain, ImpulseTrain, Mode, Shaper, ShaperError, insensitivity, residual_vibration,
+    shaper_by_name,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -56,6 +57,20 @@ pub(super) fn mode(text: &str) -> Result<Mode, String> {
     let (frequency, damping_ratio) = text.split_once(',').ok_or_else(form)?;
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
     Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
+}
+
+/// The longest train that is run, ticks: 24 MB of delay line, 17 minutes at 1 kHz.
+const LONGEST_TRAIN: usize = 1_000_000;
+
+/// The train, unless it is longer than anything that a filter is made for.
+pub(super) fn of_sane_length(train: GridTrain) -> Result<GridTrain, ShaperError> {
+    match train.duration_in_ticks() {
+        ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {
+            ticks,
+            capacity: LONGEST_TRAIN,
+        }),
+        _ => Ok(train),
+    }
 }
 
 /// A rate in Hz.
@@ -113,6 +128,7 @@ fn design(args: &Args) -> Result<Design, CliError> {
             .convolve(&shaper.on_grid(mode, sample_time).map_err(CliError::input)?)
             .map_err(CliError::input)?;
     }
+    let grid = of_sane_length(grid).map_err(CliError::input)?;
     Ok(Design {
         shaper,
         modes: args.mode.clone(),
@@ -148,24 +164,6 @@ fn page(design: &Design) -> Result<String, CliError> {
             format!("{:.6}", tap.amplitude),
         ]
     });
-    let mut modes = Vec::new();
-    for &mode in &design.modes {
-        let (residual, band) = design.at(mode)?;
-        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
-        let range = band.map_or("-".into(), |band| {
-            format!(
-                "{:.3} to {:.3}",
-                band.from * mode.hertz(),
-                band.to * mode.hertz()
-            )
-        });
-        modes.push([
-            format!("{} Hz, {}", mode.hertz(), mode.damping_ratio()),
-            format!("{residual:.1e}"),
-            width,
-            range,
-        ]);
-    }
     let gain = design.grid.gain();
     let peak = match design.shaper.is_convex() {
         true => String::new(),
@@ -183,7 +181,26 @@ fn page(design: &Design) -> Result<String, CliError> {
         summary = design.shaper.summary(),
         impulses = output::table(["impulse_s", "amplitude"], impulses),
         taps = output::table(["tap", "time_s", "amplitude"], taps),
-        modes = output::table(["mode", "V of the taps", "insensitivity", "band_hz"], modes),
+        modes = modes(design)?,
+    ))
+}
+
+/// The table of what the taps leave of each mode.
+fn modes(design: &Design) -> Result<String, CliError> {
+    let mut rows = Vec::new();
+    for &mode in &design.modes {
+        let (residual, band) = design.at(mode)?;
+        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
+        let edges = |band: Band| [band.from * mode.hertz(), band.to * mode.hertz()];
+        let range = band
+            .map(edges)
+            .map_or("-".into(), |[from, to]| format!("{from:.3} to {to:.3}"));
+        let name = format!("{} Hz, {}", mode.hertz(), mode.damping_ratio());
+        rows.push([name, format!("{residual:.1e}"), width, range]);
+    }
+    Ok(output::table(
+        ["mode", "V of the taps", "insensitivity", "band_hz"],
+        rows,
     ))
 }
 

@@ -1,12 +1,14 @@
 //! A simulated arm and the controller that commands it, tick by tick.
 
 use quell_shapers::{Mode, Shaper};
-use quell_trajectories::{AxisState, Limits, Planner};
+use quell_trajectories::{Limits, Planner};
 
 use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::adaptation::AdaptationSettings;
-use crate::controller::{AxisMeasurement, AxisSettings, Controller, Retune, Setpoint};
+use crate::controller::{
+    AxisMeasurement, AxisSettings, Controller, RetunePolicy, Setpoint, plan_shaped,
+};
 use crate::estimators::{EstimatorEntry, Settings};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
 use crate::signal::{ArcRegistration, DeformationSensor, RestRule};
@@ -15,6 +17,9 @@ use crate::signal::{ArcRegistration, DeformationSensor, RestRule};
 const WATCHED_PERIODS: f64 = 12.0;
 /// No move lasts longer than this, s; sizes the buffers.
 const LONGEST_MOVE: f64 = 20.0;
+
+/// Rounding of velocities and accelerations by the planner and of differences over one tick.
+const ROUNDING: f64 = 1e-9;
 
 /// What a cell is made of.
 #[derive(Clone)]
@@ -36,7 +41,7 @@ pub struct CellSettings {
     /// Whether the train follows the estimate.
     pub adaptive: bool,
     /// When a new train takes effect.
-    pub retune: Retune,
+    pub retune: RetunePolicy,
     /// Method of estimation.
     pub estimator: &'static EstimatorEntry,
 }
@@ -111,12 +116,19 @@ impl Cell {
     /// Moves to `target` (rad) and watches the arm ring out.
     ///
     /// # Errors
-    /// [`ClosedLoopError::Plan`] where the move cannot be planned.
+    /// [`ClosedLoopError::Plan`] where the move cannot be planned; [`ClosedLoopError::Limits`] where a
+    /// train with negative impulses exceeds the limits however slow the move.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
-        let start = self.position();
-        let ends = [AxisState::at_rest(start), AxisState::at_rest(target)];
-        let plan = self.planner.plan(&ends[..1], &ends[1..], &[self.limits])?;
-        let sampled = plan.sample(self.controller.sample_time())?;
+        let train = self.controller.axes()[0].next_train().clone();
+        let ends = [self.position(), target];
+        let slowed = plan_shaped(&self.planner, ends, self.limits, &train)?;
+        if slowed.peaks.worst() > 1.0 + ROUNDING {
+            return Err(ClosedLoopError::Limits {
+                ratio: slowed.peaks.worst(),
+                percent: slowed.speed * 100.0,
+            });
+        }
+        let sampled = slowed.plan;
         let planned_end = (sampled.samples() - 1) as f64 * sampled.period();
         let before = *self.controller.axes()[0].status();
         self.controller.load(sampled).map_err(|(_, error)| error)?;
@@ -125,6 +137,7 @@ impl Cell {
         let axis = &self.controller.axes()[0];
         let after = axis.status();
         Ok(MoveTrace {
+            period: self.controller.sample_time(),
             target,
             planned_end,
             command_end: command_end(&ticks),
@@ -132,7 +145,7 @@ impl Cell {
             arc: *self.arm.arc(),
             registration: self.registration.clone(),
             train: axis.train(),
-            slowed_to: None,
+            slowed_to: (slowed.speed < 1.0).then_some(slowed.speed),
             mode: after.mode,
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,

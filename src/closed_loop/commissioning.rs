@@ -1,15 +1,16 @@
 //! Learning where the tracker stands and how its clock reads.
 
 use nalgebra::Point3;
-use quell_trajectories::{AxisState, Limits, Planner};
+use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
 use super::ClosedLoopError;
 use crate::plant::{ArmSimulation, Command};
 use crate::signal::{ArcRegistration, CubicSpline, End, Measurement, register_arc};
 
-/// The arm rests before, between and after the two moves, s: long enough for 3 Hz at 5 % to ring out
-/// to 6 %, and seen at rest by the tracker too.
-const REST: f64 = 3.0;
+/// Rest before each of the two moves, s: the tracker sees the arm at rest too.
+const PAUSE: f64 = 0.5;
+/// Rest after the last one, s: 3 Hz at 5 % rings out to 6 %.
+const RING_OUT: f64 = 3.0;
 
 /// Moves the joint there and back, unshaped, and registers frame and clock of the tracker from what
 /// encoder and tracker saw. The mode that comes out on the way is not handed on: the controller has
@@ -35,38 +36,44 @@ pub fn commission(
 
 /// Samples of one sensor: stamps and readings.
 type Samples<T> = (Vec<f64>, Vec<T>);
+/// What encoder and tracker saw.
+type Seen = (Samples<f64>, Samples<Point3<f64>>);
 
 fn there_and_back(
     arm: &mut ArmSimulation,
     displacement: f64,
     limits: Limits,
-) -> Result<(Samples<f64>, Samples<Point3<f64>>), ClosedLoopError> {
-    let period = 1.0 / arm.robot().control_rate;
-    let start = arm.true_motor_position();
-    let ends = [
-        AxisState::at_rest(start),
-        AxisState::at_rest(start + displacement),
-    ];
+) -> Result<Seen, ClosedLoopError> {
+    let start = AxisState::at_rest(arm.true_motor_position());
+    let end = AxisState::at_rest(start.position + displacement);
     let planner = Planner::new(1)?;
-    let mut seen = (Samples::default(), Samples::default());
-    for [from, to] in [[ends[0], ends[1]], [ends[1], ends[0]]] {
+    let mut seen = Seen::default();
+    for [from, to] in [[start, end], [end, start]] {
         let plan = planner.plan(&[from], &[to], &[limits])?;
-        let ticks = ((REST + plan.duration() + REST) / period).ceil() as usize;
-        for tick in 0..ticks {
-            let state = plan.state_at(tick as f64 * period - REST)[0];
-            let command = Command {
-                position: state.position,
-                velocity: Some(state.velocity),
-            };
-            arm.step(command, period)
-                .iter()
-                .for_each(|measurement| sort(measurement, &mut seen));
-        }
+        follow(arm, &plan, plan.duration(), &mut seen);
     }
+    let stay = planner.plan(&[start], &[start], &[limits])?;
+    follow(arm, &stay, RING_OUT, &mut seen);
     Ok(seen)
 }
 
-fn sort(measurement: &Measurement, seen: &mut (Samples<f64>, Samples<Point3<f64>>)) {
+/// Rests, then follows a plan for `duration` (s).
+fn follow(arm: &mut ArmSimulation, plan: &Trajectory, duration: f64, seen: &mut Seen) {
+    let period = 1.0 / arm.robot().control_rate;
+    let ticks = ((PAUSE + duration) / period).ceil() as usize;
+    for tick in 0..ticks {
+        let state = plan.state_at(tick as f64 * period - PAUSE)[0];
+        let command = Command {
+            position: state.position,
+            velocity: Some(state.velocity),
+        };
+        for measurement in arm.step(command, period) {
+            sort(measurement, seen);
+        }
+    }
+}
+
+fn sort(measurement: &Measurement, seen: &mut Seen) {
     match *measurement {
         Measurement::MotorPosition { time, position } => {
             seen.0.0.push(time);

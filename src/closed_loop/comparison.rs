@@ -4,7 +4,7 @@ use quell_shapers::{Mode, Shaper};
 use quell_trajectories::Limits;
 
 use super::{Cell, CellSettings, ClosedLoopError, MoveTrace};
-use crate::controller::Retune;
+use crate::controller::RetunePolicy;
 use crate::estimators::EstimatorEntry;
 use crate::plant::{Robot, SimulationOptions};
 
@@ -150,7 +150,7 @@ impl Scenario {
             shaper,
             belief: self.belief,
             adaptive,
-            retune: Retune::InMotion,
+            retune: RetunePolicy::InMotion,
             estimator: self.estimator,
         }
     }

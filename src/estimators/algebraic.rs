@@ -25,7 +25,8 @@ pub enum AlgebraicForm {
     Paper,
     /// `eta1[y] = -a1 eta3[delta] - a2 eta2[delta] - c eta2[u]`, `y = u + delta`: right in motion
     /// and at rest; `c = a2` with the damper to ground, 0 with the damper across the joint. At rest
-    /// the column of `c` vanishes and is dropped.
+    /// the column of `c` vanishes and is dropped. Where the settings leave the scale `s` free,
+    /// `eta1[delta] = -a1 eta3[delta] - a2 eta2[delta] - s eta1[u] - c eta2[u]`.
     Energetic,
     /// The same with both sides integrated once more, which averages more noise.
     Integrated,
@@ -34,7 +35,7 @@ pub enum AlgebraicForm {
 /// The algebraic estimator.
 ///
 /// # Cost
-/// Some twenty integrals and one 4 x 4 solution a sample; nothing is allocated.
+/// Some twenty integrals and one 5 x 5 solution a sample; nothing is allocated.
 #[derive(Clone, Debug)]
 pub struct Algebraic {
     settings: Settings,
@@ -95,7 +96,7 @@ impl Algebraic {
         }
     }
 
-    /// The row `p theta = q` at this sample, `theta = a1, a2, c or a3, a1 times the offset`.
+    /// The row `p theta = q` at this sample, `theta = a1, a2, c or a3, a1 times the offset, scale`.
     fn row(&self) -> ([f64; COLUMNS], f64) {
         let State {
             position,
@@ -104,42 +105,34 @@ impl Algebraic {
             constant,
             ..
         } = &self.state;
+        let row = [
+            -deformation.eta[2],
+            -deformation.eta[1],
+            -input.eta[1],
+            constant.eta[2],
+            -input.eta[0],
+        ];
         match self.form {
-            AlgebraicForm::Paper => (
-                [-deformation.eta[2], -deformation.eta[1], input.eta[2], 0.0],
-                deformation.eta[0],
-            ),
-            AlgebraicForm::Energetic | AlgebraicForm::Integrated => (
-                [
-                    -deformation.eta[2],
-                    -deformation.eta[1],
-                    -input.eta[1],
-                    constant.eta[2],
-                ],
-                position.eta[0],
-            ),
+            AlgebraicForm::Paper => ([row[0], row[1], input.eta[2], 0.0, 0.0], deformation.eta[0]),
+            _ if self.settings.scale_is_free() => (row, deformation.eta[0]),
+            _ => (row, position.eta[0]),
         }
     }
 
     /// Which columns carry something: the input's once it moved by more than the noise, the
     /// offset's where the settings allow one.
     fn used(&self) -> [bool; COLUMNS] {
-        match self.form {
-            AlgebraicForm::Paper => [true, true, true, false],
-            AlgebraicForm::Energetic | AlgebraicForm::Integrated => {
-                let noise = self.settings.noise_std.unwrap_or(0.01 * self.state.largest);
-                [
-                    true,
-                    true,
-                    self.state.moved > 10.0 * noise,
-                    self.settings.offset_is_free(),
-                ]
-            }
+        if self.form == AlgebraicForm::Paper {
+            return [true, true, true, false, false];
         }
+        let noise = self.settings.noise_std.unwrap_or(0.01 * self.state.largest);
+        let moves = self.state.moved > 10.0 * noise;
+        let scale = moves && self.settings.scale_is_free();
+        [true, true, moves, self.settings.offset_is_free(), scale]
     }
 
     fn solve(&mut self, time: f64) {
-        let Some([stiffness, damping, third, _]) = self.state.equations.solve(self.used()) else {
+        let Some([stiffness, damping, third, ..]) = self.state.equations.solve(self.used()) else {
             return;
         };
         let gain = if self.form == AlgebraicForm::Paper {

@@ -6,11 +6,11 @@
 pub const SETTLED: f64 = 0.005;
 
 /// Estimates that a window holds.
-const SLOTS: usize = 24;
+const SLOTS: usize = 12;
 
-/// Standard deviation of the estimates over a sliding window of half a period.
+/// Standard deviation of the estimates over a sliding window, half a period unless said otherwise.
 ///
-/// The estimates are thinned to 24 a window, so the cost is the same at every rate; memory is
+/// The estimates are thinned to 12 a window, so the cost is the same at every rate; memory is
 /// fixed.
 ///
 /// Source: E. Pereira, J. R. Trapero, I. M. Diaz, V. Feliu, "Adaptive input shaping for manoeuvring
@@ -23,24 +23,31 @@ pub struct Convergence {
     next: usize,
     count: usize,
     last: f64,
+    periods: f64,
 }
 
 impl Default for Convergence {
     fn default() -> Self {
+        Self::over(0.5)
+    }
+}
+
+impl Convergence {
+    /// A window of so many periods of the estimated mode.
+    pub fn over(periods: f64) -> Self {
         Self {
             slots: [[0.0; 2]; SLOTS],
             next: 0,
             count: 0,
             last: f64::NEG_INFINITY,
+            periods,
         }
     }
-}
 
-impl Convergence {
     /// Takes an estimate of `[ln w, xi]` at a time.
     pub fn push(&mut self, time: f64, estimate: [f64; 2]) {
-        let half_period = core::f64::consts::PI / estimate[0].exp();
-        if time - self.last < half_period / SLOTS as f64 {
+        let window = self.periods * core::f64::consts::TAU / estimate[0].exp();
+        if time - self.last < window / SLOTS as f64 {
             return;
         }
         self.last = time;

@@ -2,8 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// Columns at most: two of the mode, one of the input, one of a constant offset.
-pub const COLUMNS: usize = 4;
+/// Columns at most: two of the mode, two of the input, one of a constant offset.
+pub const COLUMNS: usize = 5;
 
 /// Largest condition number of the scaled normal matrix: it squares that of the columns, and
 /// 1e10 leaves six of sixteen digits.

@@ -20,7 +20,8 @@ pub struct Settings {
     /// deformation was zeroed at rest on at least one sample). The regressions know no prior: they
     /// take it as zero, or free where a value above 0 is given.
     pub offset_std: Option<f64>,
-    /// Relative error of the deformation's scale (lever arm, modal participation).
+    /// Relative error of the deformation's scale (lever arm, modal participation). The regressions
+    /// take it as known below 0.5 and as free from there on.
     pub scale_std: f64,
     /// Static gain `K`, deformation over motor-side position.
     pub gain_std: f64,
@@ -60,6 +61,11 @@ impl Settings {
     /// Whether a regression needs a column for the deformation's offset.
     pub(super) fn offset_is_free(&self) -> bool {
         self.offset_std.is_some_and(|std| std > 0.0)
+    }
+
+    /// Whether a regression needs a column for the deformation's scale.
+    pub(super) fn scale_is_free(&self) -> bool {
+        self.scale_std >= 0.5
     }
 
     /// Samples in a window, between 256 and 65 536.

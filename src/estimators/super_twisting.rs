@@ -170,10 +170,11 @@ impl Estimator for SuperTwisting {
             -state.filtered_velocity.second,
             0.0,
             state.filtered_offset.second,
+            0.0,
         ];
         let slope = state.filtered_velocity.slope(tau);
         state.equations.push(row, slope, sample.time - last.time);
-        let used = [true, true, false, self.settings.offset_is_free()];
+        let used = [true, true, false, self.settings.offset_is_free(), false];
         if let Some([stiffness, damping, ..]) = state.equations.solve(used) {
             self.settling.push(sample.time, stiffness, damping, 0.0);
         }

@@ -1,5 +1,6 @@
 //! A shaper designed for modes on a grid, and what it leaves of them.
 
+use crate::cli::shape::of_sane_length;
 use quell_shapers::{
     GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
 };
@@ -42,6 +43,7 @@ impl Design {
         for &mode in modes {
             train = train.convolve(&shaper.on_grid(mode, sample_time)?)?;
         }
+        let train = of_sane_length(train)?;
         let impulses = train.to_impulses();
         let mut insensitive = None;
         if let Some(mode) = modes.first() {

@@ -1,6 +1,7 @@
 //! The report of a comparison.
 
-use super::{Comparison, ERRORS, describe, errors};
+use super::print::{describe, percent_label};
+use super::{Comparison, ERRORS, errors};
 use crate::report::{Cell, Chart, Figure, Page, Table, Verdict};
 
 /// The page: advice first, then table, curves and trains.
@@ -22,19 +23,24 @@ pub fn page(comparison: &Comparison) -> Page {
             ),
         None => page.verdict(Verdict::Bad, super::NO_CHOICE),
     };
-    page = page
-        .table(figures(comparison))
-        .chart(curves(comparison))
-        .chart(trains(comparison));
+    page = page.table(figures(comparison)).chart(curves(comparison));
+    if let Some(chart) = train(comparison) {
+        page = page.chart(chart);
+    }
     if comparison.unshaped_mm.is_some() {
         page = page.table(simulated(comparison));
     }
     page
 }
 
+/// A share in percent, without the rounding errors that stand for an exact zero.
+fn percent(share: f64) -> f64 {
+    (1e8 * share).round() / 1e6
+}
+
 fn percent_header(table: Table, unit: &str) -> Table {
     ERRORS.iter().fold(table, |table, error| {
-        table.column(super::percent_label(*error), unit)
+        table.column(percent_label(*error), unit)
     })
 }
 
@@ -52,7 +58,7 @@ fn figures(comparison: &Comparison) -> Table {
             design.insensitivity.into(),
             design.train.gain().into(),
         ];
-        cells.extend(ERRORS.map(|error| (100.0 * design.residual(error)).into()));
+        cells.extend(ERRORS.map(|error| percent(design.residual(error)).into()));
         table = table.row(cells);
         let chosen = comparison
             .choice
@@ -110,23 +116,20 @@ fn curves(comparison: &Comparison) -> Chart {
     chart.note("Unshaped is 100 %.")
 }
 
-fn trains(comparison: &Comparison) -> Chart {
-    let mut chart = Chart::stems(
-        "Taps on the controller's grid",
-        "time",
-        "s",
-        "amplitude",
-        "",
-    );
-    for (shaper, design) in comparison.designs() {
-        let period = design.train.sample_time();
-        let taps = design.train.taps();
-        let time: Vec<f64> = taps
-            .iter()
-            .map(|tap| f64::from(tap.delay) * period)
-            .collect();
-        let amplitude: Vec<f64> = taps.iter().map(|tap| tap.amplitude).collect();
-        chart = chart.series(shaper.name(), &time, &amplitude);
-    }
-    chart
+/// The recommended shaper's taps.
+fn train(comparison: &Comparison) -> Option<Chart> {
+    let chosen = comparison.choice.as_ref()?.shaper.name();
+    let (shaper, design) = comparison
+        .designs()
+        .find(|(shaper, _)| shaper.name() == chosen)?;
+    let period = design.train.sample_time();
+    let taps = design.train.taps();
+    let time: Vec<f64> = taps
+        .iter()
+        .map(|tap| f64::from(tap.delay) * period)
+        .collect();
+    let amplitude: Vec<f64> = taps.iter().map(|tap| tap.amplitude).collect();
+    let title = format!("Taps of {} on the controller's grid", shaper.title());
+    let chart = Chart::stems(title, "time", "s", "amplitude", "");
+    Some(chart.series(shaper.name(), &time, &amplitude))
 }

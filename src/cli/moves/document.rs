@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use crate::cli::output;
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
+use crate::report::number;
 
 /// Distance from the target within which the tip counts as settled, m.
 pub const SETTLED: f64 = 0.05e-3;
@@ -102,10 +103,10 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
 /// What is moved, and what is believed of it.
 pub fn headline(scenario: &Scenario) -> String {
     format!(
-        "{}, joint {}, {:.4} deg, {} shaper, {} estimator; believed {:.3} Hz, damping {:.3}.",
+        "{}, joint {}, {} deg, {} shaper, {} estimator; believed {:.3} Hz, damping {:.3}.",
         scenario.robot.name,
         scenario.joint + 1,
-        scenario.displacement.to_degrees(),
+        number(scenario.displacement.to_degrees()),
         scenario.shaper.name(),
         scenario.estimator.name,
         scenario.belief.hertz(),
@@ -159,7 +160,7 @@ pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
     for (kind, trace) in &comparison.moves {
         if let Some(speed) = trace.slowed_to {
             words.push_str(&format!(
-                "{}: the negative impulses of {} would exceed the limits; slowed to {:.0} % speed.\n",
+                "{}: the negative impulses of {} would exceed the limits; slowed to {:.1} % speed.\n",
                 kind.name(),
                 scenario.shaper.name(),
                 speed * 100.0

@@ -5,19 +5,20 @@ use nalgebra::Point3;
 use super::document::{self, Learned, SETTLED};
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario, Tick};
 use crate::recording::Role;
-use crate::report::{Bars, Chart, Figure, Page, Table, Verdict};
+use crate::report::{Bars, Chart, Figure, Page, Table, Verdict, number};
 use crate::signal::{CubicSpline, End, Window, spectrum};
 
 /// The report.
 pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
     let mut page = Page::new(title(scenario))
         .subtitle(document::headline(scenario))
-        .verdict(Verdict::Good, sentence(comparison))
+        .verdict(verdict(comparison), sentence(comparison))
         .figures(figures(comparison))
         .table(table(comparison))
         .bars(bars(comparison))
         .heading("Vibration at the tip")
         .chart(deformation(comparison))
+        .chart(left_over(comparison))
         .heading("What was learned while the arm moved")
         .chart(estimates(comparison, "natural frequency", "Hz", |e| {
             (
@@ -30,7 +31,8 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
         }))
         .heading("Command")
         .chart(command(comparison))
-        .chart(trains(comparison));
+        .chart(trains(comparison))
+        .heading("The unshaped move as encoder and tracker saw it");
     for chart in paper_figures(comparison.trace(MoveKind::Unshaped)) {
         page = page.chart(chart);
     }
@@ -41,10 +43,19 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
 
 fn title(scenario: &Scenario) -> String {
     format!(
-        "Joint {} moves by {:.4} degrees",
+        "Joint {} moves by {} degrees",
         scenario.joint + 1,
-        scenario.displacement.to_degrees()
+        number(scenario.displacement.to_degrees())
     )
+}
+
+/// Good where the adapted shaper keeps the 5 % that the field calls insensitive.
+fn verdict(comparison: &Comparison) -> Verdict {
+    if comparison.ratio(MoveKind::AdaptiveNext) <= 0.05 {
+        Verdict::Good
+    } else {
+        Verdict::Bad
+    }
 }
 
 fn sentence(comparison: &Comparison) -> String {
@@ -62,8 +73,12 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
     let unshaped = comparison.trace(MoveKind::Unshaped);
     let next = comparison.trace(MoveKind::AdaptiveNext);
     let mut figures = vec![
-        Figure::new("left after the next move", next.residual() * 1e3, "mm")
-            .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
+        Figure::text(
+            "left after the next move",
+            format!("{:.4}", next.residual() * 1e3),
+        )
+        .unit("mm")
+        .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
         Figure::new(
             "settled after",
             next.settling_time(SETTLED).unwrap_or(f64::NAN),
@@ -145,7 +160,22 @@ fn column(trace: &MoveTrace, value: impl Fn(&Tick) -> f64) -> Vec<f64> {
 }
 
 fn deformation(comparison: &Comparison) -> Chart {
-    let mut chart = Chart::lines("Deformation of the joint", "time", "s", "at the tip", "mm");
+    deformations(comparison, "Deformation of the joint")
+        .note("The next move goes back; it is drawn with its sign turned, to lie over the others.")
+}
+
+/// The same, from shortly before the unshaped command ends, at the scale of what is left.
+fn left_over(comparison: &Comparison) -> Chart {
+    let unshaped = comparison.trace(MoveKind::Unshaped);
+    let height = 1.1e3 * unshaped.residual();
+    let watched = unshaped.ticks.last().map_or(0.0, |tick| tick.time);
+    deformations(comparison, "What is left over")
+        .x_range(0.9 * unshaped.planned_end, watched)
+        .y_range(-height, height)
+}
+
+fn deformations(comparison: &Comparison, title: &str) -> Chart {
+    let mut chart = Chart::lines(title, "time", "s", "at the tip", "mm");
     for (kind, trace) in &comparison.moves {
         let sign = if *kind == MoveKind::AdaptiveNext {
             -1.0
@@ -155,9 +185,7 @@ fn deformation(comparison: &Comparison) -> Chart {
         let y = column(trace, |tick| sign * tick.tip_deformation * 1e3);
         chart = chart.series(words(*kind), &column(trace, |tick| tick.time), &y);
     }
-    chart
-        .marker(comparison.moves[0].1.planned_end, "unshaped command ends")
-        .note("The next move goes back; it is drawn with its sign turned, to lie over the others.")
+    chart.marker(comparison.moves[0].1.planned_end, "unshaped command ends")
 }
 
 fn estimates(

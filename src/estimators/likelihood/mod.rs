@@ -28,7 +28,7 @@ pub(super) use self::fit::{Priors, fit};
 pub(super) use self::track::Track;
 
 use self::fit::{Fit, profile, still};
-use super::convergence::SETTLED;
+use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// Samples that replays may take in one tick.
@@ -42,6 +42,8 @@ const GRID_RATIO: f64 = 1.25;
 const DAMPING_RANGE: (f64, f64) = (1e-4, 0.7);
 /// Weight of a given noise level in samples, against the residual's own.
 const NOISE_SAMPLES: f64 = 10.0;
+/// Window, in periods, over which the estimates must agree before they count as converged.
+const CONVERGENCE_PERIODS: f64 = 0.25;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
 /// A standard deviation of `ln w` above which there is no estimate to speak of.
@@ -68,6 +70,7 @@ pub struct Likelihood {
     largest: f64,
     variance: f64,
     correlation: Correlation,
+    convergence: Convergence,
     converged: bool,
     estimate: Option<Estimate>,
 }
@@ -139,6 +142,7 @@ impl Likelihood {
             largest: 0.0,
             variance: 0.0,
             correlation: Correlation::default(),
+            convergence: Convergence::over(CONVERGENCE_PERIODS),
             converged: false,
             estimate: None,
         }
@@ -341,7 +345,14 @@ impl Likelihood {
             .map(|k| fit.residual[k] * self.active.row[k])
             .sum();
         self.correlation.observe(residual);
-        self.converged |= log_std < SETTLED && damping_std < SETTLED && self.candidate.is_none();
+        self.convergence.push(time, log_point(mode));
+        // What the noise leaves is in the standard deviations, what the model leaves in the spread;
+        // where the residual turns out coloured the word is taken back.
+        let within = |limit: f64| log_std < limit && damping_std < limit;
+        self.converged = match self.converged {
+            true => within(2.0 * SETTLED),
+            false => within(SETTLED) && self.convergence.settled() && self.candidate.is_none(),
+        };
         self.estimate = Some(Estimate {
             time,
             mode,
@@ -418,6 +429,7 @@ impl Estimator for Likelihood {
         self.largest = 0.0;
         self.variance = 0.0;
         self.correlation = Correlation::default();
+        self.convergence = Convergence::over(CONVERGENCE_PERIODS);
         self.converged = false;
         self.estimate = None;
     }

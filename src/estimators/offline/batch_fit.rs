@@ -10,7 +10,7 @@ use crate::estimators::modal_response::{
 };
 use crate::estimators::{Sample, Settings};
 
-/// Unknowns: `ln w`, `xi`, the free decay (two), offset, rate, scale, gain.
+/// Unknowns: `ln w`, `sqrt(xi / (1 - xi))`, the free decay (two), offset, rate, scale, gain.
 const UNKNOWNS: usize = 8;
 /// The columns of the six linear ones.
 const LINEAR: [usize; 6] = [FREE, FREE + 1, OFFSET, VELOCITY, DEFORMATION, INPUT];
@@ -48,9 +48,16 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// The mode at the point: `w = exp p_0`, `xi = p_1^2 / (1 + p_1^2)`, so that every step of the
+    /// solver ends in a mode.
     fn mode(&self) -> Option<Mode> {
-        // A step of the solver may leave the modes; it is then refused as a failed evaluation.
-        Mode::new(self.point[0].exp(), self.point[1]).ok()
+        let square = self.point[1] * self.point[1];
+        // Within what doubles can simulate; a frequency out there is refused later.
+        Mode::new(
+            self.point[0].clamp(-20.0, 20.0).exp(),
+            (square / (1.0 + square)).min(0.999),
+        )
+        .ok()
     }
 
     fn simulate(&mut self) {
@@ -108,6 +115,7 @@ impl Problem<'_> {
                 (1.0 + scale) * row[LINK + k] + rate * row[RATE + k] + turned.re * row[FREE_SLOPE]
                     - turned.im * row[FREE_SLOPE + 1];
         }
+        derivative[1] *= 2.0 * self.point[1] / (1.0 + self.point[1] * self.point[1]).powi(2);
         for (k, &column) in LINEAR.iter().enumerate() {
             derivative[k + 2] = row[column];
         }
@@ -261,7 +269,8 @@ fn conclude(problem: &Problem<'_>) -> Option<BatchFit> {
     Some(BatchFit {
         mode,
         natural_frequency_std: std(0) * mode.natural_frequency(),
-        damping_ratio_std: std(1),
+        damping_ratio_std: std(1) * 2.0 * problem.point[1]
+            / (1.0 + problem.point[1] * problem.point[1]).powi(2),
         gain: (problem.point[7], std(7)),
         offset: problem.point[4],
         residual_std: variance.sqrt(),

@@ -1,0 +1,107 @@
+//! What a filter was given and what it has sent.
+
+use crate::Mode;
+use crate::complex::Complex;
+use alloc::boxed::Box;
+use alloc::vec;
+
+/// One tick of the past.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    planned: f64,
+    sent: f64,
+    /// Whether the output was constant: nothing sent before can be half of a move.
+    settled: bool,
+}
+
+/// A ring of positions planned and sent, one entry a tick.
+#[derive(Clone, Debug)]
+pub(crate) struct History {
+    ring: Box<[Entry]>,
+    next: usize,
+    count: usize,
+    /// Whether entries have been overwritten.
+    overwritten: bool,
+}
+
+/// The vibration that positions planned and sent leave, referred to the newest tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Vibration {
+    pub planned: Complex,
+    pub sent: Complex,
+}
+
+impl History {
+    pub fn new(capacity: usize) -> Self {
+        let ring = vec![Entry::default(); capacity.max(2)].into_boxed_slice();
+        let mut history = Self {
+            ring,
+            next: 0,
+            count: 0,
+            overwritten: false,
+        };
+        history.reset(0.0);
+        history
+    }
+
+    /// Forgets everything: at rest at `position`, not vibrating.
+    pub fn reset(&mut self, position: f64) {
+        (self.next, self.count, self.overwritten) = (0, 0, false);
+        self.push(position, position, true);
+    }
+
+    pub fn push(&mut self, planned: f64, sent: f64, settled: bool) {
+        self.ring[self.next] = Entry {
+            planned,
+            sent,
+            settled,
+        };
+        self.next = if self.next + 1 == self.ring.len() {
+            0
+        } else {
+            self.next + 1
+        };
+        if self.count < self.ring.len() {
+            self.count += 1;
+        } else {
+            self.overwritten = true;
+        }
+    }
+
+    /// `sum du_k exp(lambda (t_now - t_k))` over everything kept, `lambda = -xi omega + j omega_d`:
+    /// the state of the mode at the newest tick, in units of the position.
+    ///
+    /// `None` where the ring has lost the start of a move that it still holds the end of.
+    pub fn vibration(&self, mode: Mode, sample_time: f64) -> Option<Vibration> {
+        let oldest = if self.count < self.ring.len() {
+            0
+        } else {
+            self.next
+        };
+        let entry = |k: usize| {
+            let index = oldest + k;
+            &self.ring[if index < self.ring.len() {
+                index
+            } else {
+                index - self.ring.len()
+            }]
+        };
+        let start = if self.overwritten {
+            (0..self.count).find(|&k| entry(k).settled)?
+        } else {
+            0
+        };
+        let turn = Complex::new(-mode.decay_rate(), mode.damped_frequency())
+            .scale(sample_time)
+            .exp();
+        let mut vibration = Vibration::default();
+        for k in start + 1..self.count {
+            let (before, now) = (entry(k - 1), entry(k));
+            vibration.planned = vibration.planned * turn;
+            vibration.planned.re += now.planned - before.planned;
+            vibration.sent = vibration.sent * turn;
+            vibration.sent.re += now.sent - before.sent;
+        }
+        Some(vibration)
+    }
+}

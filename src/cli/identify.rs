@@ -1,0 +1,161 @@
+//! `quell identify`: every estimator over a recording, and the off-line references beside them.
+
+mod document;
+mod page;
+mod words;
+
+use super::{CliError, output};
+use crate::estimators::ESTIMATORS;
+use crate::identification::{
+    Identification, IdentificationError, ModelError, NominalModel, Prior, Series, identify, prepare,
+};
+use crate::recording::Recording;
+use std::path::PathBuf;
+
+/// Identifies the vibratory mode of a recording, on-line by every estimator and off-line.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell identify arm7/recording.toml
+  quell identify arm7 --model model.toml --out out   (the folder of a recording.toml)
+  quell identify arm7 --json
+
+The recording needs motor_position and one of deformation, link_position, tip_position. A tip sensor
+in a frame of its own needs a model with the lever arm:
+  kind = \"flexible_joint\"
+  natural_frequency_hz = 8.2
+  damping_ratio = 0.06
+  lever_arm_m = 1.8
+  tip_height_m = 0.9
+
+Estimators that know the motor side's motion see the whole recording, if that explains the
+deformation; the others, and all where it does not, see the strongest free decay.")]
+pub struct Args {
+    /// The manifest, or the folder that holds its recording.toml.
+    pub recording: PathBuf,
+    /// What is believed of the joint.
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Prints JSON instead of tables.
+    #[arg(long)]
+    pub json: bool,
+    /// The folder for the report, identify.html.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// All that is told.
+struct Findings {
+    recording: String,
+    series: Series,
+    model: Option<NominalModel>,
+    found: Identification,
+}
+
+impl From<ModelError> for CliError {
+    fn from(error: ModelError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<IdentificationError> for CliError {
+    fn from(error: IdentificationError) -> Self {
+        Self::input(error)
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let recording = Recording::from_path(&args.recording)?;
+    let model = args
+        .model
+        .as_ref()
+        .map(NominalModel::from_path)
+        .transpose()?;
+    let series = prepare(&recording, model.as_ref())?;
+    let prior = Prior {
+        belief: model.map(|model| model.mode),
+        scale_is_open: series.scale_is_open,
+    };
+    let found = identify(&series.samples, prior)?;
+    let findings = Findings {
+        recording: recording.name,
+        series,
+        model,
+        found,
+    };
+    output::folder(&args.out)?;
+    let report = args.out.join("identify.html");
+    page::page(&findings)
+        .write(&report)
+        .map_err(CliError::failure)?;
+    if args.json {
+        output::json(&document::document(&findings))
+    } else {
+        output::text(&format!(
+            "{}\nReport: {}\n",
+            tables(&findings),
+            report.display()
+        ))
+    }
+}
+
+/// The text that the verb prints.
+fn tables(findings: &Findings) -> String {
+    let found = &findings.found;
+    let rows = ESTIMATORS.iter().enumerate().map(|(index, line)| {
+        let run = found.quoted(index);
+        let result = run.and_then(|run| run.estimator(line.name));
+        let estimate = result.and_then(|result| result.estimate);
+        let figure = |value: Option<f64>, digits: usize| {
+            value
+                .filter(|v| v.is_finite())
+                .map_or("-".into(), |v| format!("{v:.digits$}"))
+        };
+        let tau = core::f64::consts::TAU;
+        [
+            line.name.to_string(),
+            figure(estimate.map(|e| e.mode.hertz()), 3),
+            figure(estimate.map(|e| e.natural_frequency_std / tau), 3),
+            figure(estimate.map(|e| e.mode.damping_ratio()), 4),
+            figure(estimate.map(|e| e.damping_ratio_std), 4),
+            figure(estimate.map(|e| e.gain), 4),
+            figure(result.and_then(|r| r.converged_at), 3),
+            figure(result.and_then(|r| r.periods), 2),
+            run.map_or("-".into(), |run| words::stretch(run)),
+        ]
+    });
+    let on_line = output::table(
+        [
+            "on-line",
+            "f_hz",
+            "std",
+            "xi",
+            "std",
+            "gain",
+            "converged_s",
+            "periods",
+            "over",
+        ],
+        rows,
+    );
+    let off_line = output::table(
+        ["off-line", "f_hz", "xi", "over"],
+        found.reference().off_line.iter().map(|line| {
+            [
+                line.method.to_string(),
+                format!("{:.3}", line.mode.hertz()),
+                format!("{:.4}", line.mode.damping_ratio()),
+                words::stretch(found.reference()),
+            ]
+        }),
+    );
+    let remarks: String = words::remarks(findings)
+        .iter()
+        .map(|remark| format!("- {remark}\n"))
+        .collect();
+    format!("{}\n\n{on_line}\n{off_line}\n{remarks}", findings.recording)
+}

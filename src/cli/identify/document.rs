@@ -1,0 +1,89 @@
+//! The findings as JSON.
+
+use super::{Findings, words};
+use crate::estimators::ESTIMATORS;
+use crate::identification::{OnLine, Run};
+use serde_json::{Value, json};
+
+const TAU: f64 = core::f64::consts::TAU;
+
+/// What `--json` prints.
+pub fn document(findings: &Findings) -> Value {
+    let found = &findings.found;
+    let estimates = ESTIMATORS.iter().enumerate().map(|(index, line)| {
+        let run = found.quoted(index);
+        estimate(line.name, run, run.and_then(|run| run.estimator(line.name)))
+    });
+    let dependence = found.amplitude_dependence.as_ref().map(|dependence| {
+        let cycles = dependence.cycles.iter().map(|cycle| {
+            json!({
+                "time_s": cycle.time,
+                "amplitude": cycle.amplitude,
+                "damping_ratio": cycle.damping_ratio,
+                "damping_std": cycle.damping_ratio_std,
+            })
+        });
+        json!({
+            "falls_with_amplitude": dependence.falls_with_amplitude(),
+            "cycles": cycles.collect::<Vec<_>>(),
+        })
+    });
+    json!({
+        "name": findings.recording,
+        "estimates": estimates.collect::<Vec<_>>(),
+        "offline": off_line(found.reference()),
+        "free_decay_from_s": found.free_decays.iter().map(|run| run.stretch.from).collect::<Vec<_>>(),
+        "known_input_holds": found.known_input_holds,
+        "explained_by_known_input": found.explained,
+        "damping_by_amplitude": dependence,
+        "runs": found.free_decays.iter().chain([&found.whole]).map(run_document).collect::<Vec<_>>(),
+        "remarks": words::remarks(findings),
+    })
+}
+
+fn estimate(name: &str, run: Option<&Run>, result: Option<&OnLine>) -> Value {
+    let estimate = result.and_then(|result| result.estimate);
+    json!({
+        "estimator": name,
+        "frequency_hz": estimate.map(|e| e.mode.hertz()),
+        "frequency_std_hz": estimate.map(|e| e.natural_frequency_std / TAU),
+        "damping_ratio": estimate.map(|e| e.mode.damping_ratio()),
+        "damping_std": estimate.map(|e| e.damping_ratio_std),
+        "gain": estimate.map(|e| e.gain),
+        "converged_at_s": result.and_then(|r| r.converged_at),
+        "periods_to_converge": result.and_then(|r| r.periods),
+        "from_s": run.map(|run| run.stretch.from),
+        "until_s": run.map(|run| run.stretch.until),
+    })
+}
+
+fn off_line(run: &Run) -> Vec<Value> {
+    run.off_line
+        .iter()
+        .map(|line| {
+            json!({
+                "method": line.method,
+                "frequency_hz": line.mode.hertz(),
+                "frequency_std_hz": line.natural_frequency_std.map(|std| std / TAU),
+                "damping_ratio": line.mode.damping_ratio(),
+                "damping_std": line.damping_ratio_std,
+                "from_s": run.stretch.from,
+                "until_s": run.stretch.until,
+            })
+        })
+        .collect()
+}
+
+fn run_document(run: &Run) -> Value {
+    let estimates = run
+        .on_line
+        .iter()
+        .map(|result| estimate(result.name, Some(run), Some(result)));
+    json!({
+        "free_decay": run.is_free_decay,
+        "from_s": run.stretch.from,
+        "until_s": run.stretch.until,
+        "estimates": estimates.collect::<Vec<_>>(),
+        "offline": off_line(run),
+    })
+}

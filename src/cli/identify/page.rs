@@ -1,0 +1,272 @@
+//! The report: what was found, and the estimates over time as in the paper's Fig. 7.
+
+use super::{Findings, words};
+use crate::estimators::offline::amplitude_spectrum;
+use crate::estimators::{ESTIMATORS, Estimate};
+use crate::identification::{OffLine, OnLine, Run};
+use crate::report::{Chart, Figure, Page, Table, Verdict};
+
+const TAU: f64 = core::f64::consts::TAU;
+
+/// The whole page.
+pub fn page(findings: &Findings) -> Page {
+    let found = &findings.found;
+    let best = found
+        .quoted(0)
+        .and_then(|run| run.estimator(ESTIMATORS[0].name));
+    let mut page = Page::new(format!("Vibratory mode of {}", findings.recording));
+    page = match best.and_then(|result| result.estimate) {
+        Some(estimate) => headline(page, findings, &estimate, best),
+        None => page.verdict(
+            Verdict::Bad,
+            "No vibratory mode was found in this recording.",
+        ),
+    };
+    for remark in words::remarks(findings) {
+        page = page.text(remark);
+    }
+    page = page
+        .table(on_line(findings))
+        .table(off_line(found.reference()));
+    page = page.heading("Estimates over time");
+    let run = found.reference();
+    page = page.chart(frequencies(run)).chart(dampings(run));
+    if run.is_free_decay {
+        page = page
+            .chart(frequencies(&found.whole))
+            .chart(dampings(&found.whole));
+    }
+    page = page
+        .heading("The recording")
+        .chart(positions(findings))
+        .chart(deformation(findings));
+    page = page.chart(spectrum(findings, run));
+    if let Some(chart) = by_amplitude(findings) {
+        page = page.chart(chart);
+    }
+    page
+}
+
+fn headline(page: Page, findings: &Findings, e: &Estimate, result: Option<&OnLine>) -> Page {
+    let std = e.natural_frequency_std / TAU;
+    let sentence = format!(
+        "{:.3} Hz (+- {std:.3}) with a damping ratio of {:.4} (+- {:.4}), by maximum likelihood.",
+        e.mode.hertz(),
+        e.mode.damping_ratio(),
+        e.damping_ratio_std,
+    );
+    let verdict = if e.converged {
+        Verdict::Good
+    } else {
+        Verdict::Bad
+    };
+    let mut page = page
+        .verdict(verdict, sentence)
+        .figure(Figure::new("natural frequency", e.mode.hertz(), "Hz").note(format!("+- {std:.3}")))
+        .figure(
+            Figure::new("damping ratio", e.mode.damping_ratio(), "")
+                .note(format!("+- {:.4}", e.damping_ratio_std)),
+        );
+    if let Some(periods) = result.and_then(|result| result.periods) {
+        page = page.figure(Figure::new("to converge", periods, "periods"));
+    }
+    if let Some(fit) = findings.found.reference().batch() {
+        let off = 100.0 * (e.mode.hertz() / fit.mode.hertz() - 1.0);
+        page = page.figure(
+            Figure::new("off-line fit", fit.mode.hertz(), "Hz")
+                .note(format!("on-line {off:+.2} %")),
+        );
+    }
+    page
+}
+
+fn on_line(findings: &Findings) -> Table {
+    let mut table = Table::new("On-line estimators")
+        .text_column("estimator")
+        .column("frequency", "Hz")
+        .column("std", "Hz")
+        .column("damping ratio", "")
+        .column("std", "")
+        .column("gain", "")
+        .column("converged at", "s")
+        .column("after", "periods")
+        .text_column("over")
+        .note("Periods count from the start of the motion, or of the free decay.");
+    for (index, line) in ESTIMATORS.iter().enumerate() {
+        let run = findings.found.quoted(index);
+        let result = run.and_then(|run| run.estimator(line.name));
+        let e = result.and_then(|result| result.estimate);
+        let number = |value: Option<f64>| value.unwrap_or(f64::NAN).into();
+        table = table.row([
+            line.name.into(),
+            number(e.map(|e| e.mode.hertz())),
+            number(e.map(|e| e.natural_frequency_std / TAU)),
+            number(e.map(|e| e.mode.damping_ratio())),
+            number(e.map(|e| e.damping_ratio_std)),
+            number(e.map(|e| e.gain)),
+            number(result.and_then(|r| r.converged_at)),
+            number(result.and_then(|r| r.periods)),
+            run.map_or("needs a free decay".into(), words::stretch)
+                .into(),
+        ]);
+    }
+    table
+}
+
+fn off_line(run: &Run) -> Table {
+    let mut table = Table::new("Off-line references")
+        .text_column("method")
+        .column("frequency", "Hz")
+        .column("std", "Hz")
+        .column("damping ratio", "")
+        .column("std", "")
+        .text_column("over");
+    for line in &run.off_line {
+        table = table.row([
+            line.method.into(),
+            line.mode.hertz().into(),
+            line.natural_frequency_std
+                .map_or(f64::NAN, |std| std / TAU)
+                .into(),
+            line.mode.damping_ratio().into(),
+            line.damping_ratio_std.unwrap_or(f64::NAN).into(),
+            words::stretch(run).into(),
+        ]);
+    }
+    table
+}
+
+/// One quantity of all estimators over a run, the likelihood's with a band of two standard
+/// deviations, the batch fit as a level.
+fn over_time(
+    run: &Run,
+    chart: Chart,
+    quantity: impl Fn(&Estimate) -> (f64, f64),
+    level: impl Fn(&OffLine) -> f64,
+) -> Chart {
+    let mut chart = chart;
+    let mut greatest = 0.0_f64;
+    for (index, result) in run.on_line.iter().enumerate() {
+        let time: Vec<f64> = result.history.iter().map(|e| e.time).collect();
+        let values: Vec<(f64, f64)> = result.history.iter().map(&quantity).collect();
+        let value: Vec<f64> = values.iter().map(|v| v.0).collect();
+        if index == 0 {
+            let low: Vec<f64> = values.iter().map(|v| v.0 - 2.0 * v.1).collect();
+            let high: Vec<f64> = values.iter().map(|v| v.0 + 2.0 * v.1).collect();
+            chart = chart.band(result.name, "± 2 std", &time, &low, &high);
+        }
+        chart = chart.series(result.name, &time, &value);
+    }
+    if let Some(batch) = run.batch() {
+        greatest = level(batch);
+        chart = chart.level(greatest, "batch fit");
+    }
+    // What lies beyond twice the reference is the start of an estimate, not worth the scale.
+    if greatest > 0.0 {
+        chart.y_range(0.0, 2.0 * greatest)
+    } else {
+        chart
+    }
+    .marker(
+        run.counted_from,
+        if run.is_free_decay {
+            "decay begins"
+        } else {
+            "motion begins"
+        },
+    )
+}
+
+fn frequencies(run: &Run) -> Chart {
+    let title = format!("Natural frequency, {}", words::stretch(run));
+    let chart = Chart::lines(title, "time", "s", "frequency", "Hz");
+    over_time(
+        run,
+        chart,
+        |e| (e.mode.hertz(), e.natural_frequency_std / TAU),
+        |l| l.mode.hertz(),
+    )
+}
+
+fn dampings(run: &Run) -> Chart {
+    let title = format!("Damping ratio, {}", words::stretch(run));
+    let chart = Chart::lines(title, "time", "s", "damping ratio", "");
+    let quantity = |e: &Estimate| (e.mode.damping_ratio(), e.damping_ratio_std);
+    over_time(run, chart, quantity, |l| l.mode.damping_ratio())
+}
+
+fn positions(findings: &Findings) -> Chart {
+    let time: Vec<f64> = findings.series.samples.iter().map(|s| s.time).collect();
+    let position: Vec<f64> = findings
+        .series
+        .samples
+        .iter()
+        .map(|s| s.motor_position.to_degrees())
+        .collect();
+    Chart::lines("Motor side", "time", "s", "position", "deg").series(
+        "motor position",
+        &time,
+        &position,
+    )
+}
+
+fn deformation(findings: &Findings) -> Chart {
+    let samples = &findings.series.samples;
+    let time: Vec<f64> = samples.iter().map(|s| s.time).collect();
+    let (scale, unit) = match findings.series.lever_arm {
+        Some(lever_arm) => (1e3 * lever_arm, "mm"),
+        None => (1e3, "mrad"),
+    };
+    let values: Vec<f64> = samples.iter().map(|s| scale * s.deformation).collect();
+    let mut chart = Chart::lines("Deformation", "time", "s", "deformation", unit).series(
+        "deformation",
+        &time,
+        &values,
+    );
+    for run in &findings.found.free_decays {
+        chart = chart.marker(run.stretch.from, "free decay");
+    }
+    chart
+}
+
+fn spectrum(findings: &Findings, run: &Run) -> Chart {
+    let samples = run.stretch.of(&findings.series.samples);
+    let centre = run.batch().map_or(1.0, |line| line.mode.hertz());
+    let grid: Vec<f64> = (1..=400).map(|k| centre * k as f64 / 100.0).collect();
+    let angular: Vec<f64> = grid.iter().map(|f| f * TAU).collect();
+    let amplitude: Vec<f64> = amplitude_spectrum(samples, &angular)
+        .iter()
+        .map(|a| 1e3 * a)
+        .collect();
+    Chart::lines(
+        format!(
+            "Fourier transform of the deformation, {}",
+            words::stretch(run)
+        ),
+        "frequency",
+        "Hz",
+        "amplitude",
+        "mrad",
+    )
+    .series("spectrum", &grid, &amplitude)
+}
+
+fn by_amplitude(findings: &Findings) -> Option<Chart> {
+    let dependence = findings.found.amplitude_dependence.as_ref()?;
+    let mut cycles = dependence.cycles.clone();
+    cycles.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+    let amplitude: Vec<f64> = cycles.iter().map(|c| 1e3 * c.amplitude).collect();
+    let xi: Vec<f64> = cycles.iter().map(|c| c.damping_ratio).collect();
+    let edge = |sign: f64| -> Vec<f64> {
+        cycles
+            .iter()
+            .map(|c| c.damping_ratio + sign * 2.0 * c.damping_ratio_std)
+            .collect()
+    };
+    Some(
+        Chart::lines("Damping cycle by cycle", "amplitude", "mrad", "damping ratio", "")
+            .band("one cycle", "± 1 std", &amplitude, &edge(-1.0), &edge(1.0))
+            .points("one cycle", &amplitude, &xi)
+            .note("Each point is one period of the free decay, by eq. (25); band: two standard deviations."),
+    )
+}

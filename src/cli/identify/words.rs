@@ -1,0 +1,62 @@
+//! The findings in sentences.
+
+use super::Findings;
+use crate::identification::Run;
+
+/// `0.390-2.000 s`, with a word for the whole recording.
+pub fn stretch(run: &Run) -> String {
+    let kind = if run.is_free_decay { "decay" } else { "all" };
+    format!("{kind} {:.2}-{:.2}s", run.stretch.from, run.stretch.until)
+}
+
+/// Everything that a table does not say.
+pub fn remarks(findings: &Findings) -> Vec<String> {
+    let found = &findings.found;
+    let mut remarks = Vec::new();
+    match (found.best_decay, found.known_input_holds) {
+        (None, _) => remarks.push(format!(
+            "The motor side never rests long enough for a free decay; with its motion as known \
+             input the model explains {:.1} % of the deformation's variance.",
+            100.0 * found.explained
+        )),
+        (_, Some(false)) => remarks.push(
+            "The motor side's motion does not explain the deformation by one mode (a filter in the \
+             sensor, or more physics): all estimators were run on the free decay."
+                .into(),
+        ),
+        _ => {}
+    }
+    remarks.extend(damping(findings));
+    if let Some(registration) = &findings.series.registration {
+        remarks.push(format!(
+            "The tip sensor's clock reads {:+.3} ms (+- {:.3}) against the encoder's; it was \
+             registered to {:.1} um rms off the arc's plane.",
+            1e3 * registration.clock.offset,
+            1e3 * registration.clock_offset_std,
+            1e6 * registration.normal_rms,
+        ));
+    }
+    remarks
+}
+
+/// A sentence on damping against amplitude.
+fn damping(findings: &Findings) -> Option<String> {
+    let dependence = findings.found.amplitude_dependence.as_ref()?;
+    let (first, last) = (dependence.cycles.first()?, dependence.cycles.last()?);
+    let word = if dependence.falls_with_amplitude() {
+        "falls as the amplitude does"
+    } else if dependence.grows_as_amplitude_falls() {
+        "grows as the amplitude falls, as dry friction makes it"
+    } else {
+        return Some(
+            "The damping does not depend on the amplitude, as far as this decay tells.".into(),
+        );
+    };
+    Some(format!(
+        "The damping {word}: {:.4} at an amplitude of {:.3} mrad, {:.4} at {:.3} mrad.",
+        first.damping_ratio,
+        1e3 * first.amplitude,
+        last.damping_ratio,
+        1e3 * last.amplitude,
+    ))
+}

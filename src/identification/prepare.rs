@@ -1,0 +1,95 @@
+//! From a recording to the aligned series that is identified.
+
+use core::f64::consts::{PI, TAU};
+
+use super::nominal_model::NominalModel;
+use crate::estimators::Sample;
+use crate::recording::{Recording, Role};
+use crate::signal::{ArcRegistration, JointArc, SignalError, recorded_deformation};
+
+/// Why a recording cannot be identified.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentificationError {
+    /// A channel is missing or bad, or the sensor's frame cannot be learned.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// Too few samples.
+    #[error("{found} aligned samples, at least {needed} are needed")]
+    TooFew {
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// The deformation does not vary.
+    #[error("the deformation does not vary: nothing vibrates in this recording")]
+    Still,
+}
+
+/// An aligned series and how it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Samples on the deformation sensor's stamps, rad (deformation in the sensor's own unit where
+    /// it measures that directly and no lever arm is known).
+    pub samples: Vec<Sample>,
+    /// Frame and clock of a tip sensor.
+    pub registration: Option<ArcRegistration>,
+    /// Lever arm, where the model gives one, m.
+    pub lever_arm: Option<f64>,
+    /// Whether the deformation has a sensor of its own.
+    pub scale_is_open: bool,
+}
+
+/// Aligns a recording: angles unwrapped, a tip sensor registered by the model's lever arm.
+///
+/// # Errors
+/// [`IdentificationError::Signal`].
+pub fn prepare(
+    recording: &Recording,
+    model: Option<&NominalModel>,
+) -> Result<Series, IdentificationError> {
+    let mut recording = recording.clone();
+    for channel in &mut recording.channels {
+        let angle = matches!(channel.role, Role::MotorPosition | Role::LinkPosition);
+        if angle && channel.unit == "rad" {
+            channel.columns.iter_mut().for_each(|column| unwrap(column));
+        }
+    }
+    let lever_arm = model.and_then(|model| model.lever_arm);
+    let arc = match (lever_arm, model) {
+        (Some(lever_arm), Some(model)) => {
+            Some(JointArc::from_lever_arm(lever_arm, model.tip_height)?)
+        }
+        _ => None,
+    };
+    let deformation =
+        recorded_deformation(&recording, arc.as_ref(), model.map(|model| model.mode))?;
+    Ok(Series {
+        samples: deformation
+            .samples
+            .iter()
+            .map(|s| Sample {
+                time: s.time,
+                motor_position: s.motor_position,
+                deformation: s.deformation,
+            })
+            .collect(),
+        registration: deformation.registration,
+        lever_arm,
+        scale_is_open: recording.channel(Role::Deformation).is_some(),
+    })
+}
+
+/// Takes whole turns out of an angle that jumps by more than half a turn between samples.
+fn unwrap(angle: &mut [f64]) {
+    let mut turns = 0.0;
+    let mut last = angle.first().copied().unwrap_or(0.0);
+    for value in angle {
+        let step = *value - last;
+        last = *value;
+        if step.abs() > PI {
+            turns -= (step / TAU).round();
+        }
+        *value += turns * TAU;
+    }
+}

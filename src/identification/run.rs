@@ -1,0 +1,181 @@
+//! All estimators over one stretch, and the off-line references on the same samples.
+
+use quell_shapers::Mode;
+
+use super::reference_fit;
+use super::stretches::{self, Stretch};
+use crate::estimators::offline::{BatchFit, extrema, fourier, mode_of_extrema};
+use crate::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
+use crate::signal::noise_floor;
+
+/// Points of an estimate's history that are kept for a figure.
+const HISTORY: usize = 600;
+
+/// One estimator over one stretch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnLine {
+    /// Name in the table of estimators.
+    pub name: &'static str,
+    /// The last estimate, if there was one.
+    pub estimate: Option<Estimate>,
+    /// When it first called itself converged, s.
+    pub converged_at: Option<f64>,
+    /// The same in periods of its mode, counted from `counted_from` of the run.
+    pub periods: Option<f64>,
+    /// The estimate over time, thinned to 600 points.
+    pub history: Vec<Estimate>,
+}
+
+/// One off-line reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OffLine {
+    /// `batch_fit`, `fourier` or `log_decrement`.
+    pub method: &'static str,
+    /// What it found.
+    pub mode: Mode,
+    /// One standard deviation of `omega_n`, rad/s, where the method knows it.
+    pub natural_frequency_std: Option<f64>,
+    /// One standard deviation of `xi`, where the method knows it.
+    pub damping_ratio_std: Option<f64>,
+}
+
+/// All estimators and references over one stretch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The samples used.
+    pub stretch: Stretch,
+    /// Where periods to convergence are counted from, s: the motion's or the decay's start.
+    pub counted_from: f64,
+    /// Whether it is a free decay; else the motor side is a known input.
+    pub is_free_decay: bool,
+    /// The estimators that can take this stretch, in the order of their table.
+    pub on_line: Vec<OnLine>,
+    /// The references.
+    pub off_line: Vec<OffLine>,
+    /// Sum of squares of the deformation about its offset, of use to compare decays.
+    pub energy: f64,
+    /// Offset of the deformation, from the batch fit.
+    pub offset: f64,
+}
+
+impl Run {
+    /// The whole recording with the motor side as known input.
+    pub(super) fn whole(samples: &[Sample], settings: &Settings) -> (Self, Option<BatchFit>) {
+        let stretch = Stretch {
+            from: samples[0].time,
+            until: samples[samples.len() - 1].time,
+        };
+        let fit = reference_fit(samples, settings, true);
+        let counted_from = stretches::motion_from(samples);
+        let run = Self {
+            stretch,
+            counted_from,
+            is_free_decay: false,
+            on_line: ESTIMATORS
+                .iter()
+                .filter(|line| line.uses_motion)
+                .map(|line| on_line(line, samples, settings, counted_from))
+                .collect(),
+            off_line: fit.iter().map(batch_reference).collect(),
+            energy: energy(samples, fit.as_ref()),
+            offset: fit.as_ref().map_or(0.0, |fit| fit.offset),
+        };
+        (run, fit)
+    }
+
+    /// One free decay.
+    ///
+    /// The motor side may still creep under feedback, so the batch fit takes it as a known input
+    /// here too.
+    pub(super) fn free_decay(samples: &[Sample], stretch: Stretch, settings: &Settings) -> Self {
+        let samples = stretch.of(samples);
+        let fit = reference_fit(samples, settings, true);
+        let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
+        let plain = |method, mode| OffLine {
+            method,
+            mode,
+            natural_frequency_std: None,
+            damping_ratio_std: None,
+        };
+        off_line.extend(fourier(samples, settings.frequency_range).map(|m| plain("fourier", m)));
+        if let Some(fit) = &fit {
+            let values: Vec<f64> = samples.iter().map(|s| s.deformation).collect();
+            let floor = 3.0 * noise_floor(&values).standard_deviation;
+            let found = extrema(samples, fit.mode.damped_frequency(), fit.offset, floor);
+            off_line.extend(mode_of_extrema(&found).map(|m| plain("log_decrement", m)));
+        }
+        Self {
+            stretch,
+            counted_from: stretch.from,
+            is_free_decay: true,
+            on_line: ESTIMATORS
+                .iter()
+                .map(|line| on_line(line, samples, settings, stretch.from))
+                .collect(),
+            off_line,
+            energy: energy(samples, fit.as_ref()),
+            offset: fit.as_ref().map_or(0.0, |fit| fit.offset),
+        }
+    }
+
+    /// The batch fit's line, if it found something.
+    pub fn batch(&self) -> Option<&OffLine> {
+        self.off_line.iter().find(|line| line.method == "batch_fit")
+    }
+
+    /// The line of an estimator, if it ran here.
+    pub fn estimator(&self, name: &str) -> Option<&OnLine> {
+        self.on_line.iter().find(|line| line.name == name)
+    }
+}
+
+fn batch_reference(fit: &BatchFit) -> OffLine {
+    OffLine {
+        method: "batch_fit",
+        mode: fit.mode,
+        natural_frequency_std: Some(fit.natural_frequency_std),
+        damping_ratio_std: Some(fit.damping_ratio_std),
+    }
+}
+
+fn energy(samples: &[Sample], fit: Option<&BatchFit>) -> f64 {
+    let offset = fit.map_or(0.0, |fit| fit.offset);
+    samples
+        .iter()
+        .map(|s| (s.deformation - offset).powi(2))
+        .sum()
+}
+
+/// Feeds one estimator sample by sample.
+fn on_line(line: &EstimatorEntry, samples: &[Sample], settings: &Settings, from: f64) -> OnLine {
+    let mut estimator = (line.build)(settings);
+    let every = samples.len().div_ceil(HISTORY).max(1);
+    let mut history = Vec::with_capacity(HISTORY + 1);
+    let mut converged_at = None;
+    for (index, sample) in samples.iter().enumerate() {
+        estimator.observe(*sample);
+        let Some(estimate) = estimator.estimate() else {
+            continue;
+        };
+        if estimate.converged && converged_at.is_none() {
+            converged_at = Some(sample.time);
+        }
+        if index % every == 0 || index + 1 == samples.len() {
+            history.push(Estimate {
+                time: sample.time,
+                ..estimate
+            });
+        }
+    }
+    let estimate = estimator.estimate();
+    let periods = converged_at
+        .zip(estimate)
+        .map(|(time, estimate)| (time - from) * estimate.mode.hertz());
+    OnLine {
+        name: line.name,
+        estimate,
+        converged_at,
+        periods,
+        history,
+    }
+}
