@@ -49,7 +49,7 @@ pub struct Args {
     )]
     pub target: Vec<f64>,
     /// Rest after each move, s [default: 12 periods of the slowest mode, at least 1 s].
-    #[arg(long, value_name = "S", value_parser = not_negative)]
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     pub dwell: Option<f64>,
     /// The shaper of the moves [default: none].
     #[arg(long, value_parser = choices::shapers())]
@@ -74,7 +74,7 @@ pub struct Args {
     #[arg(long, value_name = "HZ", value_parser = shape::rate, requires = "column")]
     pub rate: Option<f64>,
     /// Load at the tip, kg.
-    #[arg(long, value_name = "KG", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, value_name = "KG", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub payload: f64,
     /// Where the joints stand at the start, deg, or m for joints that slide [default: home].
     #[arg(
@@ -91,7 +91,7 @@ pub struct Args {
     #[arg(long, value_name = "F,XI", value_parser = shape::mode)]
     pub mode: Option<Mode>,
     /// Noise of the tracker, one standard deviation, um [default: the robot's].
-    #[arg(long, visible_alias = "noise-um", value_name = "UM", value_parser = not_negative)]
+    #[arg(long, visible_alias = "noise-um", value_name = "UM", value_parser = not_negative, allow_negative_numbers = true)]
     pub noise: Option<f64>,
     /// Seed of the simulated noise.
     #[arg(long, default_value_t = 1)]

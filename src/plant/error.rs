@@ -38,12 +38,12 @@ pub enum RobotError {
         expected: &'static str,
     },
     /// The kinematics cannot be used.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {reason}", file.display())]
     Kinematics {
         /// The file.
         file: PathBuf,
         /// Why.
-        source: SignalError,
+        reason: SignalError,
     },
 }
 

@@ -22,7 +22,7 @@ use keys::{
 pub(super) fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
     let keys: RobotFile = toml::from_str(text).map_err(|error| RobotError::Syntax {
         file: file.to_path_buf(),
-        message: error.to_string(),
+        message: error.to_string().trim_end().to_owned(),
     })?;
     let check = Check { file };
     let (chain, bodies) = kinematics::kinematics(&keys, &check)?;

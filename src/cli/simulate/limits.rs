@@ -2,7 +2,6 @@
 
 use super::Setup;
 use super::motion::{Knot, Motion};
-use crate::recording::health::quantum;
 
 /// Share of a limit by which a command at its limit may seem to exceed it, by rounding.
 const ROUNDING: f64 = 1e-6;
@@ -14,7 +13,7 @@ const ROUNDING: f64 = 1e-6;
 /// there is. What the rounding of the positions to their last digit can make up is left out.
 pub fn exceeded(motion: &Motion, setup: &Setup) -> Vec<String> {
     let limits = setup.robot.joints[setup.joint].limits;
-    let rounding = 0.5 * resolution(&motion.knots);
+    let rounding = 0.5 * motion.resolution;
     let named = [
         ("velocity", "deg/s", limits.velocity),
         ("acceleration", "deg/s^2", limits.acceleration),
@@ -35,15 +34,6 @@ pub fn exceeded(motion: &Motion, setup: &Setup) -> Vec<String> {
         }
     }
     remarks
-}
-
-/// The step of the positions: their last digit, or the resolution of a floating-point number.
-pub fn resolution(knots: &[Knot]) -> f64 {
-    let positions: Vec<f64> = knots.iter().map(|knot| knot.position).collect();
-    let largest = positions.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    quantum(&positions)
-        .unwrap_or(0.0)
-        .max(4.0 * f64::EPSILON * largest)
 }
 
 /// The greatest magnitude of the derivative of that order beyond what rounding makes up, and when.

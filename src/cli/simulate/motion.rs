@@ -38,12 +38,20 @@ pub struct Motion {
     pub knots: Vec<Knot>,
     /// Moves with rest between them.
     pub legs: Vec<Leg>,
+    /// Step of the positions, rad: their last digit, or that of a floating-point number.
+    pub resolution: f64,
     /// What shaping adds to the end of a move, s.
     pub added_delay: f64,
     /// Stamp of the first knot on the clock that the command was recorded with, s.
     pub stamp: f64,
     /// What the user should know of it.
     pub remarks: Vec<String>,
+}
+
+/// The step of floating-point numbers as large as the positions, with a digit to spare.
+pub fn rounding(knots: &[Knot]) -> f64 {
+    let largest = knots.iter().map(|knot| knot.position.abs());
+    4.0 * f64::EPSILON * largest.fold(0.0, f64::max)
 }
 
 impl Motion {

@@ -3,7 +3,7 @@
 use quell_shapers::{GridTrain, Setpoint, ShapingFilter, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
-use super::motion::{Knot, Leg, Motion, affordable};
+use super::motion::{Knot, Leg, Motion, affordable, rounding};
 use super::{Args, Setup};
 use crate::cli::CliError;
 
@@ -24,6 +24,7 @@ pub fn plan(args: &Args, setup: &Setup) -> Result<Motion, CliError> {
         at = target;
     }
     Ok(Motion {
+        resolution: rounding(&writer.knots),
         knots: writer.knots,
         legs: writer.legs,
         added_delay: train.duration(),

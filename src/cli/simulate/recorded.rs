@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::limits::resolution;
-use super::motion::{Knot, Leg, Motion, affordable};
+use super::motion::{Knot, Leg, Motion, affordable, rounding};
 use super::slopes::slopes;
 use super::{Args, Setup};
 use crate::cli::CliError;
+use crate::recording::health::quantum;
 use crate::recording::{Dimension, Recording, Role, Table, Unit};
 
 /// Names of a column with seconds that are recognised without being told.
@@ -15,68 +15,81 @@ const TIME_NAMES: [&str; 4] = ["time_s", "t_s", "time", "t"];
 /// Stamps, s, and positions, rad.
 type Series = (Vec<f64>, Vec<f64>);
 
-/// Reads and checks the command; its last position is held until the rest at its end
+/// The largest position of a joint, rad: above it a floating-point number resolves less than a
+/// ten-thousandth of an encoder step.
+const LARGEST: f64 = 1e6;
+
+/// Reads and checks the command; after its end its last position is held until the rest at its end
 /// is as long as the dwell.
 ///
 /// # Errors
 /// [`CliError::Input`] where it cannot be read, has too few samples, or does not start at rest.
 pub fn read(file: &Path, args: &Args, setup: &Setup) -> Result<Motion, CliError> {
-    let is_csv = file
-        .extension()
-        .is_some_and(|extension| extension == "csv" || extension == "gz");
-    let (time, position) = match &args.column {
-        Some(column) => from_csv(file, column, args)?,
-        None if is_csv => {
-            let text = format!("{}: which column is the command?", file.display());
-            return Err(CliError::input(text).with_help("name it: --column joint_1_rad"));
-        }
-        None => from_recording(file)?,
-    };
+    let (time, position) = series(file, args)?;
     let refuse = |reason: String| CliError::input(format!("{}: {reason}", file.display()));
     if time.len() < 2 {
         return Err(refuse("a command has two samples or more".into()));
     }
-    let stamp = time[0];
-    let duration = time[time.len() - 1] - stamp;
-    affordable(duration + setup.dwell(args), &setup.robot)?;
-    let slopes = slopes(&time, &position);
-    let mut knots: Vec<Knot> = time
-        .iter()
-        .zip(position.iter().zip(slopes))
-        .map(|(time, (&position, velocity))| Knot {
-            time: time - stamp,
-            position,
-            velocity,
-        })
-        .collect();
-    let limit = setup.robot.joints[setup.joint].limits.acceleration;
-    let rounding = resolution(&knots);
-    if let Some(velocity) = jump(knots[0], knots[1], limit, rounding) {
+    if let Some(far) = position.iter().find(|position| position.abs() > LARGEST) {
         return Err(refuse(format!(
-            "the command does not start at rest: {:.4} deg/s from its first sample on",
-            velocity.to_degrees()
-        ))
-        .with_help("let it begin while the joint still stands"));
+            "{far} rad is no position of a joint: at most {LARGEST} rad"
+        )));
+    }
+    let duration = time[time.len() - 1] - time[0];
+    affordable(duration + setup.dwell(args), &setup.robot)?;
+    let mut knots = knots(&time, &position);
+    let resolution = quantum(&position).unwrap_or(0.0).max(rounding(&knots));
+    let limit = setup.robot.joints[setup.joint].limits.acceleration;
+    if let Some(velocity) = jump(knots[0], knots[1], limit, resolution) {
+        let velocity = velocity.to_degrees();
+        let text = format!("the command starts in motion, at {velocity:.4} deg/s, not at rest");
+        return Err(refuse(text).with_help("let it begin while the joint still stands"));
     }
     let last = knots.len() - 1;
-    let mut remarks = Vec::new();
-    if let Some(velocity) = jump(knots[last - 1], knots[last], limit, rounding) {
-        remarks.push(format!(
-            "the command ends in motion, at {:.4} deg/s: its last position is held from there on",
-            velocity.to_degrees()
-        ));
-    }
-    let legs = legs(&knots, setup.half_period(), rounding);
+    let at_end = jump(knots[last - 1], knots[last], limit, resolution);
+    let legs = legs(&knots, setup.half_period(), resolution);
     let moved = legs.last().map_or(0.0, |leg| leg.until);
     let missing = setup.dwell(args) - (knots[last].time - moved);
     hold(&mut knots, missing, setup.robot.control_rate);
     Ok(Motion {
         knots,
         legs,
+        resolution,
         added_delay: 0.0,
-        stamp,
-        remarks,
+        stamp: time[0],
+        remarks: at_end.map(ends_in_motion).into_iter().collect(),
     })
+}
+
+fn ends_in_motion(velocity: f64) -> String {
+    format!(
+        "the command ends in motion, at {:.4} deg/s: its last position is held from there on",
+        velocity.to_degrees()
+    )
+}
+
+/// A column where one is named, else the channel of a recording.
+fn series(file: &Path, args: &Args) -> Result<Series, CliError> {
+    if let Some(column) = &args.column {
+        return from_csv(file, column, args);
+    }
+    let is_csv = |extension: &std::ffi::OsStr| extension == "csv" || extension == "gz";
+    if file.extension().is_some_and(is_csv) {
+        let text = format!("{}: which column is the command?", file.display());
+        return Err(CliError::input(text).with_help("name it: --column joint_1_rad"));
+    }
+    from_recording(file)
+}
+
+fn knots(time: &[f64], position: &[f64]) -> Vec<Knot> {
+    let slopes = slopes(time, position);
+    let samples = time.iter().zip(position).zip(slopes);
+    let knot = |((stamp, &position), velocity)| Knot {
+        time: stamp - time[0],
+        position,
+        velocity,
+    };
+    samples.map(knot).collect()
 }
 
 fn from_csv(file: &Path, column: &str, args: &Args) -> Result<Series, CliError> {
@@ -131,19 +144,19 @@ fn from_recording(file: &Path) -> Result<Series, CliError> {
 
 /// The mean velocity over an interval at an end of the command, where the joint could not reach it
 /// from rest, or come to rest from it, within that interval at its limit of acceleration.
-fn jump(before: Knot, after: Knot, acceleration: f64, rounding: f64) -> Option<f64> {
+fn jump(before: Knot, after: Knot, acceleration: f64, resolution: f64) -> Option<f64> {
     let interval = after.time - before.time;
     let step = after.position - before.position;
-    let reached = acceleration * interval * interval + rounding;
+    let reached = acceleration * interval * interval + resolution;
     (step.abs() > reached).then(|| step / interval)
 }
 
 /// The moves: what lies between rests of at least `rest` (s).
-fn legs(knots: &[Knot], rest: f64, rounding: f64) -> Vec<Leg> {
+fn legs(knots: &[Knot], rest: f64, resolution: f64) -> Vec<Leg> {
     let mut legs: Vec<Leg> = Vec::new();
     for pair in knots.windows(2) {
         let [before, after] = [pair[0], pair[1]];
-        if (after.position - before.position).abs() <= 0.5 * rounding {
+        if (after.position - before.position).abs() <= 0.5 * resolution {
             continue;
         }
         match legs.last_mut() {

@@ -34,9 +34,9 @@ fn from_urdf(
     }
     let path = check.file.parent().unwrap_or(Path::new("")).join(urdf);
     let read =
-        read_urdf(&path, keys.tip_link.as_deref()).map_err(|source| RobotError::Kinematics {
+        read_urdf(&path, keys.tip_link.as_deref()).map_err(|reason| RobotError::Kinematics {
             file: check.file.to_path_buf(),
-            source,
+            reason,
         })?;
     if read.chain.joints().len() != keys.joint.len() {
         let expected = "as many [[joint]] tables as the URDF chain has moving joints";
