@@ -20,6 +20,8 @@ pub struct AdaptiveFilter {
     pub(crate) line: DelayLine,
     pub(crate) fade: CrossFade,
     pub(crate) pending: Option<GridTrain>,
+    /// A retune counts on the train in force until the planned input ends at this tick.
+    pub(crate) pending_from: u64,
     pub(crate) schedule: Schedule,
     pub(crate) history: History,
     pub(crate) sent: Setpoint,
@@ -73,6 +75,7 @@ impl AdaptiveFilter {
             line: DelayLine::new(capacity),
             fade: CrossFade::new(GridTrain::unit(sample_time)),
             pending: None,
+            pending_from: 0,
             schedule: Schedule::default(),
             history: History::new(horizon),
             sent: Setpoint::default(),
@@ -113,6 +116,7 @@ impl AdaptiveFilter {
     pub fn install(&mut self, train: &GridTrain) -> Result<(), ShaperError> {
         self.check(train)?;
         self.pending = Some(train.clone());
+        self.pending_from = 0;
         self.try_install();
         Ok(())
     }
@@ -185,7 +189,8 @@ impl AdaptiveFilter {
     fn try_install(&mut self) {
         let waiting = self.pending.as_ref().map(GridTrain::duration_in_ticks);
         let longest = waiting.map(|ticks| ticks.max(self.fade.duration_in_ticks()));
-        if longest.is_some_and(|ticks| self.line.unchanged_for() >= ticks)
+        if self.tick >= self.pending_from
+            && longest.is_some_and(|ticks| self.line.unchanged_for() >= ticks)
             && let Some(train) = self.pending.take()
         {
             self.fade.replace(&train);

@@ -174,12 +174,22 @@ impl AdaptiveFilter {
         Ok(needed)
     }
 
+    /// The trains at work if another fades in, at once where the line is constant.
     fn faded(&self, train: &GridTrain, ticks: usize) -> CrossFade {
+        if self.can_switch(train) {
+            return CrossFade::new(train.clone());
+        }
         let mut fade = self.fade.clone();
         if ticks > 0 {
             fade.fade_in(train, self.tick, ticks);
         }
         fade
+    }
+
+    /// Whether a train can take over now without a trace, because the line is constant.
+    fn can_switch(&self, train: &GridTrain) -> bool {
+        let longest = self.fade.duration_in_ticks().max(train.duration_in_ticks());
+        self.line.unchanged_for() >= longest
     }
 
     /// The earlier corrections as they go on, and what new steps must add up to.
@@ -288,13 +298,11 @@ impl AdaptiveFilter {
             robust: plan.is_robust(),
             peaks,
         };
+        let waits = *fade == 0 && !self.can_switch(request.train);
         self.schedule = schedule;
         self.fade = faded;
-        self.pending = if *fade > 0 {
-            None
-        } else {
-            Some(request.train.clone())
-        };
+        self.pending = waits.then(|| request.train.clone());
+        self.pending_from = self.tick + remaining as u64;
         Ok(RetuneOutcome::Corrected(correction))
     }
 }

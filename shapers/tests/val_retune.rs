@@ -371,3 +371,56 @@ fn val_what_a_retune_refuses_changes_nothing() {
     // 700 ticks in a memory of 300: the move is over and forgotten as a whole.
     assert_eq!(filter.residual(mode).unwrap().shaped, 0.0);
 }
+
+/// What a first move left is cancelled in the second, even with a memory that has lost the start of
+/// the first: a move is remembered or forgotten as a whole.
+#[test]
+fn val_vibration_of_an_earlier_move_is_cancelled_too() {
+    let tick = 0.002;
+    let truth = Mode::from_hertz(8.12, 0.01).unwrap();
+    let shaper = shaper_by_name("zv").unwrap();
+    let wrong = shaper
+        .on_grid(Mode::from_hertz(10.0, 0.01).unwrap(), tick)
+        .unwrap();
+    let right = shaper.on_grid(truth, tick).unwrap();
+    let limits = PUBLISHED.limits();
+    let second = 400;
+    let input = |k: usize| {
+        let (one, two) = (
+            PUBLISHED.at(k as f64 * tick),
+            PUBLISHED.at(k.saturating_sub(second) as f64 * tick),
+        );
+        Setpoint {
+            position: one.position + two.position,
+            velocity: one.velocity + two.velocity,
+            acceleration: one.acceleration + two.acceleration,
+        }
+    };
+    for (horizon, remembered) in [(2000, true), (400, false)] {
+        let mut filter = AdaptiveFilter::new(tick, 100, horizon);
+        filter.install(&wrong).unwrap();
+        let (mut joint, mut unshaped) = (Joint::new(truth, tick), Joint::new(truth, tick));
+        let end = second + PUBLISHED.ticks(tick);
+        for k in 1..=1200 {
+            if k == second + 100 {
+                let modes = [truth];
+                let request = Retune {
+                    train: &right,
+                    modes: &modes,
+                    limits,
+                };
+                let outcome = filter.retune(&request, end + 1 - k, |ahead| input(k - 1 + ahead));
+                assert!(
+                    matches!(outcome, RetuneOutcome::Corrected(_)),
+                    "{outcome:?}"
+                );
+            }
+            joint.step(filter.step(input(k)).position);
+            unshaped.step(input(k).position);
+        }
+        let left = joint.amplitude() / unshaped.amplitude();
+        println!("memory of {horizon} ticks: {left:.1e}");
+        assert_eq!(left < 1e-9, remembered);
+        assert!(filter.is_settled() && filter.train() == &right);
+    }
+}
