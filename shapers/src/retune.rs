@@ -54,7 +54,7 @@ impl AdaptiveFilter {
     ///
     /// No allocation. Cost: the horizon, 6 times the remaining ticks times the taps, and at most
     /// `100 (q + 28)` corrections of at most 7 periods, where `q` is the time to the end in quarter
-    /// periods; most are discarded early. For a move of 0.4 s this is some 0.1 ms at 250 Hz, 0.5 ms
+    /// periods; most are discarded early. For a move of 0.4 s this is some 0.3 ms at 250 Hz, 0.5 ms
     /// at 1 kHz and 2 ms at 4 kHz on a desktop processor: at fast ticks call it between them.
     pub fn retune(
         &mut self,
