@@ -3,8 +3,9 @@
 use quell_shapers::{GridTrain, Setpoint, ShapingFilter, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
+use super::Args;
 use super::motion::{Knot, Leg, Motion, affordable, rounding};
-use super::{Args, Setup};
+use super::setup::Setup;
 use crate::cli::CliError;
 
 /// Rest before the first move, s: what the sensors say of a joint that stands.
