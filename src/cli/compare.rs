@@ -49,8 +49,11 @@ pub struct Args {
     /// How well the frequency is known: one standard deviation, percent.
     #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = deviation)]
     pub frequency_std: f64,
+    /// How well the damping ratio is known: one standard deviation.
+    #[arg(long, value_name = "XI", default_value_t = 0.02, value_parser = not_negative)]
+    pub damping_std: f64,
     /// The longest delay that the recommended shaper may add, s.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = not_negative)]
     pub max_delay: Option<f64>,
     /// How far the curves reach on either side, percent.
     #[arg(long, value_name = "PERCENT", default_value_t = 30.0, value_parser = percent)]
@@ -78,10 +81,10 @@ fn deviation(text: &str) -> Result<f64, String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
-        _ => Err(format!("{text:?} is not a time of 0 s or more")),
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err(format!("{text:?} is not a number of 0 or more")),
     }
 }
 
@@ -154,9 +157,10 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
     };
     let wish = Wish {
         frequency_std: args.frequency_std / 100.0,
+        damping_std: args.damping_std,
         max_delay: args.max_delay,
     };
-    let choice = choice::choose(&candidates, wish);
+    let choice = choice::choose(&modes, wish).map_err(CliError::input)?;
     let spread = args.spread / 100.0;
     Ok(Comparison {
         machine,

@@ -69,11 +69,4 @@ impl Design {
         };
         self.modes.iter().map(residual).fold(0.0, f64::max)
     }
-
-    /// The greatest residual vibration over the errors from `-spread` to `spread`.
-    pub fn worst(&self, spread: f64) -> f64 {
-        super::errors(spread)
-            .map(|error| self.residual(error))
-            .fold(0.0, f64::max)
-    }
 }

@@ -1,19 +1,21 @@
 //! The recommended shaper, with the reason in a sentence.
 
-use super::candidate::{Candidate, Design, TOLERANCE};
-use quell_shapers::Shaper;
-use std::cmp::Ordering;
+use quell_shapers::{
+    Criterion, Mode, Reason, Recommendation, Requirements, Shaper, ShaperError, UncertainMode,
+    recommend,
+};
 
-/// Errors up to this many standard deviations are to be covered: 95 % of a Gaussian's.
-const DEVIATIONS: f64 = 2.0;
-/// A worst value this little above the tolerance is rounding: shapers touch it by design.
-const TOUCHING: f64 = 1e-9;
+/// The 5 % at which insensitivity is told, to its own digit: EI touches it by design, and any doubt
+/// about the damping lifts it by a tenth or so.
+const ACCEPTABLE: f64 = 0.055;
 
 /// What is asked of the shaper.
 #[derive(Clone, Copy)]
 pub struct Wish {
     /// One standard deviation of the frequency over the frequency.
     pub frequency_std: f64,
+    /// One standard deviation of the damping ratio.
+    pub damping_std: f64,
     /// The longest delay, s.
     pub max_delay: Option<f64>,
 }
@@ -26,91 +28,82 @@ pub struct Choice {
     pub reason: String,
     /// What it adds to the end of a move, s.
     pub delay: f64,
-    /// Its greatest residual vibration over the errors to be covered.
+    /// What it leaves at most for 95 % of the modes that are meant.
     pub worst: f64,
 }
 
-/// One candidate that may be chosen.
-struct Entry<'a> {
-    shaper: &'static dyn Shaper,
-    design: &'a Design,
-    worst: f64,
+/// The shortest shaper that leaves at most 5 % for 95 % of the modes that are meant; where none does,
+/// the one that leaves least. `None` where no shaper is within the delay.
+///
+/// Shapers with negative amplitudes are left out: they can exceed the limits of a move.
+pub fn choose(modes: &[Mode], wish: Wish) -> Result<Option<Choice>, ShaperError> {
+    let estimates: Vec<UncertainMode> = modes
+        .iter()
+        .map(|&mode| UncertainMode {
+            mode,
+            natural_frequency_std: wish.frequency_std * mode.natural_frequency(),
+            damping_ratio_std: wish.damping_std,
+        })
+        .collect();
+    let requirements = Requirements {
+        longest_delay: wish.max_delay.unwrap_or(f64::INFINITY),
+        criterion: Criterion::Worst95,
+        acceptable: ACCEPTABLE,
+        tolerance: 0.0,
+        allow_negative: false,
+    };
+    match recommend(&estimates, &requirements) {
+        Ok(found) => Ok(Some(Choice {
+            shaper: found.best.shaper,
+            reason: sentence(&found, wish),
+            delay: found.best.delay,
+            worst: found.best.worst_95,
+        })),
+        Err(ShaperError::NoneFits { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
-/// The shortest shaper that leaves at most 5 % over two standard deviations of frequency; where
-/// none does, the one that leaves least. Shapers with negative amplitudes are left out, since they
-/// can exceed the limits of the move, and so are those above the delay that is allowed.
-pub fn choose(candidates: &[Candidate], wish: Wish) -> Option<Choice> {
-    let entries = entries(candidates, wish);
-    let holds = |entry: &&Entry| entry.worst <= TOLERANCE + TOUCHING;
-    let within = match wish.max_delay {
-        Some(delay) => format!(" within {delay} s of delay"),
-        None => String::new(),
-    };
-    let range = format!(
-        "frequency errors of +-{}",
-        percent(DEVIATIONS * wish.frequency_std)
+fn sentence(found: &Recommendation, wish: Wish) -> String {
+    let best = &found.best;
+    let within = wish
+        .max_delay
+        .map_or(String::new(), |delay| format!(" within {delay} s of delay"));
+    let meant = format!(
+        "for 95 % of the modes meant (frequency to {}, damping to {}, one standard deviation)",
+        percent(wish.frequency_std),
+        wish.damping_std
     );
-    let (best, reason) = match entries.iter().filter(holds).min_by(|a, b| a.order(b)) {
-        Some(best) => {
-            let shorter = entries.iter().filter(|entry| entry.order(best).is_lt());
-            let left = shorter.map(|entry| entry.worst).min_by(f64::total_cmp);
-            let left =
-                left.map(|left| format!("; the shorter ones leave {} or more", percent(left)));
-            let reason = format!("the shortest{within} that leaves at most 5.0 % over {range}");
-            (
-                best,
-                format!(
-                    "{reason} ({}{})",
-                    percent(best.worst),
-                    left.unwrap_or_default()
-                ),
-            )
+    let why = match found.reason {
+        _ if best.worst_95 > ACCEPTABLE => {
+            let left = percent(best.worst_95);
+            format!("none leaves at most 5 %{within} {meant}; it leaves least, up to {left}")
         }
-        None => {
-            let best = entries.iter().min_by(|a, b| a.worst.total_cmp(&b.worst))?;
-            let left = percent(best.worst);
-            let reason = format!("none leaves at most 5.0 %{within} over {range}; it leaves least");
-            (best, format!("{reason}, up to {left}"))
-        }
+        Reason::OnlyOne => format!("the only one{within}; it leaves {}", percent(best.worst_95)),
+        _ => format!(
+            "the shortest{within} that leaves at most 5 % {meant} ({}{})",
+            percent(best.worst_95),
+            shorter(found)
+        ),
     };
-    let delay = best.design.train.duration();
-    let reason = format!("{}, which adds {delay:.3} s: {reason}.", best.shaper.name());
-    Some(Choice {
-        shaper: best.shaper,
-        reason,
-        delay,
-        worst: best.worst,
+    format!(
+        "{}, which adds {:.3} s: {why}.",
+        best.shaper.name(),
+        best.delay
+    )
+}
+
+/// What the shorter ones leave, of those that could have been chosen.
+fn shorter(found: &Recommendation) -> String {
+    let left = found
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.shaper.is_convex() && candidate.delay < found.best.delay)
+        .map(|candidate| candidate.worst_95)
+        .min_by(f64::total_cmp);
+    left.map_or(String::new(), |left| {
+        format!("; the shorter ones leave {} or more", percent(left))
     })
-}
-
-/// The candidates that may be chosen.
-fn entries(candidates: &[Candidate], wish: Wish) -> Vec<Entry<'_>> {
-    let allowed = wish.max_delay.unwrap_or(f64::INFINITY);
-    let mut entries = Vec::new();
-    for Candidate { shaper, design } in candidates {
-        if let (true, Ok(design)) = (shaper.is_convex(), design)
-            && design.train.duration() <= allowed
-        {
-            let worst = design.worst(DEVIATIONS * wish.frequency_std);
-            entries.push(Entry {
-                shaper: *shaper,
-                design,
-                worst,
-            });
-        }
-    }
-    entries
-}
-
-impl Entry<'_> {
-    /// By duration; of equally long ones the one that leaves less comes first.
-    fn order(&self, other: &Self) -> Ordering {
-        let ticks = |entry: &Self| entry.design.train.duration_in_ticks();
-        ticks(self)
-            .cmp(&ticks(other))
-            .then(self.worst.total_cmp(&other.worst))
-    }
 }
 
 fn percent(share: f64) -> String {
