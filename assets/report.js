@@ -27,42 +27,50 @@
     if (cycle > 1) return axis._size;
     const longest = (values || []).reduce((a, b) => (b && b.length > a.length ? b : a), "");
     u.ctx.font = axis.font[0];
-    return Math.ceil(axis.ticks.size + axis.gap + u.ctx.measureText(longest).width / devicePixelRatio);
+    return Math.ceil(axis.ticks.size + axis.gap + 6 + u.ctx.measureText(longest).width / devicePixelRatio);
   }
 
   function axis(spec, vertical) {
     const font = `12px ${family()}`;
     const made = {
-      label: withUnit(spec), labelFont: `13px ${family()}`, font, labelSize: 24, gap: 4,
+      label: withUnit(spec), labelFont: `13px ${family()}`, font, labelSize: 22, labelGap: 2, gap: 4,
       stroke: colour("quiet"), grid: { stroke: colour("grid"), width: 1 },
       ticks: { stroke: colour("line"), width: 1, size: 5 },
       values: (u, splits) => splits.map((v) => (v == null ? "" : tidy(v, 6))),
     };
-    if (vertical) made.size = labelRoom;
+    made.size = vertical ? labelRoom : 30;
+    if (!vertical) made.space = 72;
     return made;
   }
 
-  // The scale's range: what is drawn, the level lines, and a margin.
-  function range(spec, levels, vertical, stems) {
-    const [from, to] = [spec.from ?? null, spec.to ?? null];
+  const margined = (low, high, share) => share * (high - low || Math.abs(high) || 1);
+
+  // The abscissa: all of it, or the part to show first; as it is where the reader has zoomed.
+  function xRange(spec, stems) {
+    return (u, low, high) => {
+      const all = u.data[0];
+      if (low == null) return [spec.from ?? 0, spec.to ?? 1];
+      if (low !== all[0] || high !== all[all.length - 1]) return [low, high];
+      const margin = stems && !spec.log ? margined(low, high, 0.04) : 0;
+      return [spec.from ?? low - margin, spec.to ?? high + margin];
+    };
+  }
+
+  // The ordinate: what is drawn, the level lines, zero where stems begin, and a margin.
+  function yRange(spec, levels, stems) {
     return (u, low, high) => {
       if (low == null) [low, high] = spec.log ? [1, 10] : [0, 1];
-      if (vertical) for (const { at } of levels) if (!spec.log || at > 0) {
+      for (const { at } of levels) if (!spec.log || at > 0) {
         low = Math.min(low, at);
         high = Math.max(high, at);
       }
-      if (vertical && stems) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
-      if (spec.log) [low, high] = vertical ? uPlot.rangeLog(low, high, 10, false) : [low, high];
-      else if (vertical) {
-        const margin = 0.06 * (high - low || Math.abs(high) || 1);
-        const bare = stems ? 0 : margin;
-        [low, high] = [low === 0 ? -bare : low - margin, high === 0 ? bare : high + margin];
-      } else if (low === high || stems) {
-        const margin = 0.04 * (high - low || Math.abs(high) || 1);
-        [low, high] = [low - margin, high + margin];
+      if (stems) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+      if (spec.log) [low, high] = uPlot.rangeLog(low, high, 10, false);
+      else {
+        const margin = margined(low, high, 0.08);
+        [low, high] = [stems && low === 0 ? 0 : low - margin, stems && high === 0 ? 0 : high + margin];
       }
-      const zoomed = !vertical && u.data[0].length && (u._zoomed || false);
-      return [zoomed ? low : from ?? low, zoomed ? high : to ?? high];
+      return [spec.from ?? low, spec.to ?? high];
     };
   }
 
@@ -75,6 +83,7 @@
       ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
       ctx.clip();
       ctx.font = `${12 * px}px ${family()}`;
+      ctx.textAlign = "left";
       ctx.lineWidth = 1.25 * px;
       ctx.strokeStyle = ctx.fillStyle = colour("quiet");
       ctx.setLineDash([5 * px, 4 * px]);
@@ -165,18 +174,17 @@
     const made = [{ label: chart.x.name, value: measured(chart.x) }], bands = [];
     for (const s of chart.series) {
       const one = {
-        label: s.name, stroke: stroke(s), width: 1.75, value: measured(chart.y),
+        label: s.name, stroke: () => stroke(s), width: 1.75, value: measured(chart.y),
         dash: DASHES[Math.floor(s.colour / 7) % 3], points: { show: false },
       };
       if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: 6, fill: stroke(s) } });
       if (chart.kind === "stems") one.paths = () => null;
       if (s.kind === "band") {
-        Object.assign(one, { width: 0, fill: undefined });
+        Object.assign(one, { width: 0, band: true });
         bands.push({ series: [made.length, made.length + 1], fill: stroke(s) + "33" });
         made.push(one, { ...one, class: "lower" });
       } else made.push(one);
     }
-    // A band has no line: its legend shows the wash.
     return { made, bands };
   }
 
@@ -187,25 +195,30 @@
     const hooks = { draw: [annotate(chart)] };
     if (chart.kind === "stems") hooks.draw.unshift(stems(chart));
     const width = root.dataset.paper ? 680 : host.clientWidth;
-    const plot = new uPlot({
+    return new uPlot({
       width, height: Math.round(Math.max(230, Math.min(360, width * 0.45))),
       scales: {
-        x: { time: false, distr: chart.x.log ? 3 : 1, range: range(chart.x, [], false, chart.kind === "stems") },
-        y: { distr: chart.y.log ? 3 : 1, range: range(chart.y, chart.levels, true, chart.kind === "stems") },
+        x: { time: false, distr: chart.x.log ? 3 : 1, range: xRange(chart.x, chart.kind === "stems") },
+        y: { distr: chart.y.log ? 3 : 1, range: yRange(chart.y, chart.levels, chart.kind === "stems") },
       },
       axes: [axis(chart.x, false), axis(chart.y, true)],
       series: made, bands, hooks,
-      cursor: { focus: { prox: 24 }, sync: { key: withUnit(chart.x), scales: ["x", null] }, drag: { setScale: true, x: true, y: false } },
+      cursor: { focus: { prox: 24 }, sync: shared(chart), drag: { setScale: true, x: true, y: false } },
       focus: { alpha: 0.35 },
-      legend: { markers: { width: 0, fill: (u, i) => legendFill(chart, made, i) } },
+      legend: { markers: { width: 0, fill: (u, i) => legendFill(made, i) } },
     }, data, host);
-    return plot;
   }
 
-  function legendFill(chart, made, index) {
-    const series = made[index], band = chart.series.find((s) => s.name === series.label && s.kind === "band");
-    const own = typeof series.stroke === "function" ? series.stroke() : series.stroke;
-    return band ? own + "55" : own;
+  // Charts of one abscissa share the cursor; each keeps its own zoom.
+  function shared(chart) {
+    const pub = (type) => type === "mousemove" || type === "mouseleave";
+    const key = chart.kind + " " + withUnit(chart.x);
+    return { key, scales: ["x", null], setSeries: false, filters: { pub } };
+  }
+
+  // A band has no line: its legend shows the wash.
+  function legendFill(made, index) {
+    return made[index].stroke() + (made[index].band ? "55" : "");
   }
 
   let plots = [];

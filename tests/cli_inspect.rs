@@ -354,13 +354,45 @@ fn val_noise_step_gaps_and_faults_are_found() {
 }
 
 #[test]
+fn a_closed_pipe_ends_quietly() {
+    let folder = folder(MANIFEST, &[("encoder.csv", CSV)]);
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("quell"))
+        .arg("inspect")
+        .arg(folder.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0));
+}
+
+#[test]
+fn the_log_is_on_stderr_and_asked_for() {
+    let folder = folder(MANIFEST, &[("encoder.csv", CSV)]);
+    inspect(&folder).assert().success().stderr("");
+    for command in [
+        inspect(&folder).arg("-v"),
+        inspect(&folder).env("QUELL_LOG", "quell=info"),
+    ] {
+        let assert = command.assert().success();
+        let log = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(
+            log.contains("reading") && log.contains("encoder.csv"),
+            "{log}"
+        );
+    }
+}
+
+#[test]
 fn help_shows_an_example_and_an_unknown_verb_is_bad_input() {
     let quell = || Command::cargo_bin("quell").unwrap();
-    for verb in ["inspect"] {
+    for verb in ["compare", "inspect", "shape"] {
         let assert = quell().args([verb, "--help"]).assert().success();
         let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
         assert!(
-            help.contains("Examples:") && help.contains(&format!("quell {verb} ")),
+            help.contains(&format!("Examples:\n  quell {verb} ")),
             "{help}"
         );
     }
@@ -368,10 +400,13 @@ fn help_shows_an_example_and_an_unknown_verb_is_bad_input() {
     quell().arg("inspect").assert().code(2);
 }
 
+/// Role, samples, and rate in Hz of a channel.
+type Expected = (&'static str, u64, f64);
+
 #[test]
 fn shared_recordings_are_read() {
     // Role, samples, rate in Hz of each channel, as the recordings' own description has them.
-    let cases: [(&str, &[(&str, u64, f64)]); 4] = [
+    let cases: [(&str, &[Expected]); 4] = [
         (
             "quanser_lqg_step_20deg.toml",
             &[

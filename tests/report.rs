@@ -46,7 +46,7 @@ fn estimate() -> Chart {
     let low: Vec<_> = mean.iter().zip(&half).map(|(m, h)| m - h).collect();
     let high: Vec<_> = mean.iter().zip(&half).map(|(m, h)| m + h).collect();
     Chart::lines("Frequency, as it is learnt", "time", "s", "frequency", "Hz")
-        .band("likelihood ± 2 standard deviations", &times, &low, &high)
+        .band("likelihood", "± 2 standard deviations", &times, &low, &high)
         .series("likelihood", &times, &mean)
         .points(
             "algebraic",

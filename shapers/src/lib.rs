@@ -24,17 +24,29 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod adaptive_filter;
 mod complex;
+mod correction;
+mod cross_fade;
 mod ei;
 mod equal_ripple;
 mod error;
 mod filter;
 mod grid;
+mod history;
 mod impulse_train;
+mod limits;
 mod linear;
+mod modal_state;
 mod mode;
 mod mzv;
+mod path;
+mod recommend;
+mod replay;
 mod residual;
+mod retune;
+mod retune_outcome;
+mod smooth_step;
 mod three_hump_ei;
 mod two_hump_ei;
 mod um_zv;
@@ -42,15 +54,24 @@ mod zv;
 mod zvd;
 mod zvdd;
 
+pub use adaptive_filter::{AdaptiveFilter, Residual};
+pub use correction::CORRECTED_MODES;
 pub use ei::Ei;
 pub use equal_ripple::HUMP_TOLERANCE;
 pub use error::ShaperError;
 pub use filter::{Setpoint, ShapingFilter};
 pub use grid::{GridTrain, Tap};
 pub use impulse_train::{Impulse, ImpulseTrain, TRAIN_CAPACITY};
+pub use limits::{MotionLimits, PeakRatios, peak_ratios, shaped_peak_ratios};
 pub use mode::{Mode, ModeError};
 pub use mzv::Mzv;
+pub use path::{align_delays, common_train};
+pub use recommend::{
+    Candidate, Criterion, Reason, Recommendation, Requirements, Standing, UncertainMode, recommend,
+};
+pub use replay::CORRECTION_OVERSHOOT;
 pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
+pub use retune_outcome::{Correction, Refusal, Retune, RetuneOutcome};
 pub use three_hump_ei::ThreeHumpEi;
 pub use two_hump_ei::TwoHumpEi;
 pub use um_zv::UmZv;

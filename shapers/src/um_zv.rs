@@ -17,7 +17,7 @@ const HIGHEST_DAMPING: f64 = 0.7;
 /// `exp(mu (t_3)) - exp(mu (t_3 - t_2)) + 1 = 0`, `mu = omega_n (-xi + j sqrt(1 - xi^2))`;
 /// without damping `t = 0, T/6, T/3`. Solved for `xi <= 0.7`. The negative impulse can raise velocity, acceleration and
 /// jerk by up to three times ([`ImpulseTrain::gain`]): check the shaped
-/// move before it is sent.
+/// move with [`crate::peak_ratios`].
 ///
 /// Source: Singer, Singhose and Seering 1999.
 #[derive(Clone, Copy, Debug)]

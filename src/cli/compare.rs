@@ -3,14 +3,18 @@
 
 mod candidate;
 mod choice;
+mod page;
+mod print;
+mod trial;
 
 use super::{CliError, output, shape};
 use crate::plant::Robot;
-use candidate::Candidate;
+use candidate::{Candidate, Design};
 use choice::{Choice, Wish};
-use quell_shapers::Mode;
-use serde_json::{Value, json};
+use quell_shapers::{GridTrain, Mode, Shaper};
+use serde_json::json;
 use std::path::PathBuf;
+use trial::Trial;
 
 /// Frequency errors of the table.
 const ERRORS: [f64; 5] = [-0.25, -0.10, 0.0, 0.10, 0.25];
@@ -28,7 +32,8 @@ Examples:
 V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
 one leaves, each at its own end; the columns give it for a machine whose frequency is that much
 above (+) or below (-) the believed one. Insensitivity: width of the band with V <= 5 %, over the
-frequency. Delay: what the shaper adds to the end of a move.")]
+frequency. Delay: what the shaper adds to the end of a move. The millimetres are simulated: the
+greatest tip deformation after the robot's own move. Writes compare.html into --out.")]
 pub struct Args {
     /// The robot's description; the embedded arm where none is given.
     pub robot: Option<PathBuf>,
@@ -88,7 +93,20 @@ struct Comparison {
     spread: f64,
     candidates: Vec<Candidate>,
     choice: Option<Choice>,
+    /// Simulated tip deformation after the unshaped move at [`ERRORS`], mm.
+    unshaped_mm: Option<Vec<f64>>,
 }
+
+impl Comparison {
+    fn designs(&self) -> impl Iterator<Item = (&'static dyn Shaper, &Design)> {
+        self.candidates
+            .iter()
+            .filter_map(|candidate| Some((candidate.shaper, candidate.design.as_ref().ok()?)))
+    }
+}
+
+/// What is said where nothing can be recommended.
+const NO_CHOICE: &str = "none; no shaper fits into the delay that is allowed.";
 
 /// Runs the verb.
 ///
@@ -96,46 +114,65 @@ struct Comparison {
 /// [`CliError::Input`] where the robot is refused, or has no mode at that joint.
 pub fn run(args: Args) -> Result<(), CliError> {
     let comparison = compare(&args)?;
+    let report = args.out.join("compare.html");
+    output::folder(&args.out)?;
+    output::file(&report, page::page(&comparison).render())?;
     if args.json {
-        output::json(&document(&comparison))
-    } else {
-        output::text(&page(&comparison))
+        let mut document = print::document(&comparison);
+        document["report"] = json!(report);
+        return output::json(&document);
     }
+    output::text(&format!(
+        "{}\nReport: {}\n",
+        print::text(&comparison),
+        report.display()
+    ))
 }
 
 fn compare(args: &Args) -> Result<Comparison, CliError> {
-    let robot = match &args.robot {
+    let mut robot = match &args.robot {
         Some(file) => Robot::from_file(file).map_err(CliError::input)?,
         None => Robot::rx170(),
     };
-    let (machine, modes) = modes(args, &robot)?;
+    let (joint, modes) = modes(args, &robot)?;
     let rate = args.rate.unwrap_or(robot.control_rate);
-    let candidates = candidate::all(&modes, 1.0 / rate);
+    let mut candidates = candidate::all(&modes, 1.0 / rate);
     if let Some(Err(reason)) = candidates.first().map(|candidate| &candidate.design)
         && candidates.iter().all(|candidate| candidate.design.is_err())
     {
         let text = format!("no shaper can be designed at {rate} Hz: {reason}");
         return Err(CliError::input(text));
     }
+    let mut unshaped_mm = None;
+    if let Some(joint) = joint {
+        robot.control_rate = rate;
+        unshaped_mm = Some(simulate(&robot, joint, &mut candidates)?);
+    }
+    let machine = match joint {
+        Some(joint) => format!("{}, joint {}", robot.name, joint + 1),
+        None => "the given mode".into(),
+    };
     let wish = Wish {
         frequency_std: args.frequency_std / 100.0,
         max_delay: args.max_delay,
     };
     let choice = choice::choose(&candidates, wish);
+    let spread = args.spread / 100.0;
     Ok(Comparison {
         machine,
         modes,
         rate,
-        spread: args.spread / 100.0,
+        spread,
         candidates,
         choice,
+        unshaped_mm,
     })
 }
 
-/// The modes that are shaped for, and whose they are.
-fn modes(args: &Args, robot: &Robot) -> Result<(String, Vec<Mode>), CliError> {
+/// The modes that are shaped for, and the joint (counted from 0) whose they are.
+fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliError> {
     if !args.mode.is_empty() {
-        return Ok(("the given mode".into(), args.mode.clone()));
+        return Ok((None, args.mode.clone()));
     }
     let joint = args.joint.unwrap_or(robot.default_move.joint + 1);
     let entry = joint
@@ -155,98 +192,35 @@ fn modes(args: &Args, robot: &Robot) -> Result<(String, Vec<Mode>), CliError> {
         );
         return Err(CliError::input(text).with_help("give one: --mode 8.12,0.084"));
     }
-    let modes = entry.modes.iter().map(|mode| mode.mode).collect();
-    Ok((format!("{}, joint {joint}", robot.name), modes))
+    Ok((
+        Some(joint - 1),
+        entry.modes.iter().map(|mode| mode.mode).collect(),
+    ))
 }
 
-fn page(comparison: &Comparison) -> String {
-    let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
-    let header = [
-        "shaper", "delay_s", "I(5 %)", "V -25 %", "-10 %", "0", "+10 %", "+25 %", "gain",
-    ];
-    let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
-    let rows = comparison.candidates.iter().map(row);
-    let table = output::table(header, std::iter::once(unshaped).chain(rows));
-    let mut refused = String::new();
-    for candidate in &comparison.candidates {
-        if let Err(reason) = &candidate.design {
-            refused.push_str(&format!("{}: {reason}\n", candidate.shaper.name()));
-        }
-    }
-    let advice = match &comparison.choice {
-        Some(choice) => format!("Recommended: {}\n", choice.reason),
-        None => "Recommended: none; no shaper fits into the delay that is allowed.\n".into(),
+/// Makes the robot's move with each shaper at each of [`ERRORS`]; gives the unshaped one's mm.
+fn simulate(
+    robot: &Robot,
+    joint: usize,
+    candidates: &mut [Candidate],
+) -> Result<Vec<f64>, CliError> {
+    let trial = Trial::new(robot, joint)?;
+    let residual_mm = |train: &GridTrain| -> Result<Vec<f64>, CliError> {
+        ERRORS
+            .iter()
+            .map(|error| Ok(1e3 * trial.residual(train, *error)?))
+            .collect()
     };
-    let (machine, rate) = (&comparison.machine, comparison.rate);
-    format!(
-        "{machine}: {}, {rate} Hz\n\n{table}{refused}\n{advice}",
-        modes.join(" and ")
-    )
-}
-
-fn describe(mode: &Mode) -> String {
-    format!(
-        "{} Hz with a damping ratio of {}",
-        mode.hertz(),
-        mode.damping_ratio()
-    )
-}
-
-fn row(candidate: &Candidate) -> [String; 9] {
-    let mut cells = std::array::from_fn(|_| "-".to_owned());
-    cells[0] = candidate.shaper.name().into();
-    if let Ok(design) = &candidate.design {
-        cells[1] = format!("{:.4}", design.train.duration());
-        cells[2] = design
-            .insensitivity
-            .map_or("-".into(), |width| format!("{width:.3}"));
-        for (cell, error) in cells[3..].iter_mut().zip(ERRORS) {
-            *cell = format!("{:.4}", design.residual(error));
+    for candidate in candidates {
+        if let Ok(design) = &mut candidate.design {
+            design.residual_mm = Some(residual_mm(&design.train)?);
         }
-        cells[8] = format!("{:.2}", design.train.gain());
     }
-    cells
+    let unshaped = GridTrain::identity(1.0 / robot.control_rate).map_err(CliError::input)?;
+    residual_mm(&unshaped)
 }
 
 /// Frequency errors of the curves, from minus to plus the spread.
 fn errors(spread: f64) -> impl Iterator<Item = f64> {
     (0..=2 * POINTS).map(move |k| spread * (k as f64 / POINTS as f64 - 1.0))
-}
-
-fn document(comparison: &Comparison) -> Value {
-    let shapers = comparison
-        .candidates
-        .iter()
-        .map(|candidate| match &candidate.design {
-            Err(reason) => json!({"shaper": candidate.shaper.name(), "refused": reason}),
-            Ok(design) => json!({
-                "shaper": candidate.shaper.name(),
-                "duration_s": design.train.duration(),
-                "insensitivity": design.insensitivity,
-                "gain": design.train.gain(),
-                "residual_vibration": ERRORS.map(|error| json!({
-                    "frequency_error": error,
-                    "v": design.residual(error),
-                })),
-                "curve": {
-                    "frequency_error": errors(comparison.spread).collect::<Vec<_>>(),
-                    "v": errors(comparison.spread).map(|e| design.residual(e)).collect::<Vec<_>>(),
-                },
-            }),
-        });
-    let modes = comparison
-        .modes
-        .iter()
-        .map(|mode| json!({"frequency_hz": mode.hertz(), "damping_ratio": mode.damping_ratio()}));
-    json!({
-        "machine": comparison.machine,
-        "rate_hz": comparison.rate,
-        "modes": modes.collect::<Vec<_>>(),
-        "shapers": shapers.collect::<Vec<_>>(),
-        "recommended": comparison.choice.as_ref().map(|choice| json!({
-            "shaper": choice.shaper.name(),
-            "reason": choice.reason,
-            "worst_v": choice.worst,
-        })),
-    })
 }

@@ -75,6 +75,8 @@ impl CliError {
     }
 }
 
+/// A recording that was refused is bad input; where one could not be written, say
+/// `map_err(CliError::failure)` instead.
 impl From<RecordingError> for CliError {
     fn from(error: RecordingError) -> Self {
         let help = match &error.problem {

@@ -4,13 +4,17 @@
 //! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of [`Verb`] and
 //! [`Verb::run`]. What it prints goes through [`output`], so that a closed pipe ends it quietly.
 
+pub mod choices;
 pub mod compare;
 pub mod error;
 pub mod identify;
 pub mod inspect;
 pub mod log;
+pub mod model_file;
+pub mod moves;
 pub mod output;
 pub mod shape;
+pub mod simulate;
 
 pub use error::CliError;
 
@@ -40,7 +44,9 @@ enum Verb {
     Compare(compare::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
+    Move(moves::Args),
     Shape(shape::Args),
+    Simulate(simulate::Args),
 }
 
 impl Verb {
@@ -49,7 +55,9 @@ impl Verb {
             Self::Compare(args) => compare::run(args),
             Self::Identify(args) => identify::run(args),
             Self::Inspect(args) => inspect::run(args),
+            Self::Move(args) => moves::run(args),
             Self::Shape(args) => shape::run(args),
+            Self::Simulate(args) => simulate::run(args),
         }
     }
 }

@@ -67,6 +67,7 @@ pub fn folder(path: &Path) -> Result<(), CliError> {
 /// # Errors
 /// [`CliError::Failure`] that names the file.
 pub fn file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+    tracing::info!(file = %path.display(), "writing");
     std::fs::write(path, bytes)
         .map_err(|error| CliError::failure(format!("cannot write {}: {error}", path.display())))
 }

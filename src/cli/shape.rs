@@ -3,9 +3,8 @@
 mod command_file;
 
 use super::{CliError, output};
-use clap::builder::{PossibleValue, PossibleValuesParser};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, insensitivity, residual_vibration,
+    Band, GridTrain, ImpulseTrain, Mode, Shaper, ShaperError, insensitivity, residual_vibration,
     shaper_by_name,
 };
 use serde_json::{Value, json};
@@ -27,7 +26,7 @@ one leaves, each at its own end. The insensitivity is the width of the band of f
 the design frequency, in which V stays at or below 5 %.")]
 pub struct Args {
     /// The shaper.
-    #[arg(long, value_parser = names())]
+    #[arg(long, value_parser = super::choices::shapers())]
     pub shaper: String,
     /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
     #[arg(long, value_name = "F,XI", value_parser = mode, required = true)]
@@ -52,18 +51,26 @@ pub struct Args {
     pub json: bool,
 }
 
-/// The table of shapers as choices, with what each does.
-fn names() -> PossibleValuesParser {
-    let choice = |shaper: &&dyn Shaper| PossibleValue::new(shaper.name()).help(shaper.summary());
-    PossibleValuesParser::new(SHAPERS.iter().map(choice))
-}
-
 /// `F,XI` as a mode.
 pub(super) fn mode(text: &str) -> Result<Mode, String> {
     let form = || format!("{text:?} is not F,XI, such as 8.12,0.084 (Hz and a damping ratio)");
     let (frequency, damping_ratio) = text.split_once(',').ok_or_else(form)?;
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
     Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
+}
+
+/// The longest train that is run, ticks: 24 MB of delay line, 17 minutes at 1 kHz.
+const LONGEST_TRAIN: usize = 1_000_000;
+
+/// The train, unless it is longer than anything that a filter is made for.
+pub(super) fn of_sane_length(train: GridTrain) -> Result<GridTrain, ShaperError> {
+    match train.duration_in_ticks() {
+        ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {
+            ticks,
+            capacity: LONGEST_TRAIN,
+        }),
+        _ => Ok(train),
+    }
 }
 
 /// A rate in Hz.
@@ -121,6 +128,7 @@ fn design(args: &Args) -> Result<Design, CliError> {
             .convolve(&shaper.on_grid(mode, sample_time).map_err(CliError::input)?)
             .map_err(CliError::input)?;
     }
+    let grid = of_sane_length(grid).map_err(CliError::input)?;
     Ok(Design {
         shaper,
         modes: args.mode.clone(),
@@ -156,24 +164,6 @@ fn page(design: &Design) -> Result<String, CliError> {
             format!("{:.6}", tap.amplitude),
         ]
     });
-    let mut modes = Vec::new();
-    for &mode in &design.modes {
-        let (residual, band) = design.at(mode)?;
-        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
-        let range = band.map_or("-".into(), |band| {
-            format!(
-                "{:.3} to {:.3}",
-                band.from * mode.hertz(),
-                band.to * mode.hertz()
-            )
-        });
-        modes.push([
-            format!("{} Hz, {}", mode.hertz(), mode.damping_ratio()),
-            format!("{residual:.1e}"),
-            width,
-            range,
-        ]);
-    }
     let gain = design.grid.gain();
     let peak = match design.shaper.is_convex() {
         true => String::new(),
@@ -191,7 +181,26 @@ fn page(design: &Design) -> Result<String, CliError> {
         summary = design.shaper.summary(),
         impulses = output::table(["impulse_s", "amplitude"], impulses),
         taps = output::table(["tap", "time_s", "amplitude"], taps),
-        modes = output::table(["mode", "V of the taps", "insensitivity", "band_hz"], modes),
+        modes = modes(design)?,
+    ))
+}
+
+/// The table of what the taps leave of each mode.
+fn modes(design: &Design) -> Result<String, CliError> {
+    let mut rows = Vec::new();
+    for &mode in &design.modes {
+        let (residual, band) = design.at(mode)?;
+        let width = band.map_or("-".into(), |band| format!("{:.4}", band.width()));
+        let edges = |band: Band| [band.from * mode.hertz(), band.to * mode.hertz()];
+        let range = band
+            .map(edges)
+            .map_or("-".into(), |[from, to]| format!("{from:.3} to {to:.3}"));
+        let name = format!("{} Hz, {}", mode.hertz(), mode.damping_ratio());
+        rows.push([name, format!("{residual:.1e}"), width, range]);
+    }
+    Ok(output::table(
+        ["mode", "V of the taps", "insensitivity", "band_hz"],
+        rows,
     ))
 }
 

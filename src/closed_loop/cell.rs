@@ -1,19 +1,25 @@
 //! A simulated arm and the controller that commands it, tick by tick.
 
 use quell_shapers::{Mode, Shaper};
-use quell_trajectories::{AxisState, Limits, Planner};
+use quell_trajectories::{Limits, Planner};
 
 use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::adaptation::AdaptationSettings;
-use crate::controller::{AxisMeasurement, AxisSettings, Controller, Retune, Setpoint};
+use crate::controller::{
+    AxisMeasurement, AxisSettings, Controller, RetunePolicy, Setpoint, plan_shaped,
+};
 use crate::estimators::{EstimatorEntry, Settings};
-use crate::plant::{ArmSimulation, Command, Robot, SimulationOptions};
+use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
+use crate::signal::{ArcRegistration, DeformationSensor, RestRule};
 
 /// The arm is watched for this many periods of the believed mode after its command has ended.
 const WATCHED_PERIODS: f64 = 12.0;
 /// No move lasts longer than this, s; sizes the buffers.
 const LONGEST_MOVE: f64 = 20.0;
+
+/// Rounding of velocities and accelerations by the planner and of differences over one tick.
+const ROUNDING: f64 = 1e-9;
 
 /// What a cell is made of.
 #[derive(Clone)]
@@ -24,6 +30,8 @@ pub struct CellSettings {
     pub joint: usize,
     /// How it is simulated.
     pub simulation: SimulationOptions,
+    /// Displacement of the commissioning move, rad.
+    pub displacement: f64,
     /// Limits of the moves.
     pub limits: Limits,
     /// The rule that designs trains; `None` sends plans as they are.
@@ -33,7 +41,7 @@ pub struct CellSettings {
     /// Whether the train follows the estimate.
     pub adaptive: bool,
     /// When a new train takes effect.
-    pub retune: Retune,
+    pub retune: RetunePolicy,
     /// Method of estimation.
     pub estimator: &'static EstimatorEntry,
 }
@@ -44,6 +52,7 @@ pub struct Cell {
     controller: Controller,
     planner: Planner,
     limits: Limits,
+    registration: ArcRegistration,
     encoder_step: f64,
     watch: f64,
     inbox: Vec<AxisMeasurement>,
@@ -56,7 +65,9 @@ impl Cell {
     /// [`ClosedLoopError`] where the robot cannot be simulated, registered or shaped for.
     pub fn new(settings: &CellSettings) -> Result<Self, ClosedLoopError> {
         let mut arm = ArmSimulation::new(&settings.robot, settings.joint, &settings.simulation)?;
-        let sensor = commission(&mut arm, settings.limits)?;
+        let registration = commission(&mut arm, settings.displacement, settings.limits)?;
+        let sensor =
+            DeformationSensor::new(*arm.arc(), registration.sensor_to_base, registration.clock);
         let robot = &settings.robot;
         let sample_time = 1.0 / robot.control_rate;
         let belief = settings.belief;
@@ -70,6 +81,7 @@ impl Cell {
             estimator: settings.estimator,
             estimation: Settings::around(belief, 1.0 / robot.tracker.rate),
             adaptation: AdaptationSettings::around(belief),
+            rest: RestRule::new(0.0, robot.encoder.resolution),
             sensor,
             longest_train: 4.0 * belief.damped_period(),
             longest_move: LONGEST_MOVE,
@@ -78,6 +90,7 @@ impl Cell {
             controller: Controller::new(vec![axis], &[arm.true_motor_position()])?,
             planner: Planner::new(1)?,
             limits: settings.limits,
+            registration,
             encoder_step: robot.encoder.resolution,
             watch: WATCHED_PERIODS * belief.damped_period(),
             inbox: Vec::with_capacity(256),
@@ -95,43 +108,60 @@ impl Cell {
         &mut self.arm
     }
 
+    /// Where the command stands, rad.
+    pub fn position(&self) -> f64 {
+        self.controller.planned()[0].position
+    }
+
     /// Moves to `target` (rad) and watches the arm ring out.
     ///
     /// # Errors
-    /// [`ClosedLoopError::Plan`] where the move cannot be planned.
+    /// [`ClosedLoopError::Plan`] where the move cannot be planned; [`ClosedLoopError::Limits`] where a
+    /// train with negative impulses exceeds the limits however slow the move.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
-        let start = self.controller.planned()[0].position;
-        let ends = [AxisState::at_rest(start), AxisState::at_rest(target)];
-        let plan = self.planner.plan(&ends[..1], &ends[1..], &[self.limits])?;
-        let sampled = plan.sample(self.controller.sample_time())?;
+        let train = self.controller.axes()[0].next_train().clone();
+        let ends = [self.position(), target];
+        let slowed = plan_shaped(&self.planner, ends, self.limits, &train)?;
+        if slowed.peaks.worst() > 1.0 + ROUNDING {
+            return Err(ClosedLoopError::Limits {
+                ratio: slowed.peaks.worst(),
+                percent: slowed.speed * 100.0,
+            });
+        }
+        let sampled = slowed.plan;
         let planned_end = (sampled.samples() - 1) as f64 * sampled.period();
         let before = *self.controller.axes()[0].status();
         self.controller.load(sampled).map_err(|(_, error)| error)?;
-        let ticks = self.run_until_quiet();
+        let mut log = MeasurementLog::new();
+        let ticks = self.run_until_quiet(&mut log);
         let axis = &self.controller.axes()[0];
         let after = axis.status();
         Ok(MoveTrace {
+            period: self.controller.sample_time(),
             target,
             planned_end,
             command_end: command_end(&ticks),
             motor_end: motor_end(&ticks, target, self.encoder_step),
-            lever_arm: self.arm.arc().radius(),
+            arc: *self.arm.arc(),
+            registration: self.registration.clone(),
             train: axis.train(),
+            slowed_to: (slowed.speed < 1.0).then_some(slowed.speed),
             mode: after.mode,
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,
             ticks,
+            recording: log.into_recording(&self.arm.robot().name),
         })
     }
 
-    fn run_until_quiet(&mut self) -> Vec<Tick> {
+    fn run_until_quiet(&mut self, log: &mut MeasurementLog) -> Vec<Tick> {
         let period = self.controller.sample_time();
         let mut ticks: Vec<Tick> = Vec::new();
         let mut quiet = 0.0;
         while quiet < self.watch && ticks.len() as f64 * period < LONGEST_MOVE {
             let setpoint = self.controller.tick(&self.inbox)[0];
             ticks.push(self.observe(ticks.len() as f64 * period, setpoint));
-            self.move_arm(setpoint, period);
+            self.move_arm(setpoint, period, log);
             quiet = if self.controller.is_settled() {
                 quiet + period
             } else {
@@ -141,13 +171,13 @@ impl Cell {
         ticks
     }
 
-    fn move_arm(&mut self, setpoint: Setpoint, period: f64) {
+    fn move_arm(&mut self, setpoint: Setpoint, period: f64, log: &mut MeasurementLog) {
         let command = Command {
             position: setpoint.position,
             velocity: Some(setpoint.velocity),
         };
         self.inbox.clear();
-        for &measurement in self.arm.step(command, period) {
+        for &measurement in log.step(&mut self.arm, command, period) {
             self.inbox.push(AxisMeasurement {
                 axis: 0,
                 measurement,

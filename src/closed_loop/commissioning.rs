@@ -1,16 +1,88 @@
-//! Learning where the tracker stands and how its clock reads, from a slow move.
+//! Learning where the tracker stands and how its clock reads.
 
-use quell_trajectories::Limits;
+use nalgebra::Point3;
+use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
 use super::ClosedLoopError;
-use crate::plant::ArmSimulation;
-use crate::signal::DeformationSensor;
+use crate::plant::{ArmSimulation, Command};
+use crate::signal::{ArcRegistration, CubicSpline, End, Measurement, register_arc};
 
-pub(super) fn commission(
+/// Rest before each of the two moves, s: the tracker sees the arm at rest too.
+const PAUSE: f64 = 0.5;
+/// Rest after the last one, s: 3 Hz at 5 % rings out to 6 %.
+const RING_OUT: f64 = 3.0;
+
+/// Moves the joint there and back, unshaped, and registers frame and clock of the tracker from what
+/// encoder and tracker saw. The mode that comes out on the way is not handed on: the controller has
+/// to learn it by itself.
+///
+/// # Errors
+/// [`ClosedLoopError::Plan`]; [`ClosedLoopError::Registration`] where the arc is too short.
+pub fn commission(
     arm: &mut ArmSimulation,
-    _limits: Limits,
-) -> Result<DeformationSensor, ClosedLoopError> {
-    Ok(arm
-        .robot()
-        .deformation_sensor(&arm.robot().home(), arm.joint())?)
+    displacement: f64,
+    limits: Limits,
+) -> Result<ArcRegistration, ClosedLoopError> {
+    let (encoder, tracker) = there_and_back(arm, displacement, limits)?;
+    let motor = CubicSpline::new(&encoder.0, &encoder.1, End::NotAKnot)?;
+    Ok(register_arc(
+        arm.arc(),
+        &motor,
+        &tracker.0,
+        &tracker.1,
+        None,
+    )?)
+}
+
+/// Samples of one sensor: stamps and readings.
+type Samples<T> = (Vec<f64>, Vec<T>);
+/// What encoder and tracker saw.
+type Seen = (Samples<f64>, Samples<Point3<f64>>);
+
+fn there_and_back(
+    arm: &mut ArmSimulation,
+    displacement: f64,
+    limits: Limits,
+) -> Result<Seen, ClosedLoopError> {
+    let start = AxisState::at_rest(arm.true_motor_position());
+    let end = AxisState::at_rest(start.position + displacement);
+    let planner = Planner::new(1)?;
+    let mut seen = Seen::default();
+    for [from, to] in [[start, end], [end, start]] {
+        let plan = planner.plan(&[from], &[to], &[limits])?;
+        follow(arm, &plan, plan.duration(), &mut seen);
+    }
+    let stay = planner.plan(&[start], &[start], &[limits])?;
+    follow(arm, &stay, RING_OUT, &mut seen);
+    Ok(seen)
+}
+
+/// Rests, then follows a plan for `duration` (s).
+fn follow(arm: &mut ArmSimulation, plan: &Trajectory, duration: f64, seen: &mut Seen) {
+    let period = 1.0 / arm.robot().control_rate;
+    let ticks = ((PAUSE + duration) / period).ceil() as usize;
+    for tick in 0..ticks {
+        let state = plan.state_at(tick as f64 * period - PAUSE)[0];
+        let command = Command {
+            position: state.position,
+            velocity: Some(state.velocity),
+        };
+        for measurement in arm.step(command, period) {
+            sort(measurement, seen);
+        }
+    }
+}
+
+fn sort(measurement: &Measurement, seen: &mut Seen) {
+    match *measurement {
+        Measurement::MotorPosition { time, position } => {
+            seen.0.0.push(time);
+            seen.0.1.push(position);
+        }
+        Measurement::TipPosition { time, position } => {
+            seen.1.0.push(time);
+            seen.1.1.push(Point3::from(position));
+        }
+        Measurement::LinkPosition { .. } | Measurement::Deformation { .. } => {}
+    }
 }

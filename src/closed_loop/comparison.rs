@@ -4,7 +4,7 @@ use quell_shapers::{Mode, Shaper};
 use quell_trajectories::Limits;
 
 use super::{Cell, CellSettings, ClosedLoopError, MoveTrace};
-use crate::controller::Retune;
+use crate::controller::RetunePolicy;
 use crate::estimators::EstimatorEntry;
 use crate::plant::{Robot, SimulationOptions};
 
@@ -71,36 +71,86 @@ pub struct Comparison {
     pub truth: Mode,
 }
 
+impl Comparison {
+    /// Puts the moves of the three cells side by side.
+    pub fn new(
+        unshaped: MoveTrace,
+        wrong_belief: MoveTrace,
+        (first, next, truth): (MoveTrace, MoveTrace, Mode),
+    ) -> Self {
+        let traces = [unshaped, wrong_belief, first, next];
+        Self {
+            moves: MoveKind::ALL.into_iter().zip(traces).collect(),
+            truth,
+        }
+    }
+
+    /// The move of that kind.
+    pub fn trace(&self, kind: MoveKind) -> &MoveTrace {
+        &self.moves[kind as usize].1
+    }
+
+    /// Residual vibration of a move over that of the unshaped one.
+    pub fn ratio(&self, kind: MoveKind) -> f64 {
+        self.trace(kind).residual() / self.trace(MoveKind::Unshaped).residual()
+    }
+}
+
 impl Scenario {
-    /// Makes the four moves.
+    /// Makes the four moves, the three cells one after the other; for cells side by side see
+    /// [`Scenario::unshaped`], [`Scenario::wrong_belief`] and [`Scenario::adaptive`].
     ///
     /// # Errors
     /// [`ClosedLoopError`] where the robot cannot be simulated or the move cannot be planned.
     pub fn run(&self) -> Result<Comparison, ClosedLoopError> {
-        let mut moves = Vec::with_capacity(MoveKind::ALL.len());
-        let mut unshaped = Cell::new(&self.cell(None, false))?;
-        let start = unshaped.arm().true_motor_position();
-        let target = start + self.displacement;
-        moves.push((MoveKind::Unshaped, unshaped.run_move(target)?));
-        let mut wrong = Cell::new(&self.cell(Some(self.shaper), false))?;
-        moves.push((MoveKind::WrongBelief, wrong.run_move(target)?));
-        let mut adaptive = Cell::new(&self.cell(Some(self.shaper), true))?;
-        moves.push((MoveKind::AdaptiveFirst, adaptive.run_move(target)?));
-        moves.push((MoveKind::AdaptiveNext, adaptive.run_move(start)?));
-        let truth = adaptive.arm().true_mode().unwrap_or(self.belief);
-        Ok(Comparison { moves, truth })
+        Ok(Comparison::new(
+            self.unshaped()?,
+            self.wrong_belief()?,
+            self.adaptive()?,
+        ))
+    }
+
+    /// The plan as it is.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`].
+    pub fn unshaped(&self) -> Result<MoveTrace, ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(None, false))?;
+        cell.run_move(cell.position() + self.displacement)
+    }
+
+    /// Shaped for the belief, which stays.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`].
+    pub fn wrong_belief(&self) -> Result<MoveTrace, ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(Some(self.shaper), false))?;
+        cell.run_move(cell.position() + self.displacement)
+    }
+
+    /// Two moves of one adaptive controller, there and back, and the arm's true mode.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`].
+    pub fn adaptive(&self) -> Result<(MoveTrace, MoveTrace, Mode), ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(Some(self.shaper), true))?;
+        let start = cell.position();
+        let first = cell.run_move(start + self.displacement)?;
+        let next = cell.run_move(start)?;
+        Ok((first, next, cell.arm().true_mode().unwrap_or(self.belief)))
     }
 
     fn cell(&self, shaper: Option<&'static dyn Shaper>, adaptive: bool) -> CellSettings {
         CellSettings {
             robot: self.robot.clone(),
             joint: self.joint,
+            displacement: self.displacement,
             simulation: self.simulation.clone(),
             limits: self.limits,
             shaper,
             belief: self.belief,
             adaptive,
-            retune: Retune::InMotion,
+            retune: RetunePolicy::InMotion,
             estimator: self.estimator,
         }
     }

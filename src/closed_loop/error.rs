@@ -26,15 +26,11 @@ pub enum ClosedLoopError {
     #[error(transparent)]
     Load(#[from] LoadError),
     /// The shaped move exceeds a limit at any speed that was tried.
-    #[error(
-        "the {shaper} shaper drives the move to {ratio:.2} times its limits, even at {speed:.0} % speed"
-    )]
+    #[error("the shaped move reaches {ratio:.2} times a limit, even at {percent:.0} % speed")]
     Limits {
-        /// Name of the shaper.
-        shaper: &'static str,
         /// Largest ratio of a peak to its limit.
         ratio: f64,
         /// Speed at which it was tried last, percent.
-        speed: f64,
+        percent: f64,
     },
 }

@@ -9,4 +9,4 @@ mod trace;
 pub use cell::{Cell, CellSettings};
 pub use comparison::{Comparison, MoveKind, Scenario};
 pub use error::ClosedLoopError;
-pub use trace::{MoveTrace, PeakRatios, Tick};
+pub use trace::{MoveTrace, Tick};

@@ -1,9 +1,12 @@
 //! What happened in one move, and the figures that people ask of it.
 
-use quell_shapers::{ImpulseTrain, Mode};
+use quell_shapers::{ImpulseTrain, Mode, PeakRatios, Setpoint, peak_ratios};
 use quell_trajectories::Limits;
 
+use crate::controller::motion_limits;
 use crate::estimators::Estimate;
+use crate::recording::Recording;
+use crate::signal::{ArcRegistration, JointArc};
 
 /// One tick of a move, from the simulation's own truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,29 +31,13 @@ pub struct Tick {
     pub estimate: Option<Estimate>,
 }
 
-/// Largest velocity, acceleration and jerk of the command over their limits.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PeakRatios {
-    /// Largest velocity over its limit.
-    pub velocity: f64,
-    /// Largest acceleration over its limit.
-    pub acceleration: f64,
-    /// Largest jerk over its limit, from differences of the acceleration.
-    pub jerk: f64,
-}
-
-impl PeakRatios {
-    /// The largest of the three.
-    pub fn largest(&self) -> f64 {
-        self.velocity.max(self.acceleration).max(self.jerk)
-    }
-}
-
 /// One move in the closed loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveTrace {
     /// Every tick, from the first of the plan until the arm was left alone.
     pub ticks: Vec<Tick>,
+    /// Control period, s.
+    pub period: f64,
     /// Where the move should end, rad.
     pub target: f64,
     /// End of the plan, s after its start.
@@ -59,12 +46,18 @@ pub struct MoveTrace {
     pub command_end: f64,
     /// The motor side stays within one encoder step of the target from here on, s.
     pub motor_end: f64,
-    /// Radius of the tip's arc, m.
-    pub lever_arm: f64,
+    /// The tip's arc in the robot's base frame.
+    pub arc: JointArc,
+    /// Frame and clock of the tracker, as commissioning found them.
+    pub registration: ArcRegistration,
+    /// What encoder and tracker said, each on its own clock, and the command.
+    pub recording: Recording,
     /// Train in force when the move ended.
     pub train: ImpulseTrain,
     /// Mode that it was designed for.
     pub mode: Mode,
+    /// Speed to which the move was slowed so that the shaped command keeps its limits, 0 to 1.
+    pub slowed_to: Option<f64>,
     /// Trains changed during the move.
     pub retunes: u32,
     /// Corrections refused during the move.
@@ -86,7 +79,7 @@ impl MoveTrace {
     /// `None` if it does not within the trace.
     pub fn settling_time(&self, tolerance: f64) -> Option<f64> {
         let outside = |tick: &Tick| {
-            let rigid = (tick.motor_position - self.target) * self.lever_arm;
+            let rigid = (tick.motor_position - self.target) * self.arc.radius();
             (rigid + tick.tip_deformation).abs() > tolerance
         };
         match self.ticks.iter().rposition(outside) {
@@ -109,17 +102,12 @@ impl MoveTrace {
 
     /// Largest velocity, acceleration and jerk of the command over their limits.
     pub fn peak_ratios(&self, limits: Limits) -> PeakRatios {
-        let mut peaks = PeakRatios::default();
-        for pair in self.ticks.windows(2) {
-            let [before, now] = pair else { continue };
-            let jerk = (now.acceleration - before.acceleration) / (now.time - before.time);
-            peaks.velocity = peaks.velocity.max(now.velocity.abs() / limits.velocity);
-            peaks.acceleration = peaks
-                .acceleration
-                .max(now.acceleration.abs() / limits.acceleration);
-            peaks.jerk = peaks.jerk.max(jerk.abs() / limits.jerk);
-        }
-        peaks
+        let command = self.ticks.iter().map(|tick| Setpoint {
+            position: tick.position,
+            velocity: tick.velocity,
+            acceleration: tick.acceleration,
+        });
+        peak_ratios(command, &motion_limits(limits), self.period)
     }
 
     /// The first tick at which the estimate had converged, and that estimate.

@@ -1,13 +1,15 @@
 //! One axis at the tick: measurements to estimate, estimate to train, plan to setpoint.
 
 use quell_shapers::{
-    GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError, ShapingFilter, residual_vibration,
+    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Retune, RetuneOutcome, Setpoint,
+    Shaper, ShaperError, residual_vibration,
 };
 
-use super::settings::{AxisSettings, Retune};
+use super::ahead::Ahead;
+use super::settings::{AxisSettings, RetunePolicy, motion_limits};
 use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
-use crate::signal::{DeformationSample, DeformationSensor, Measurement};
+use crate::signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
 
 /// What an axis believes and does; plain numbers for logs and displays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +24,8 @@ pub struct AxisStatus {
     pub retunes: u32,
     /// Corrections that were refused because no limit-keeping one was found.
     pub refused: u32,
+    /// The last correction in motion.
+    pub correction: Option<Correction>,
     /// The last deformation sample.
     pub deformation: Option<DeformationSample>,
 }
@@ -30,9 +34,12 @@ pub struct AxisStatus {
 pub struct Axis {
     settings: AxisSettings,
     sensor: DeformationSensor,
+    rest: RestDetector,
     estimator: Box<dyn Estimator>,
     adaptation: Adaptation,
-    filter: ShapingFilter,
+    filter: AdaptiveFilter,
+    since_plan_end: f64,
+    last_forecast: f64,
     status: AxisStatus,
     fresh: bool,
 }
@@ -44,21 +51,26 @@ impl Axis {
     /// [`quell_shapers::ShaperError`] where the belief cannot be shaped for at this rate.
     pub fn new(settings: AxisSettings, position: f64) -> Result<Self, ShaperError> {
         let capacity = (settings.longest_train / settings.sample_time).ceil() as usize;
-        let mut filter = ShapingFilter::new(settings.sample_time, capacity);
+        let horizon = (settings.longest_move / settings.sample_time).ceil() as usize;
+        let mut filter = AdaptiveFilter::new(settings.sample_time, capacity, horizon);
         filter.reset(position);
         let train = design(settings.shaper, settings.belief, settings.sample_time)?;
         filter.install(&train)?;
         Ok(Self {
             sensor: settings.sensor.clone(),
+            rest: RestDetector::new(settings.rest),
             estimator: (settings.estimator.build)(&settings.estimation),
             adaptation: Adaptation::new(settings.adaptation),
             filter,
+            since_plan_end: f64::INFINITY,
+            last_forecast: f64::NEG_INFINITY,
             status: AxisStatus {
                 estimate: None,
                 decision: None,
                 mode: settings.belief,
                 retunes: 0,
                 refused: 0,
+                correction: None,
                 deformation: None,
             },
             fresh: false,
@@ -84,59 +96,162 @@ impl Axis {
 
     /// Takes a measurement. No allocation.
     pub(super) fn observe(&mut self, measurement: Measurement) {
+        if let Measurement::MotorPosition { time, position } = measurement {
+            self.watch(time, position);
+        }
         self.sensor.observe(measurement);
         while let Some(sample) = self.sensor.next_sample() {
             self.status.deformation = Some(sample);
-            self.estimator.observe(Sample {
-                time: sample.time,
-                motor_position: sample.motor_position,
-                deformation: sample.deformation,
-            });
-            self.fresh = true;
+            if self.may_use(sample.time) {
+                self.estimator.observe(Sample {
+                    time: sample.time,
+                    motor_position: sample.motor_position,
+                    deformation: sample.deformation,
+                });
+                self.fresh = true;
+            }
         }
     }
 
-    /// One tick: adapts if there is a new estimate, then shapes `input`. No allocation, no failure.
-    pub(super) fn step(&mut self, input: Setpoint, future: impl Fn(usize) -> Setpoint) -> Setpoint {
+    /// Begins a new window with each free decay, for estimators that cannot use the motion.
+    fn watch(&mut self, time: f64, position: f64) {
+        let before = self.rest.motion();
+        let now = self.rest.observe(time, position);
+        if !self.settings.estimator.uses_motion && before == Motion::Moving && now == Motion::Rest {
+            self.estimator.restart();
+        }
+    }
+
+    fn may_use(&self, time: f64) -> bool {
+        let free = self.rest.free_decay_from();
+        self.settings.estimator.uses_motion || free.is_some_and(|from| time >= from)
+    }
+
+    /// One tick: adapts if there is a new estimate, then shapes the first of the setpoints `ahead`.
+    /// No allocation, no failure.
+    pub(super) fn step(&mut self, ahead: &Ahead<'_>) -> Setpoint {
         if core::mem::take(&mut self.fresh) {
             self.status.estimate = self.estimator.estimate();
             if self.settings.adaptive {
-                self.adapt(future);
+                self.adapt(ahead);
             }
         }
-        self.filter.step(input)
+        self.since_plan_end = match ahead.remaining() {
+            0 => self.since_plan_end + self.settings.sample_time,
+            _ => 0.0,
+        };
+        self.filter.step(ahead.setpoint(0))
     }
 }
 
 impl Axis {
-    /// The train in force.
+    /// The train in force, or the one that is fading in.
     pub fn train(&self) -> ImpulseTrain {
         self.filter.train().to_impulses()
     }
 
-    fn adapt(&mut self, _future: impl Fn(usize) -> Setpoint) {
+    /// The train that the next move from rest will meet.
+    pub fn next_train(&self) -> &GridTrain {
+        self.filter.pending().unwrap_or(self.filter.train())
+    }
+
+    fn adapt(&mut self, ahead: &Ahead<'_>) {
         let (Some(estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper) else {
             return;
         };
-        let waiting = self
-            .filter
-            .pending()
-            .unwrap_or(self.filter.train())
-            .to_impulses();
+        let decision = match self.settings.retune {
+            RetunePolicy::InMotion if self.is_ringing(estimate.mode) => {
+                // The steps of a correction are a quarter period apart: more often gains nothing.
+                let pause = 0.25 * estimate.mode.damped_period();
+                if (estimate.time - self.last_forecast).abs() < pause {
+                    return;
+                }
+                self.last_forecast = estimate.time;
+                self.consider_in_motion(&estimate, shaper, ahead)
+            }
+            _ => self.consider_at_rest(&estimate, shaper),
+        };
+        self.status.decision = Some(decision);
+    }
+
+    /// Whether anything is moving, or may still ring: five time constants of the envelope leave
+    /// less than the dead band of 1 %.
+    fn is_ringing(&self, mode: Mode) -> bool {
+        !self.filter.is_settled() || self.since_plan_end * mode.decay_rate() < 5.0
+    }
+
+    fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
+        let waiting = self.next_train().to_impulses();
         let left = |mode: Mode| {
             residual_vibration(&waiting, mode.natural_frequency(), mode.damping_ratio())
         };
-        let decision = self.adaptation.consider(&estimate, shaper, left);
-        self.status.decision = Some(decision);
-        let Decision::Accept(mode) = decision else {
-            return;
-        };
-        if let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
-            && self.filter.install(&train).is_ok()
+        let decision = self.adaptation.consider(estimate, shaper, left);
+        if let Decision::Accept(mode) = decision
+            && let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
         {
-            self.status.mode = mode;
-            self.status.retunes += 1;
+            self.install(&train, mode);
         }
+        decision
+    }
+
+    fn consider_in_motion(
+        &mut self,
+        estimate: &Estimate,
+        shaper: &dyn Shaper,
+        ahead: &Ahead<'_>,
+    ) -> Decision {
+        let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
+        let (filter, since) = (&mut self.filter, self.since_plan_end);
+        // The share of what the plan itself would leave, seen at the end of the plan.
+        let left = |mode: Mode| match filter.forecast(mode, remaining, planned) {
+            Ok(residual) => residual.ratio() * (-mode.decay_rate() * since).exp(),
+            Err(_) => f64::INFINITY,
+        };
+        let decision = self.adaptation.consider(estimate, shaper, left);
+        if let Decision::Accept(mode) = decision
+            && let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
+        {
+            self.correct(&train, mode, remaining, planned);
+        }
+        decision
+    }
+
+    /// Fades the train in and cancels what the old one would leave; where no correction keeps the
+    /// limits, the train waits for rest.
+    fn correct(
+        &mut self,
+        train: &GridTrain,
+        mode: Mode,
+        remaining: usize,
+        planned: impl Fn(usize) -> Setpoint,
+    ) {
+        let request = Retune {
+            train,
+            modes: &[mode],
+            limits: motion_limits(self.settings.limits),
+        };
+        match self.filter.retune(&request, remaining, planned) {
+            RetuneOutcome::Refused(_) => {
+                self.status.refused += 1;
+                self.install(train, mode);
+            }
+            RetuneOutcome::Corrected(correction) => {
+                self.status.correction = Some(correction);
+                self.changed(mode);
+            }
+            RetuneOutcome::Installed => self.changed(mode),
+        }
+    }
+
+    fn install(&mut self, train: &GridTrain, mode: Mode) {
+        if self.filter.install(train).is_ok() {
+            self.changed(mode);
+        }
+    }
+
+    fn changed(&mut self, mode: Mode) {
+        self.status.mode = mode;
+        self.status.retunes += 1;
     }
 }
 

@@ -3,16 +3,20 @@
 //! [`Controller::tick`] composes everything. It does no I/O, does not allocate, block or fail; what
 //! allocates (planning, building an axis) happens off the tick and is handed over.
 
+mod ahead;
 mod axis;
 mod settings;
+mod slow_down;
 
 pub use axis::{Axis, AxisStatus};
 pub use quell_shapers::Setpoint;
-pub use settings::{AxisSettings, Retune};
+pub use settings::{AxisSettings, RetunePolicy, motion_limits};
+pub use slow_down::{SlowedPlan, plan_shaped};
 
 use quell_shapers::ShaperError;
 use quell_trajectories::SampledTrajectory;
 
+use self::ahead::Ahead;
 use crate::signal::Measurement;
 
 /// A measurement and the axis, counted from 0, that it belongs to.
@@ -122,12 +126,10 @@ impl Controller {
                 axis.observe(measured.measurement);
             }
         }
-        let (plan, cursor) = (self.plan.as_ref(), self.cursor);
         for (index, axis) in self.axes.iter_mut().enumerate() {
-            let rest = self.planned[index];
-            let input = |ahead: usize| planned(plan, index, cursor + ahead).unwrap_or(rest);
-            self.planned[index] = input(0);
-            self.setpoints[index] = axis.step(input(0), input);
+            let ahead = Ahead::new(self.plan.as_ref(), index, self.cursor, self.planned[index]);
+            self.planned[index] = ahead.setpoint(0);
+            self.setpoints[index] = axis.step(&ahead);
         }
         self.cursor = self.cursor.saturating_add(1);
         &self.setpoints
@@ -183,12 +185,3 @@ impl Controller {
 /// How far a plan may begin from the present planned position, rad: the planner's own end is exact,
 /// so only the rounding of a position handed through a file or a message is left.
 const START_TOLERANCE: f64 = 1e-9;
-
-fn planned(plan: Option<&SampledTrajectory>, axis: usize, tick: usize) -> Option<Setpoint> {
-    let state = plan?.state(axis, tick)?;
-    Some(Setpoint {
-        position: state.position,
-        velocity: state.velocity,
-        acceleration: state.acceleration,
-    })
-}

@@ -1,15 +1,15 @@
 //! What an axis is told before its first tick.
 
-use quell_shapers::{Mode, Shaper};
+use quell_shapers::{Mode, MotionLimits, Shaper};
 use quell_trajectories::Limits;
 
 use crate::adaptation::AdaptationSettings;
 use crate::estimators::{EstimatorEntry, Settings};
-use crate::signal::DeformationSensor;
+use crate::signal::{DeformationSensor, RestRule};
 
 /// When a new train takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Retune {
+pub enum RetunePolicy {
     /// With the next move: the running command is left as it is.
     AtRest,
     /// At once: a cross-fade, and a correction that cancels what the old train would have left.
@@ -29,17 +29,33 @@ pub struct AxisSettings {
     /// Whether the train follows the estimate.
     pub adaptive: bool,
     /// When a new train takes effect.
-    pub retune: Retune,
+    pub retune: RetunePolicy,
     /// Method of estimation.
     pub estimator: &'static EstimatorEntry,
     /// What the estimator is told.
     pub estimation: Settings,
     /// What the adaptation believes and acts on.
     pub adaptation: AdaptationSettings,
+    /// What counts as rest of the motor side.
+    pub rest: RestRule,
     /// From measurements to deformation.
     pub sensor: DeformationSensor,
     /// Longest train, s; sizes the delay line.
     pub longest_train: f64,
     /// Longest move, s; sizes the memory of what was sent.
     pub longest_move: f64,
+}
+
+/// The planner's limits as the shapers' crate names them; the two crates do not know each other.
+pub fn motion_limits(limits: Limits) -> MotionLimits {
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = limits;
+    MotionLimits {
+        velocity,
+        acceleration,
+        jerk,
+    }
 }

@@ -1,14 +1,15 @@
 //! The simulated arm: commands in, measurements out, the truth for reports.
 
 use arrayvec::ArrayVec;
-use quell_shapers::{Mode, ModeError};
+use quell_shapers::Mode;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::axis::{Axis, Oscillator};
+use super::error::SimulationError;
 use super::robot::{Damping, ModeOfJoint, Robot};
-use crate::signal::{JointArc, Measurement, SignalError};
+use crate::signal::{JointArc, Measurement};
 
 /// A sensor sample due within this time after the end of a period still belongs to it: rates that
 /// divide one another keep their order in spite of rounding.
@@ -33,27 +34,6 @@ pub struct SimulationOptions {
     pub mode: Option<Mode>,
     /// All modes in the reference condition; `mode` and `damping` apply to them too.
     pub modes: Option<Vec<ModeOfJoint>>,
-}
-
-/// Why a simulation cannot be set up or changed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimulationError {
-    /// The joint or the pose does not serve.
-    #[error(transparent)]
-    Kinematics(#[from] SignalError),
-    /// Pose and payload lead to something that is not a vibratory mode.
-    #[error("mode at this pose and payload: {0}")]
-    Mode(#[from] ModeError),
-    /// An option out of its range.
-    #[error("{name} = {value}: {expected}")]
-    Option {
-        /// Which option.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        expected: &'static str,
-    },
 }
 
 /// Where the joint shall be at the end of a control period.

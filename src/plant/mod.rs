@@ -2,13 +2,14 @@
 
 pub mod arm;
 mod axis;
+pub mod error;
 pub mod log;
 pub mod robot;
 mod robot_file;
 
-pub use arm::{ArmSimulation, Command, SimulationError, SimulationOptions};
+pub use arm::{ArmSimulation, Command, SimulationOptions};
+pub use error::{RobotError, SimulationError};
 pub use log::MeasurementLog;
 pub use robot::{
     Damping, DefaultMove, Encoder, JointLimits, ModeOfJoint, Robot, RobotJoint, Servo, Tracker,
 };
-pub use robot_file::RobotError;

@@ -6,7 +6,8 @@ use nalgebra::{Isometry3, Point3};
 use quell_shapers::{Mode, ModeError};
 use serde::Deserialize;
 
-use super::robot_file::{self, RobotError};
+use super::error::RobotError;
+use super::robot_file;
 use crate::signal::{Body, Chain, Clock, DeformationSensor, JointArc, SignalError};
 
 /// Where the damper of a mode is attached.
@@ -30,7 +31,7 @@ pub struct ModeOfJoint {
     pub participation: f64,
 }
 
-/// Limits of a joint.
+/// Limits of a joint, with m for rad where it slides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
     /// rad/s.
@@ -44,7 +45,7 @@ pub struct JointLimits {
 /// What the description says of one joint beside its kinematics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotJoint {
-    /// Position in the reference pose, rad.
+    /// Position in the reference pose, rad, or m for a joint that slides.
     pub home: f64,
     /// Limits.
     pub limits: JointLimits,

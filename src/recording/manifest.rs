@@ -227,6 +227,7 @@ impl Source<'_> {
             return Err(self.at(entry.file.span().start, key("file", reason)));
         }
         if !tables.contains_key(&path) {
+            tracing::info!(file = %path.display(), "reading");
             tables.insert(path.clone(), Table::open(&path)?);
         }
         Ok(&tables[&path])

@@ -15,6 +15,8 @@
 mod error;
 pub mod health;
 mod manifest;
+#[cfg(test)]
+mod properties;
 mod role;
 mod table;
 mod unit;
@@ -26,6 +28,7 @@ pub use role::{ROLES, Role, RoleEntry};
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// One measured quantity on its own clock.
@@ -79,6 +82,42 @@ impl Recording {
 }
 
 impl Channel {
+    /// Takes out the jumps by a turn that an angle makes where its sensor wraps: after it, no two
+    /// neighbours are further apart than half a turn.
+    ///
+    /// Does nothing to a channel that is no angle, or that moves by a twentieth of a turn between
+    /// samples at the median (see [`health::wraps`]).
+    ///
+    /// # Example
+    /// ```
+    /// use quell::recording::{Channel, Role};
+    /// use std::f64::consts::{PI, TAU};
+    /// let angle = vec![PI - 0.3, PI - 0.2, PI - 0.1, PI - TAU, PI + 0.1 - TAU];
+    /// let time = vec![0.0, 1.0, 2.0, 3.0, 4.0];
+    /// let (role, unit) = (Role::MotorPosition, "rad".into());
+    /// let mut channel = Channel { role, unit, time, columns: vec![angle] };
+    /// channel.unwrap_turns();
+    /// assert!((channel.columns[0][4] - (PI + 0.1)).abs() < 1e-14);
+    /// ```
+    pub fn unwrap_turns(&mut self) {
+        if self.unit != "rad" {
+            return;
+        }
+        for column in &mut self.columns {
+            let wraps = health::wraps(column);
+            let (mut turns, mut next) = (0.0, 0);
+            for sample in 1..column.len() {
+                if wraps.get(next) == Some(&sample) {
+                    // The sample before has its turns added already.
+                    let jump = column[sample] + turns - column[sample - 1];
+                    turns -= TAU * (jump / TAU).round();
+                    next += 1;
+                }
+                column[sample] += turns;
+            }
+        }
+    }
+
     /// Whether the unit is one that channels of this role usually have; a force in volts is not.
     pub fn has_usual_unit(&self) -> bool {
         Unit::from_name(&self.unit)

@@ -60,6 +60,7 @@ pub(super) fn write(
         csv(channel, &entry, &path, compress).map_err(|error| from_io(&error).in_file(&path))?;
         manifest.channel.push(entry);
     }
+    tracing::info!(folder = %folder.display(), channels = manifest.channel.len(), "written");
     let path = folder.join(MANIFEST);
     let text = toml::to_string(&manifest)
         .map_err(|error| Problem::Toml(error.to_string()).in_file(&path))?;

@@ -1,6 +1,7 @@
 //! Bar charts, for a few named values.
 
 use super::html::{escape, number};
+use super::page::COLOURS;
 use super::table::swatch;
 
 /// Horizontal bars from zero, each with its value beside it; several series stand below each other.
@@ -97,10 +98,10 @@ impl Bars {
             let value = values.get(category).copied().unwrap_or(f64::NAN);
             let owner = if self.series.len() > 1 { series } else { name };
             format!(
-                "<div class=\"bar\"><i style=\"width:{:.2}%;background:var(--c{})\"></i>\
+                "<div class=\"bar\"><i style=\"width:{:.2}%;background:var(--{})\"></i>\
                  <span>{} {}</span></div>",
                 self.percent(value),
-                colour(owner).unwrap_or(0) % 7,
+                colour(owner).map_or("quiet".into(), |slot| format!("c{}", slot % COLOURS)),
                 number(value),
                 escape(&self.unit),
             )

@@ -1,12 +1,12 @@
 //! Charts: curves over a common abscissa, and impulse trains.
 
-use super::html::{escape, json_number, json_numbers, json_string};
-use super::thin::{STRETCHES, thinned};
+use super::html::{escape, json_number, json_string};
+use super::series::{Axis, Series};
 
 /// Curves, points and bands over one abscissa, or impulse trains; with lines at given places.
 ///
 /// The page shows it with zoom (drag), cursor values and a legend that hides curves. Charts of the
-/// same abscissa (name and unit) share cursor and zoom.
+/// same abscissa (name and unit) share the cursor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     title: String,
@@ -17,23 +17,6 @@ pub struct Chart {
     markers: Vec<Line>,
     levels: Vec<Line>,
     note: Option<String>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Axis {
-    name: String,
-    unit: String,
-    logarithmic: bool,
-    range: Option<(f64, f64)>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Series {
-    name: String,
-    kind: &'static str,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    low: Vec<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -94,10 +77,21 @@ impl Chart {
         self.push(name.into(), "points", x, y, &[])
     }
 
-    /// The area between `low` and `high`, as of a standard deviation. Drawn below the curves that
-    /// are added after it; give it the name of its curve to share the colour.
-    pub fn band(self, name: impl Into<String>, x: &[f64], low: &[f64], high: &[f64]) -> Self {
-        self.push(name.into(), "band", x, high, low)
+    /// The area between `low` and `high` around a curve, in the curve's colour, as of a standard
+    /// deviation; `words` say what it is. Drawn below the curves that are added after it.
+    pub fn band(
+        self,
+        curve: impl Into<String>,
+        words: &str,
+        x: &[f64],
+        low: &[f64],
+        high: &[f64],
+    ) -> Self {
+        let mut chart = self.push(curve.into(), "band", x, high, low);
+        if let Some(band) = chart.series.last_mut() {
+            band.label = format!("{} {words}", band.name);
+        }
+        chart
     }
 
     /// A vertical dashed line at `x` with a few words.
@@ -166,6 +160,7 @@ impl Chart {
         };
         let (x, y) = (pick(x), pick(y));
         self.series.push(Series {
+            label: name.clone(),
             name,
             kind,
             x,
@@ -175,6 +170,7 @@ impl Chart {
         self
     }
 
+    /// Names that take colours.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.series.iter().map(|series| series.name.as_str())
     }
@@ -185,7 +181,7 @@ impl Chart {
         let thinned: Vec<_> = self
             .series
             .iter()
-            .filter_map(|s| s.thinning(self))
+            .filter_map(|s| s.thinning(&self.x))
             .collect();
         let hint = "<span class=\"mouse\">Drag to zoom, double-click to see all again.</span>";
         let note = self
@@ -206,7 +202,7 @@ impl Chart {
         let series: Vec<_> = self
             .series
             .iter()
-            .map(|series| series.json(self, colour(&series.name)))
+            .map(|series| series.json(&self.x, &self.y, colour(&series.name)))
             .collect();
         let lines = |lines: &[Line]| {
             let one = |line: &Line| {
@@ -231,89 +227,6 @@ impl Chart {
             series.join(","),
             lines(&self.markers),
             lines(&self.levels),
-        )
-    }
-}
-
-impl Axis {
-    fn json(&self) -> String {
-        let (from, to) = self.range.unwrap_or((f64::NAN, f64::NAN));
-        format!(
-            "{{\"name\":{},\"unit\":{},\"log\":{},\"from\":{},\"to\":{}}}",
-            json_string(&self.name),
-            json_string(&self.unit),
-            self.logarithmic,
-            json_number(from, 10),
-            json_number(to, 10),
-        )
-    }
-}
-
-impl Series {
-    /// Indices of what is drawn.
-    fn drawn(&self, chart: &Chart) -> Vec<usize> {
-        let from = if chart.x.logarithmic {
-            self.x.partition_point(|&x| x <= 0.0)
-        } else {
-            0
-        };
-        let mut drawn: Vec<_> = thinned(&self.x[from..], &self.y[from..], chart.x.logarithmic);
-        if self.kind == "band" {
-            drawn.extend(thinned(
-                &self.x[from..],
-                &self.low[from..],
-                chart.x.logarithmic,
-            ));
-            drawn.sort_unstable();
-            drawn.dedup();
-        }
-        drawn.iter_mut().for_each(|index| *index += from);
-        drawn
-    }
-
-    /// A sentence that says how the series was thinned, if it was.
-    fn thinning(&self, chart: &Chart) -> Option<String> {
-        let drawn = self.drawn(chart).len();
-        (drawn < self.x.len()).then(|| {
-            format!(
-                "{}: {drawn} of {} samples are drawn, the first, last, smallest and largest of \
-                 each of {STRETCHES} stretches. ",
-                escape(&self.name),
-                self.x.len(),
-            )
-        })
-    }
-
-    fn json(&self, chart: &Chart, colour: usize) -> String {
-        let drawn = self.drawn(chart);
-        let above = if chart.y.logarithmic {
-            0.0
-        } else {
-            f64::NEG_INFINITY
-        };
-        let column =
-            |values: &[f64], digits| json_numbers(drawn.iter().map(|&i| values[i]), digits);
-        let ordinates = |values: &[f64]| {
-            let visible = |&i: &usize| {
-                if values[i] > above {
-                    values[i]
-                } else {
-                    f64::NAN
-                }
-            };
-            json_numbers(drawn.iter().map(visible), 6)
-        };
-        let low = if self.kind == "band" {
-            ordinates(&self.low)
-        } else {
-            "[]".into()
-        };
-        format!(
-            "{{\"name\":{},\"kind\":\"{}\",\"colour\":{colour},\"x\":{},\"y\":{},\"low\":{low}}}",
-            json_string(&self.name),
-            self.kind,
-            column(&self.x, 10),
-            ordinates(&self.y),
         )
     }
 }

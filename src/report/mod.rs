@@ -23,13 +23,16 @@
 
 mod bars;
 mod chart;
+mod figure;
 mod html;
 mod page;
+mod series;
 mod table;
 mod thin;
 
 pub use bars::Bars;
 pub use chart::Chart;
+pub use figure::Figure;
 pub use html::number;
-pub use page::{Figure, Page, ReportError, Verdict};
+pub use page::{Page, ReportError, Verdict};
 pub use table::{Cell, Table};

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::html::{escape, number};
-use super::{Bars, Chart, Table};
+use super::html::escape;
+use super::{Bars, Chart, Figure, Table};
 
 const UPLOT_SCRIPT: &str = include_str!("../../assets/uplot-1.6.32/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uplot-1.6.32/uPlot.min.css");
@@ -16,6 +16,9 @@ const STYLE: &str = include_str!("../../assets/report.css");
 /// Forbids every request: the page has all it needs.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       base-uri 'none'; form-action 'none'";
+
+/// Colours that the style sheet defines, `--c0` to `--c6`.
+pub(super) const COLOURS: usize = 7;
 
 /// Why a page could not be written.
 #[derive(Debug, Error)]
@@ -36,62 +39,6 @@ pub enum Verdict {
     Bad,
     /// A finding that is neither.
     Plain,
-}
-
-/// A key figure: one number with its unit, and what it means.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
-    name: String,
-    value: String,
-    unit: String,
-    note: String,
-}
-
-impl Figure {
-    /// A number, shown with four significant digits, with its unit ("" if it has none).
-    pub fn new(name: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
-        Self {
-            unit: unit.into(),
-            ..Self::text(name, number(value))
-        }
-    }
-
-    /// A value that is already text, as "8.12 ± 0.03".
-    pub fn text(name: impl Into<String>, value: impl Into<String>) -> Self {
-        let (unit, note) = (String::new(), String::new());
-        Self {
-            name: name.into(),
-            value: value.into(),
-            unit,
-            note,
-        }
-    }
-
-    /// The unit of a value that is text.
-    pub fn unit(mut self, unit: impl Into<String>) -> Self {
-        self.unit = unit.into();
-        self
-    }
-
-    /// A few words below the number: against what it is to be held.
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
-        self
-    }
-
-    fn render(&self) -> String {
-        let note = if self.note.is_empty() {
-            String::new()
-        } else {
-            format!("<dd class=\"note\">{}</dd>", escape(&self.note))
-        };
-        format!(
-            "<div><dt>{}</dt><dd class=\"value\">{} <small>{}</small></dd>{note}</div>",
-            escape(&self.name),
-            escape(&self.value),
-            escape(&self.unit),
-        )
-    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -192,8 +139,13 @@ impl Page {
 
     /// The page as HTML, complete in itself.
     pub fn render(&self) -> String {
-        let names = self.names();
-        let slot = |name: &str| names.iter().position(|known| *known == name);
+        let colours = self.colours();
+        let slot = |name: &str| {
+            colours
+                .iter()
+                .find(|known| known.0 == name)
+                .map(|known| known.1)
+        };
         let charts = self.charts();
         let data: Vec<_> = charts
             .iter()
@@ -229,32 +181,43 @@ impl Page {
     }
 
     fn charts(&self) -> Vec<&Chart> {
-        let chart = |block| {
-            if let &Block::Chart(ref chart) = block {
-                Some(chart)
-            } else {
-                None
-            }
-        };
-        self.blocks.iter().filter_map(chart).collect()
-    }
-
-    /// Names of curves in the order in which they take the colours.
-    fn names(&self) -> Vec<&str> {
-        let mut names = Vec::new();
+        let mut charts = Vec::new();
         for block in &self.blocks {
-            let new: Vec<&str> = match block {
-                Block::Chart(chart) => chart.names().collect(),
-                Block::Bars(bars) => bars.names().collect(),
-                _ => Vec::new(),
-            };
-            for name in new {
-                if !names.contains(&name) {
-                    names.push(name);
-                }
+            if let Block::Chart(chart) = block {
+                charts.push(chart);
             }
         }
-        names
+        charts
+    }
+
+    /// Names that appear together in each chart.
+    fn companies(&self) -> impl Iterator<Item = Vec<&str>> {
+        self.blocks.iter().map(|block| match block {
+            Block::Chart(chart) => chart.names().collect(),
+            Block::Bars(bars) => bars.names().collect(),
+            _ => Vec::new(),
+        })
+    }
+
+    /// The colour of each curve's name: one of its own while there are any, then one that no curve
+    /// in the same chart has, then any (the script changes the dashes).
+    fn colours(&self) -> Vec<(&str, usize)> {
+        let mut colours: Vec<(&str, usize)> = Vec::new();
+        for name in self.companies().flatten() {
+            if colours.iter().any(|(known, _)| *known == name) {
+                continue;
+            }
+            let taken_beside = |slot: usize| {
+                let holder = |other: &&str| colours.contains(&(*other, slot));
+                self.companies()
+                    .any(|names| names.contains(&name) && names.iter().any(holder))
+            };
+            let own = Some(colours.len()).filter(|&slot| slot < COLOURS);
+            let free = || (0..COLOURS).find(|&slot| !taken_beside(slot));
+            let slot = own.or_else(free).unwrap_or(colours.len());
+            colours.push((name, slot));
+        }
+        colours
     }
 
     fn render_head(&self) -> String {

@@ -1,6 +1,7 @@
 //! Tables.
 
 use super::html::{escape, number};
+use super::page::COLOURS;
 
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,6 +168,6 @@ impl Column {
 pub(super) fn swatch(slot: usize) -> String {
     format!(
         "<span class=\"swatch\" style=\"background:var(--c{})\"></span>",
-        slot % 7
+        slot % COLOURS
     )
 }

@@ -6,7 +6,7 @@ use quell_shapers::Mode;
 
 use super::spectrum::{Window, spectrum};
 use super::spline::check_series;
-use super::{CubicSpline, SignalError};
+use super::{CubicSpline, ForcedResponse, SignalError};
 
 /// Result of [`fit_clock_offset`].
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub struct ClockFit {
 /// The vibration cannot be left out: a clock that is late by `tau` looks like `tau u'`, and a joint
 /// that gives way like `u'' / w^2` plus the ringing it leaves, which on a short record is not
 /// orthogonal to `u'`. So offset, constant, mode and initial vibration are fitted together; no mode
-/// has to be known, `belief` only adds a starting point. With a damper to ground the joint itself lags
+/// has to be known, `belief` only adds a starting point. Offsets up to 0.2 s are found. With a damper to ground the joint itself lags
 /// by `2 xi / w` (3.3 ms at 8.12 Hz and 0.084), and only the ringing tells that from the clock: that
 /// form is taken only where its likelihood is higher by a factor of e^5.
 ///
@@ -50,12 +50,14 @@ pub fn fit_clock_offset(
     belief: Option<Mode>,
 ) -> Result<ClockFit, SignalError> {
     check_series("measured angle", time, angle)?;
-    // Offsets up to this keep every sample within the encoder's span.
+    let coarse = coarse_offset(motor, time, angle);
+    // Fine offsets up to this keep every sample within the encoder's span.
     let margin = 0.02;
     let (first, last) = motor.span();
     let samples: Vec<(f64, f64)> = time
         .iter()
         .copied()
+        .map(|t| t - coarse)
         .zip(angle.iter().copied())
         .filter(|(t, _)| (first + margin..=last - margin).contains(t))
         .collect();
@@ -68,31 +70,49 @@ pub fn fit_clock_offset(
         });
     }
     let start = QuasiStatic::fit(motor, &samples)?;
-    let mut starts: Vec<f64> = belief
+    let mut frequencies: Vec<f64> = belief
         .map(|mode| mode.natural_frequency())
         .into_iter()
         .collect();
-    starts.extend(start.frequencies(&samples));
-    let mut best: Option<Candidate> = None;
-    let mut across: Option<Candidate> = None;
-    for ground in [false, true] {
-        for &frequency in &starts {
-            let candidate = Candidate::fit(motor, &samples, &start, frequency, ground, margin);
-            let Some(candidate) = candidate else { continue };
-            let slot = if ground { &mut best } else { &mut across };
-            if slot.as_ref().is_none_or(|held| candidate.sum < held.sum) {
-                *slot = Some(candidate);
-            }
-        }
-    }
-    let chosen = match (across, best) {
-        (Some(a), Some(g)) => {
-            let gain = 0.5 * a.effective.min(g.effective) * (a.sum / g.sum).ln();
-            if gain > 5.0 { Some(g) } else { Some(a) }
-        }
-        (a, g) => a.or(g),
+    frequencies.extend(start.frequencies(&samples));
+    let best = |ground| {
+        let fits = frequencies.iter().filter_map(|&frequency| {
+            Candidate::fit(motor, &samples, &start, frequency, ground, margin)
+        });
+        fits.min_by(|a, b| a.sum.total_cmp(&b.sum))
     };
-    Ok(chosen.map_or_else(|| start.result(), |candidate| candidate.result()))
+    let chosen = match (best(false), best(true)) {
+        (Some(across), Some(ground)) => {
+            let samples = across.effective.min(ground.effective);
+            let gain = 0.5 * samples * (across.sum / ground.sum).ln();
+            Some(if gain > 5.0 { ground } else { across })
+        }
+        (across, ground) => across.or(ground),
+    };
+    let mut fit = chosen.map_or_else(|| start.result(), |candidate| candidate.result());
+    fit.offset += coarse;
+    Ok(fit)
+}
+
+/// The offset within 0.2 s, on a grid of 10 ms, at which angle and motor position differ least but for
+/// a constant; the motor is taken to rest before and after its record. A vibration of some mrad
+/// cannot hide 10 ms of a move at some tenths of a rad/s.
+fn coarse_offset(motor: &CubicSpline, time: &[f64], angle: &[f64]) -> f64 {
+    let (first, last) = motor.span();
+    let n = time.len().max(1) as f64;
+    let scatter = |offset: f64| {
+        let rest = time.iter().zip(angle).map(|(t, y)| {
+            let r = y - motor.value((t - offset).clamp(first, last));
+            (r, r * r)
+        });
+        let (sum, squares) = rest.fold((0.0, 0.0), |acc, r| (acc.0 + r.0, acc.1 + r.1));
+        squares - sum * sum / n
+    };
+    let grid = (-20..=20).map(|k| f64::from(k) * 0.01);
+    let best = grid
+        .map(|offset| (scatter(offset), offset))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(0.0, |(_, offset)| offset)
 }
 
 /// `angle - u = theta_0 - tau u' - kappa u''`: the joint as a spring without ringing.
@@ -197,13 +217,14 @@ impl Problem<'_> {
     /// Residual in units of `scale`, or `None` outside the parameters' range.
     fn residual(&self, p: &Vector6<f64>) -> Option<DVector<f64>> {
         let mode = mode_of(p)?;
-        if !(p[1].abs() <= self.margin) {
+        if p[1].is_nan() || p[1].abs() > self.margin {
             return None;
         }
-        let response = Response::new(self.motor, mode, self.ground, p[4], p[5]);
+        let rate = p[5] * mode.natural_frequency();
+        let response = ForcedResponse::new(self.motor, mode, self.ground, (p[4], rate));
         let rest = self.samples.iter().map(|&(t, angle)| {
             let time = t - p[1];
-            (p[0] + self.motor.value(time) + response.deformation(time) - angle) / self.scale
+            (p[0] + self.motor.value(time) + response.at(time).0 - angle) / self.scale
         });
         Some(DVector::from_iterator(self.samples.len(), rest))
     }
@@ -327,83 +348,4 @@ fn effective_samples(residual: &[f64]) -> f64 {
         0.0
     };
     (n * (1.0 - r) / (1.0 + r)).max(6.0)
-}
-
-/// Deformation driven by the spline of the motor position, exactly: between knots the drive
-/// `-u'' - c u'` is a quadratic, so the response is a quadratic plus a damped oscillation.
-struct Response<'a> {
-    motor: &'a CubicSpline,
-    mode: Mode,
-    pieces: Vec<Piece>,
-}
-
-/// `delta(s) = p_0 + p_1 s + p_2 s^2 + exp(-sigma s) (a cos w_d s + b sin w_d s)`.
-#[derive(Clone, Copy)]
-struct Piece {
-    p: [f64; 3],
-    a: f64,
-    b: f64,
-}
-
-impl<'a> Response<'a> {
-    fn new(motor: &'a CubicSpline, mode: Mode, ground: bool, delta: f64, rate: f64) -> Self {
-        let knots = motor.knots();
-        let mut state = (delta, rate * mode.natural_frequency());
-        let mut pieces = Vec::with_capacity(knots.len() - 1);
-        for k in 0..knots.len() - 1 {
-            let piece = Piece::new(motor, k, mode, ground, state);
-            state = piece.at(mode, knots[k + 1] - knots[k]);
-            pieces.push(piece);
-        }
-        Self {
-            motor,
-            mode,
-            pieces,
-        }
-    }
-
-    fn deformation(&self, time: f64) -> f64 {
-        let (k, s, _) = self.motor.locate(time);
-        self.pieces[k].at(self.mode, s).0
-    }
-}
-
-impl Piece {
-    fn new(motor: &CubicSpline, k: usize, mode: Mode, ground: bool, state: (f64, f64)) -> Self {
-        let (t0, t1) = (motor.knots()[k], motor.knots()[k + 1]);
-        let (m0, m1) = (motor.second_derivative(t0), motor.second_derivative(t1));
-        let jerk = (m1 - m0) / (t1 - t0);
-        let alpha2 = 2.0 * mode.decay_rate();
-        let alpha1 = mode.natural_frequency().powi(2);
-        let c = if ground { alpha2 } else { 0.0 };
-        let drive = [
-            -(m0 + c * motor.derivative(t0)),
-            -(jerk + c * m0),
-            -c * jerk / 2.0,
-        ];
-        let p2 = drive[2] / alpha1;
-        let p1 = (drive[1] - 2.0 * alpha2 * p2) / alpha1;
-        let p0 = (drive[0] - alpha2 * p1 - 2.0 * p2) / alpha1;
-        let a = state.0 - p0;
-        let b = (state.1 - p1 + mode.decay_rate() * a) / mode.damped_frequency();
-        Self {
-            p: [p0, p1, p2],
-            a,
-            b,
-        }
-    }
-
-    /// Deformation and its rate `s` after the knot.
-    fn at(&self, mode: Mode, s: f64) -> (f64, f64) {
-        let (sigma, omega) = (mode.decay_rate(), mode.damped_frequency());
-        let envelope = (-sigma * s).exp();
-        let (sin, cos) = (omega * s).sin_cos();
-        let swing = envelope * (self.a * cos + self.b * sin);
-        let turn = envelope * omega * (self.b * cos - self.a * sin);
-        let [p0, p1, p2] = self.p;
-        (
-            p0 + s * (p1 + s * p2) + swing,
-            p1 + 2.0 * p2 * s - sigma * swing + turn,
-        )
-    }
 }

@@ -5,6 +5,8 @@ pub mod arc_registration;
 pub mod clock_offset;
 pub mod deformation;
 pub mod error;
+pub mod forced_response;
+pub mod icp;
 pub mod kinematics;
 pub mod measurement;
 pub mod noise;
@@ -22,11 +24,13 @@ pub use deformation::{
     tip_deformation,
 };
 pub use error::SignalError;
+pub use forced_response::ForcedResponse;
+pub use icp::{IcpOptions, IcpResult, icp, initial_guess};
 pub use kinematics::{Chain, ChainJoint, DhRow, JointArc, JointKind};
 pub use measurement::Measurement;
 pub use noise::{NoiseFloor, noise_floor, quantisation_step};
 pub use registration::{Registration, kabsch};
-pub use rest::{Motion, Phase, RestDetector, RestRule, free_decays, phases};
+pub use rest::{Motion, Phase, Quiet, RestDetector, RestRule, free_decays, phases};
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End};
 pub use urdf::{Body, UrdfChain, read_urdf};

@@ -57,34 +57,43 @@ pub fn kabsch(source: &[Point3<f64>], target: &[Point3<f64>]) -> Result<Registra
     }
     check_points("source points", source)?;
     check_points("target points", target)?;
-    let (p_mean, q_mean) = (centroid(source), centroid(target));
-    let mut cross = Matrix3::zeros();
-    let mut spread = Matrix3::zeros();
-    for (p, q) in source.iter().zip(target) {
-        let (p, q) = (p - p_mean, q - q_mean);
-        cross += p * q.transpose();
-        spread += p * p.transpose();
-    }
-    let rotation = best_rotation(&cross);
-    let residual = source
+    let transform = best_transform(source, target);
+    let residual: f64 = source
         .iter()
         .zip(target)
-        .map(|(p, q)| (rotation * (p - p_mean) - (q - q_mean)).norm_squared())
-        .sum::<f64>();
+        .map(|(p, q)| (transform * p - q).norm_squared())
+        .sum();
     let freedom = (3 * source.len()).saturating_sub(6).max(1) as f64;
     let variance = residual / freedom;
+    let mean = centroid(source);
+    let spread = source
+        .iter()
+        .map(|p| (p - mean) * (p - mean).transpose())
+        .sum();
     check_spread(&spread, source.len(), variance)?;
+    let rotation = transform.rotation.to_rotation_matrix();
     let mapped = rotation.matrix() * spread * rotation.matrix().transpose();
     let information = Matrix3::identity() * mapped.trace() - mapped;
-    let rotation_quaternion = UnitQuaternion::from_rotation_matrix(&rotation);
-    let translation = q_mean.coords - rotation_quaternion * p_mean.coords;
     Ok(Registration {
-        transform: Isometry3::from_parts(Translation3::from(translation), rotation_quaternion),
+        transform,
         rms: (residual / source.len() as f64).sqrt(),
         rotation_covariance: information.try_inverse().unwrap_or_else(Matrix3::zeros) * variance,
         centroid_variance: variance / source.len() as f64,
         points: source.len(),
     })
+}
+
+/// The transform of [`kabsch`] alone, for lists of one length.
+pub(super) fn best_transform(source: &[Point3<f64>], target: &[Point3<f64>]) -> Isometry3<f64> {
+    let (p_mean, q_mean) = (centroid(source), centroid(target));
+    let cross: Matrix3<f64> = source
+        .iter()
+        .zip(target)
+        .map(|(p, q)| (p - p_mean) * (q - q_mean).transpose())
+        .sum();
+    let rotation = UnitQuaternion::from_rotation_matrix(&best_rotation(&cross));
+    let translation = q_mean.coords - rotation * p_mean.coords;
+    Isometry3::from_parts(Translation3::from(translation), rotation)
 }
 
 fn best_rotation(cross: &Matrix3<f64>) -> Rotation3<f64> {

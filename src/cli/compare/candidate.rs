@@ -1,5 +1,6 @@
 //! A shaper designed for modes on a grid, and what it leaves of them.
 
+use crate::cli::shape::of_sane_length;
 use quell_shapers::{
     GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
 };
@@ -21,6 +22,8 @@ pub struct Design {
     pub train: GridTrain,
     /// Width of the band with `V <= 0.05` around the first mode, over its frequency.
     pub insensitivity: Option<f64>,
+    /// Simulated tip deformation after the robot's move at the errors of the table, mm.
+    pub residual_mm: Option<Vec<f64>>,
     impulses: ImpulseTrain,
     modes: Vec<Mode>,
 }
@@ -40,6 +43,7 @@ impl Design {
         for &mode in modes {
             train = train.convolve(&shaper.on_grid(mode, sample_time)?)?;
         }
+        let train = of_sane_length(train)?;
         let impulses = train.to_impulses();
         let mut insensitive = None;
         if let Some(mode) = modes.first() {
@@ -50,6 +54,7 @@ impl Design {
         Ok(Self {
             train,
             insensitivity,
+            residual_mm: None,
             impulses,
             modes: modes.to_vec(),
         })

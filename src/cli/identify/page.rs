@@ -153,7 +153,7 @@ fn over_time(
         if index == 0 {
             let low: Vec<f64> = values.iter().map(|v| v.0 - 2.0 * v.1).collect();
             let high: Vec<f64> = values.iter().map(|v| v.0 + 2.0 * v.1).collect();
-            chart = chart.band(result.name, &time, &low, &high);
+            chart = chart.band(result.name, "± 2 std", &time, &low, &high);
         }
         chart = chart.series(result.name, &time, &value);
     }
@@ -265,7 +265,7 @@ fn by_amplitude(findings: &Findings) -> Option<Chart> {
     };
     Some(
         Chart::lines("Damping cycle by cycle", "amplitude", "mrad", "damping ratio", "")
-            .band("one cycle", &amplitude, &edge(-1.0), &edge(1.0))
+            .band("one cycle", "± 1 std", &amplitude, &edge(-1.0), &edge(1.0))
             .points("one cycle", &amplitude, &xi)
             .note("Each point is one period of the free decay, by eq. (25); band: two standard deviations."),
     )

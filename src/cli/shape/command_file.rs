@@ -24,55 +24,16 @@ pub struct ShapedFile {
 /// Reads the command, shapes it and writes the copy into the folder of `--out`.
 pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, CliError> {
     let table = Table::open(file)?;
-    let time = match &args.time {
-        Some(name) => Some(name.as_str()),
-        None => TIME_NAMES
-            .into_iter()
-            .find(|name| table.header().iter().any(|held| held == name)),
-    };
-    let end = match time {
-        Some(name) => table.stamps_at_rate(name, args.rate)?.last().copied(),
-        None => None,
-    };
-    if let Some(name) = time.filter(|name| args.column.iter().any(|column| column == name)) {
-        return Err(CliError::input(format!(
-            "--column {name}: time is not to be shaped"
-        )));
-    }
+    let clock = clock(&table, args)?;
     let names: Vec<&str> = args.column.iter().map(String::as_str).collect();
-    let columns = table.numbers(&names)?;
-    let mut filters: Vec<ShapingFilter> = Vec::new();
-    for column in &columns {
-        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
-        filter.install(train).map_err(CliError::input)?;
-        filter.reset(column[0]);
-        filters.push(filter);
-    }
-    let mut shaped: Vec<Vec<f64>> = columns
-        .iter()
-        .zip(&mut filters)
-        .map(|(column, filter)| column.iter().map(|value| step(filter, *value)).collect())
-        .collect();
-    // The command's end is held until every column has come to it.
-    while !filters.iter().all(ShapingFilter::is_settled) {
-        for ((column, filter), shaped) in columns.iter().zip(&mut filters).zip(&mut shaped) {
-            shaped.push(step(filter, column[column.len() - 1]));
-        }
-    }
-    let (given, rows) = (columns[0].len(), shaped[0].len());
-    let path = args.out.join(shaped_name(file));
-    let time = match (time, end) {
-        (Some(name), Some(end)) => Some((table.index(name)?, end)),
-        _ => None,
-    };
-    let clock = Clock {
-        time,
-        rate: args.rate,
-    };
-    let indices: Vec<usize> = names
+    let indices = names
         .iter()
         .map(|name| table.index(name))
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<Vec<_>, _>>()?;
+    let columns = table.numbers(&names)?;
+    let shaped = convolved(&columns, train)?;
+    let (given, rows) = (columns[0].len(), shaped[0].len());
+    let path = args.out.join(shaped_name(file));
     let text = text(&table, &indices, &shaped, &clock)?;
     output::folder(&args.out)?;
     output::file(&path, compressed(&path, text)?)?;
@@ -81,6 +42,51 @@ pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, 
         rows,
         appended: rows - given,
     })
+}
+
+/// The file's clock, checked against the rate.
+fn clock(table: &Table, args: &Args) -> Result<Clock, CliError> {
+    let is_held = |name: &&str| table.header().iter().any(|held| held == name);
+    let name = match &args.time {
+        Some(name) => Some(name.as_str()),
+        None => TIME_NAMES.into_iter().find(is_held),
+    };
+    let rate = args.rate;
+    let Some(name) = name else {
+        return Ok(Clock { time: None, rate });
+    };
+    if args.column.iter().any(|column| column == name) {
+        return Err(CliError::input(format!(
+            "--column {name}: time is not to be shaped"
+        )));
+    }
+    let end = table.stamps_at_rate(name, rate)?.last().copied();
+    Ok(Clock {
+        time: Some((table.index(name)?, end.unwrap_or(0.0))),
+        rate,
+    })
+}
+
+/// Columns through the train, each from rest at its first value, all lengthened until the last of
+/// them has come to its end.
+fn convolved(columns: &[Vec<f64>], train: &GridTrain) -> Result<Vec<Vec<f64>>, CliError> {
+    let mut filters: Vec<ShapingFilter> = Vec::new();
+    for column in columns {
+        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
+        filter.install(train).map_err(CliError::input)?;
+        filter.reset(column[0]);
+        filters.push(filter);
+    }
+    let run = |(column, filter): (&Vec<f64>, &mut ShapingFilter)| -> Vec<f64> {
+        column.iter().map(|value| step(filter, *value)).collect()
+    };
+    let mut shaped: Vec<Vec<f64>> = columns.iter().zip(&mut filters).map(run).collect();
+    while !filters.iter().all(ShapingFilter::is_settled) {
+        for ((column, filter), shaped) in columns.iter().zip(&mut filters).zip(&mut shaped) {
+            shaped.push(step(filter, column[column.len() - 1]));
+        }
+    }
+    Ok(shaped)
 }
 
 fn step(filter: &mut ShapingFilter, value: f64) -> f64 {

@@ -64,7 +64,7 @@ pub fn clock(time: &[f64]) -> Clock {
                 until: pair[1],
                 missing,
             });
-            clock.missing += missing;
+            clock.missing = clock.missing.saturating_add(missing);
         } else {
             let deviation = interval - period;
             clock.jitter += deviation * deviation;

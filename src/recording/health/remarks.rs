@@ -60,6 +60,31 @@ fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
     if column.minimum == column.maximum && channel.time.len() > 1 {
         remarks.push(format!("the value is {} {unit} throughout", column.minimum));
     }
+    flats(channel, column, &mut remarks);
+    if let [first, ..] = column.wraps[..] {
+        let count = column.wraps.len();
+        remarks.push(format!(
+            "jumps by a turn {count} time(s), first at {first} s: unwrap it"
+        ));
+    }
+    if let [first, ..] = column.spikes[..] {
+        let count = column.spikes.len();
+        remarks.push(format!(
+            "{count} lone sample(s) far from both neighbours, first at {first} s"
+        ));
+    }
+    let range = column.maximum - column.minimum;
+    if let Some(step) = column.quantum.filter(|step| *step > COARSE * range) {
+        let share = 100.0 * step / range;
+        remarks.push(format!(
+            "coarse: one quantisation step is {share:.1} % of the range"
+        ));
+    }
+    remarks
+}
+
+fn flats(channel: &Channel, column: &ColumnHealth, remarks: &mut Vec<String>) {
+    let unit = &channel.unit;
     let words = [
         (
             FlatKind::Saturated,
@@ -83,24 +108,4 @@ fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
             ));
         }
     }
-    if let [first, ..] = column.wraps[..] {
-        let count = column.wraps.len();
-        remarks.push(format!(
-            "jumps by a turn {count} time(s), first at {first} s: unwrap it"
-        ));
-    }
-    if let [first, ..] = column.spikes[..] {
-        let count = column.spikes.len();
-        remarks.push(format!(
-            "{count} lone sample(s) far from both neighbours, first at {first} s"
-        ));
-    }
-    let range = column.maximum - column.minimum;
-    if let Some(step) = column.quantum.filter(|step| *step > COARSE * range) {
-        let share = 100.0 * step / range;
-        remarks.push(format!(
-            "coarse: one quantisation step is {share:.1} % of the range"
-        ));
-    }
-    remarks
 }

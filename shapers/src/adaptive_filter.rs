@@ -1,0 +1,208 @@
+//! The filter that can be retuned in motion.
+
+use crate::correction::{Schedule, sum};
+use crate::cross_fade::CrossFade;
+use crate::filter::DelayLine;
+use crate::history::History;
+use crate::modal_state::pole;
+use crate::{GridTrain, Mode, Setpoint, ShaperError};
+use alloc::boxed::Box;
+use alloc::vec;
+
+/// A [`crate::ShapingFilter`] that can also change its train in motion: [`AdaptiveFilter::retune`].
+///
+/// It remembers what it was given and what it sent, so that it can tell which vibration its command
+/// will have left, whatever trains made it, and send what cancels that.
+#[derive(Clone, Debug)]
+pub struct AdaptiveFilter {
+    pub(crate) sample_time: f64,
+    pub(crate) tick: u64,
+    pub(crate) line: DelayLine,
+    pub(crate) fade: CrossFade,
+    pub(crate) pending: Option<GridTrain>,
+    /// A retune counts on the train in force until the planned input ends at this tick.
+    pub(crate) pending_from: u64,
+    pub(crate) schedule: Schedule,
+    pub(crate) history: History,
+    pub(crate) sent: Setpoint,
+    /// Scratch of [`AdaptiveFilter::retune`]: the planned input and the output it leads to.
+    pub(crate) planned: Box<[Setpoint]>,
+    pub(crate) future: Box<[Setpoint]>,
+}
+
+/// Vibration that a command leaves in a mode, in units of the position.
+///
+/// `|sum du_k exp(lambda (t - t_k))|`, `lambda = -xi omega + j omega_d`: the amplitude at `t` of the
+/// mode's answer to the increments of the command, divided by its answer to a step of 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residual {
+    /// Left by what was sent.
+    pub shaped: f64,
+    /// Left by the planned input, had it been sent as it is.
+    pub unshaped: f64,
+}
+
+impl Residual {
+    /// `shaped / unshaped` at the same instant; 0 where nothing is left of either.
+    pub fn ratio(&self) -> f64 {
+        if self.shaped == 0.0 {
+            0.0
+        } else {
+            self.shaped / self.unshaped
+        }
+    }
+}
+
+impl AdaptiveFilter {
+    /// A filter at rest at position 0 that changes nothing.
+    ///
+    /// * `sample_time`: length of a tick, s; not finite or not above 0 is taken as 1 s, and every
+    ///   train for another one is then refused;
+    /// * `capacity`: longest train, ticks;
+    /// * `horizon`: ticks of the past that are remembered, and of the future that a retune can look
+    ///   ahead. It must cover the longest move with the longest train; twice that lets vibration
+    ///   left by one move be cancelled in the next.
+    ///
+    /// The only place that allocates: 24 bytes for each tick of `capacity`, 72 for each of
+    /// `horizon`.
+    pub fn new(sample_time: f64, capacity: usize, horizon: usize) -> Self {
+        let valid = sample_time.is_finite() && sample_time > 0.0;
+        let sample_time = if valid { sample_time } else { 1.0 };
+        let scratch = vec![Setpoint::default(); horizon.max(1)].into_boxed_slice();
+        Self {
+            sample_time,
+            tick: 0,
+            line: DelayLine::new(capacity),
+            fade: CrossFade::new(GridTrain::unit(sample_time)),
+            pending: None,
+            pending_from: 0,
+            schedule: Schedule::default(),
+            history: History::new(horizon),
+            sent: Setpoint::default(),
+            planned: scratch.clone(),
+            future: scratch,
+        }
+    }
+
+    /// One tick: takes the planned setpoint, returns the shaped one, with what a retune added.
+    ///
+    /// Never allocates, blocks or fails; cost proportional to the number of taps of the trains at
+    /// work (one, or up to four while they fade).
+    pub fn step(&mut self, input: Setpoint) -> Setpoint {
+        self.try_install();
+        self.tick += 1;
+        self.line.push(input);
+        let shaped = self
+            .fade
+            .output(self.tick, self.sample_time, |age| self.line.at(age));
+        let added = self.schedule.output(self.tick, self.sample_time);
+        self.fade.tidy(self.tick);
+        self.schedule.tidy(self.tick);
+        // At rest the sum is left out, so that the target is met to the bit.
+        self.sent = if self.schedule.is_idle() {
+            shaped
+        } else {
+            sum(shaped, added)
+        };
+        self.history
+            .push(input.position, self.sent.position, self.is_settled());
+        self.sent
+    }
+
+    /// Installs a train at rest, as [`crate::ShapingFilter::install`].
+    ///
+    /// # Errors
+    /// [`ShaperError::SampleTimeMismatch`]; [`ShaperError::TooLong`].
+    pub fn install(&mut self, train: &GridTrain) -> Result<(), ShaperError> {
+        self.check(train)?;
+        self.pending = Some(train.clone());
+        self.pending_from = 0;
+        self.try_install();
+        Ok(())
+    }
+
+    /// Puts the filter to rest at `position`, not vibrating, with a waiting train installed.
+    pub fn reset(&mut self, position: f64) {
+        self.line.fill(Setpoint::at_rest(position));
+        self.schedule.clear();
+        self.history.reset(position);
+        self.sent = Setpoint::at_rest(position);
+        let last = self
+            .pending
+            .take()
+            .unwrap_or_else(|| self.fade.last().clone());
+        self.fade.replace(&last);
+    }
+
+    /// Whether the output is constant: the input has been for as long as the trains last, and no
+    /// correction is under way.
+    pub fn is_settled(&self) -> bool {
+        self.schedule.is_idle() && self.line.unchanged_for() >= self.fade.duration_in_ticks()
+    }
+
+    /// The train in force, or the one that is fading in.
+    pub fn train(&self) -> &GridTrain {
+        self.fade.last()
+    }
+
+    /// The train that waits for rest.
+    pub fn pending(&self) -> Option<&GridTrain> {
+        self.pending.as_ref()
+    }
+
+    /// Whether a correction is under way or still to come.
+    pub fn is_correcting(&self) -> bool {
+        !self.schedule.is_idle()
+    }
+
+    /// The setpoint last sent.
+    pub fn sent(&self) -> Setpoint {
+        self.sent
+    }
+
+    /// Length of a tick, s.
+    pub fn sample_time(&self) -> f64 {
+        self.sample_time
+    }
+
+    /// Longest train, ticks.
+    pub fn capacity(&self) -> usize {
+        self.line.capacity()
+    }
+
+    /// Ticks remembered and looked ahead.
+    pub fn horizon(&self) -> usize {
+        self.future.len()
+    }
+
+    /// The vibration of `mode` now, due to everything sent so far, beside what the planned input
+    /// would have caused; from rest at the last [`AdaptiveFilter::reset`].
+    ///
+    /// `None` where the start of a move that is still remembered in part has been overwritten. Cost
+    /// proportional to the horizon.
+    pub fn residual(&self, mode: Mode) -> Option<Residual> {
+        let vibration = self.history.vibration(pole(mode, self.sample_time))?;
+        let (shaped, unshaped) = (vibration.sent.value.abs(), vibration.planned.value.abs());
+        Some(Residual { shaped, unshaped })
+    }
+
+    fn try_install(&mut self) {
+        let waiting = self.pending.as_ref().map(GridTrain::duration_in_ticks);
+        let longest = waiting.map(|ticks| ticks.max(self.fade.duration_in_ticks()));
+        if self.tick >= self.pending_from
+            && longest.is_some_and(|ticks| self.line.unchanged_for() >= ticks)
+            && let Some(train) = self.pending.take()
+        {
+            self.fade.replace(&train);
+        }
+    }
+
+    pub(crate) fn check(&self, train: &GridTrain) -> Result<(), ShaperError> {
+        self.fade.last().check_same_grid(train.sample_time())?;
+        let (ticks, capacity) = (train.duration_in_ticks(), self.capacity());
+        if ticks > capacity {
+            return Err(ShaperError::TooLong { ticks, capacity });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,112 @@
+//! Several trains at work, each fading into the next.
+
+use crate::filter::shape;
+use crate::smooth_step::step_at;
+use crate::{GridTrain, Setpoint};
+use arrayvec::ArrayVec;
+
+/// Trains that can fade into each other at the same time.
+const LAYERS: usize = 3;
+
+#[derive(Clone, Debug)]
+struct Layer {
+    train: GridTrain,
+    /// The tick before the first that mixes.
+    start: u64,
+    ticks: usize,
+}
+
+/// The train in force and those that fade in over it.
+///
+/// With `b` the smooth step of a layer, `y <- (1 - b) y + b y_layer`; velocity and acceleration
+/// follow by the product rule, so that all three stay consistent and continuous.
+#[derive(Clone, Debug)]
+pub(crate) struct CrossFade {
+    base: GridTrain,
+    layers: ArrayVec<Layer, LAYERS>,
+}
+
+impl CrossFade {
+    pub fn new(train: GridTrain) -> Self {
+        Self {
+            base: train,
+            layers: ArrayVec::new(),
+        }
+    }
+
+    /// The train that will be in force when every layer has faded in.
+    pub fn last(&self) -> &GridTrain {
+        self.layers.last().map_or(&self.base, |layer| &layer.train)
+    }
+
+    /// The longest of the trains at work, ticks.
+    pub fn duration_in_ticks(&self) -> usize {
+        self.layers
+            .iter()
+            .map(|layer| layer.train.duration_in_ticks())
+            .fold(self.base.duration_in_ticks(), usize::max)
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.layers.is_full()
+    }
+
+    /// Lets a train fade in over `ticks` ticks after tick `start`; ignored where [`Self::is_full`].
+    pub fn fade_in(&mut self, train: &GridTrain, start: u64, ticks: usize) {
+        if !self.is_full() {
+            self.layers.push(Layer {
+                train: train.clone(),
+                start,
+                ticks: ticks.max(1),
+            });
+        }
+    }
+
+    /// Puts one train in force at once: only where the line is constant.
+    pub fn replace(&mut self, train: &GridTrain) {
+        self.layers.clear();
+        self.base.clone_from(train);
+    }
+
+    /// Forgets what lies under a layer that has faded in at `tick`.
+    pub fn tidy(&mut self, tick: u64) {
+        let done = self
+            .layers
+            .iter()
+            .rposition(|layer| tick >= layer.start + layer.ticks as u64);
+        if let Some(index) = done {
+            self.base.clone_from(&self.layers[index].train);
+            self.layers.drain(..=index);
+        }
+    }
+
+    /// Output at `tick` for inputs given by age.
+    pub fn output(
+        &self,
+        tick: u64,
+        sample_time: f64,
+        input: impl Fn(usize) -> Setpoint,
+    ) -> Setpoint {
+        let mut output = shape(&self.base, &input);
+        for layer in &self.layers {
+            let elapsed = tick.saturating_sub(layer.start) as f64;
+            let b = step_at(elapsed, layer.ticks, sample_time);
+            output = mix(output, shape(&layer.train, &input), b);
+        }
+        output
+    }
+}
+
+fn mix(old: Setpoint, new: Setpoint, b: Setpoint) -> Setpoint {
+    let position = new.position - old.position;
+    let velocity = new.velocity - old.velocity;
+    let acceleration = new.acceleration - old.acceleration;
+    Setpoint {
+        position: old.position + b.position * position,
+        velocity: old.velocity + b.position * velocity + b.velocity * position,
+        acceleration: old.acceleration
+            + b.position * acceleration
+            + 2.0 * b.velocity * velocity
+            + b.acceleration * position,
+    }
+}

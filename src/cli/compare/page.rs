@@ -1,0 +1,135 @@
+//! The report of a comparison.
+
+use super::print::{describe, percent_label};
+use super::{Comparison, ERRORS, errors};
+use crate::report::{Cell, Chart, Figure, Page, Table, Verdict};
+
+/// The page: advice first, then table, curves and trains.
+pub fn page(comparison: &Comparison) -> Page {
+    let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
+    let mut page = Page::new(format!("Shapers for {}", comparison.machine)).subtitle(format!(
+        "{}, commands at {} Hz",
+        modes.join(" and "),
+        comparison.rate
+    ));
+    page = match &comparison.choice {
+        Some(choice) => page
+            .verdict(Verdict::Good, format!("Recommended: {}", choice.reason))
+            .figure(Figure::text("recommended", choice.shaper.title()))
+            .figure(Figure::new("delay", choice.delay, "s").note("added to the end of a move"))
+            .figure(
+                Figure::new("worst residual vibration", 100.0 * choice.worst, "%")
+                    .note("of the unshaped, over the errors to be covered"),
+            ),
+        None => page.verdict(Verdict::Bad, super::NO_CHOICE),
+    };
+    page = page.table(figures(comparison)).chart(curves(comparison));
+    if let Some(chart) = train(comparison) {
+        page = page.chart(chart);
+    }
+    if comparison.unshaped_mm.is_some() {
+        page = page.table(simulated(comparison));
+    }
+    page
+}
+
+/// A share in percent, without the rounding errors that stand for an exact zero.
+fn percent(share: f64) -> f64 {
+    (1e8 * share).round() / 1e6
+}
+
+fn percent_header(table: Table, unit: &str) -> Table {
+    ERRORS.iter().fold(table, |table, error| {
+        table.column(percent_label(*error), unit)
+    })
+}
+
+fn figures(comparison: &Comparison) -> Table {
+    let table = Table::new("Residual vibration by frequency error")
+        .text_column("shaper")
+        .column("delay", "s")
+        .column("insensitivity", "")
+        .column("gain", "");
+    let mut table = percent_header(table, "% of unshaped");
+    for (shaper, design) in comparison.designs() {
+        let mut cells: Vec<Cell> = vec![
+            shaper.name().into(),
+            design.train.duration().into(),
+            design.insensitivity.into(),
+            design.train.gain().into(),
+        ];
+        cells.extend(ERRORS.map(|error| percent(design.residual(error)).into()));
+        table = table.row(cells);
+        let chosen = comparison
+            .choice
+            .as_ref()
+            .map(|choice| choice.shaper.name());
+        if chosen == Some(shaper.name()) {
+            table = table.marked();
+        }
+    }
+    table.note(
+        "Amplitude that the shaped command leaves over what the unshaped one leaves, each at its \
+         own end, where the machine's frequency is that much above or below the believed one. \
+         Insensitivity: width of the band with at most 5 %, over the frequency. Gain: sum of the \
+         amplitudes' absolute values; above 1, velocity and acceleration can exceed the command's.",
+    )
+}
+
+fn simulated(comparison: &Comparison) -> Table {
+    let table = Table::new("The robot's move, simulated: greatest tip deformation after its end");
+    let mut table = percent_header(table.text_column("shaper"), "mm");
+    let row = |name: &str, values: &[f64]| {
+        let cells = [name.into()]
+            .into_iter()
+            .chain(values.iter().map(|value| (*value).into()));
+        cells.collect::<Vec<Cell>>()
+    };
+    if let Some(values) = &comparison.unshaped_mm {
+        table = table.row(row("unshaped", values));
+    }
+    for (shaper, design) in comparison.designs() {
+        if let Some(values) = &design.residual_mm {
+            table = table.row(row(shaper.name(), values));
+        }
+    }
+    table.note("Counted from where the motor side has followed to one encoder step.")
+}
+
+fn curves(comparison: &Comparison) -> Chart {
+    let error: Vec<f64> = errors(comparison.spread)
+        .map(|error| 100.0 * error)
+        .collect();
+    let title = "Residual vibration over the frequency error";
+    let mut chart = Chart::lines(
+        title,
+        "frequency error",
+        "%",
+        "residual vibration",
+        "% of unshaped",
+    )
+    .level(5.0, "5 %");
+    for (shaper, design) in comparison.designs() {
+        let left = errors(comparison.spread).map(|error| 100.0 * design.residual(error));
+        chart = chart.series(shaper.name(), &error, &left.collect::<Vec<_>>());
+    }
+    chart.note("Unshaped is 100 %.")
+}
+
+/// The recommended shaper's taps.
+fn train(comparison: &Comparison) -> Option<Chart> {
+    let chosen = comparison.choice.as_ref()?.shaper.name();
+    let (shaper, design) = comparison
+        .designs()
+        .find(|(shaper, _)| shaper.name() == chosen)?;
+    let period = design.train.sample_time();
+    let taps = design.train.taps();
+    let time: Vec<f64> = taps
+        .iter()
+        .map(|tap| f64::from(tap.delay) * period)
+        .collect();
+    let amplitude: Vec<f64> = taps.iter().map(|tap| tap.amplitude).collect();
+    let title = format!("Taps of {} on the controller's grid", shaper.title());
+    let chart = Chart::stems(title, "time", "s", "amplitude", "");
+    Some(chart.series(shaper.name(), &time, &amplitude))
+}

@@ -1,0 +1,135 @@
+//! A comparison as text and as JSON.
+
+use super::candidate::Candidate;
+use super::{Comparison, ERRORS, NO_CHOICE, errors};
+use crate::cli::output;
+use quell_shapers::Mode;
+use serde_json::{Value, json};
+
+/// What is printed on a terminal.
+pub fn text(comparison: &Comparison) -> String {
+    let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
+    let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
+    let first = format!("V at {e1}");
+    let header = [
+        "shaper", "delay_s", "I(5 %)", &first, &e2, &e3, &e4, &e5, "gain",
+    ];
+    let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
+    let rows = comparison.candidates.iter().map(row);
+    let table = output::table(header, std::iter::once(unshaped).chain(rows));
+    let mut refused = String::new();
+    for candidate in &comparison.candidates {
+        if let Err(reason) = &candidate.design {
+            refused.push_str(&format!("{}: {reason}\n", candidate.shaper.name()));
+        }
+    }
+    let simulated = simulated(comparison).unwrap_or_default();
+    let advice = comparison
+        .choice
+        .as_ref()
+        .map_or(NO_CHOICE, |choice| &choice.reason);
+    let (machine, rate) = (&comparison.machine, comparison.rate);
+    let modes = modes.join(" and ");
+    format!("{machine}: {modes}, {rate} Hz\n\n{table}{refused}{simulated}\nRecommended: {advice}\n")
+}
+
+/// The table of the simulated moves, where the robot was simulated.
+fn simulated(comparison: &Comparison) -> Option<String> {
+    let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
+    let unshaped = comparison.unshaped_mm.as_ref()?;
+    let rows = comparison
+        .designs()
+        .filter_map(|(shaper, design)| Some((shaper.name(), design.residual_mm.as_ref()?)));
+    let rows = std::iter::once(("unshaped", unshaped))
+        .chain(rows)
+        .map(|(name, values)| {
+            let mut cells = std::array::from_fn(|_| name.to_owned());
+            cells[1..]
+                .iter_mut()
+                .zip(values)
+                .for_each(|(cell, mm)| *cell = format!("{mm:.4}"));
+            cells
+        });
+    let first = format!("mm at {e1}");
+    Some(format!(
+        "\n{}",
+        output::table(["shaper", &first, &e2, &e3, &e4, &e5], rows)
+    ))
+}
+
+/// `-25 %`, `0 %`, `+10 %`.
+pub fn percent_label(error: f64) -> String {
+    let percent = (100.0 * error).round();
+    if percent > 0.0 {
+        format!("+{percent} %")
+    } else {
+        format!("{percent} %")
+    }
+}
+
+/// A mode in words.
+pub fn describe(mode: &Mode) -> String {
+    format!(
+        "{} Hz with a damping ratio of {}",
+        mode.hertz(),
+        mode.damping_ratio()
+    )
+}
+
+/// A line of the table.
+fn row(candidate: &Candidate) -> [String; 9] {
+    let mut cells = std::array::from_fn(|_| "-".to_owned());
+    cells[0] = candidate.shaper.name().into();
+    if let Ok(design) = &candidate.design {
+        cells[1] = format!("{:.4}", design.train.duration());
+        cells[2] = design
+            .insensitivity
+            .map_or("-".into(), |width| format!("{width:.3}"));
+        for (cell, error) in cells[3..].iter_mut().zip(ERRORS) {
+            *cell = format!("{:.4}", design.residual(error));
+        }
+        cells[8] = format!("{:.2}", design.train.gain());
+    }
+    cells
+}
+
+/// What `--json` prints.
+pub fn document(comparison: &Comparison) -> Value {
+    let shapers = comparison
+        .candidates
+        .iter()
+        .map(|candidate| match &candidate.design {
+            Err(reason) => json!({"shaper": candidate.shaper.name(), "refused": reason}),
+            Ok(design) => json!({
+                "shaper": candidate.shaper.name(),
+                "duration_s": design.train.duration(),
+                "insensitivity": design.insensitivity,
+                "gain": design.train.gain(),
+                "residual_vibration": ERRORS.map(|error| json!({
+                    "frequency_error": error,
+                    "v": design.residual(error),
+                })),
+                "simulated_mm": design.residual_mm,
+            "curve": {
+                    "frequency_error": errors(comparison.spread).collect::<Vec<_>>(),
+                    "v": errors(comparison.spread).map(|e| design.residual(e)).collect::<Vec<_>>(),
+                },
+            }),
+        });
+    let modes = comparison
+        .modes
+        .iter()
+        .map(|mode| json!({"frequency_hz": mode.hertz(), "damping_ratio": mode.damping_ratio()}));
+    json!({
+        "machine": comparison.machine,
+        "rate_hz": comparison.rate,
+        "modes": modes.collect::<Vec<_>>(),
+        "unshaped_simulated_mm": comparison.unshaped_mm,
+        "shapers": shapers.collect::<Vec<_>>(),
+        "recommended": comparison.choice.as_ref().map(|choice| json!({
+            "shaper": choice.shaper.name(),
+            "reason": choice.reason,
+            "worst_v": choice.worst,
+        })),
+    })
+}

@@ -1,0 +1,137 @@
+//! `quell move`: the same move unshaped, shaped by a wrong belief, and adaptive.
+
+mod document;
+mod files;
+mod page;
+mod scenario;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use quell_shapers::Mode;
+
+use super::{CliError, choices, output, shape};
+use crate::closed_loop::{ClosedLoopError, Comparison, Scenario};
+
+/// Moves a joint four times: unshaped, shaped by a wrong belief, adaptive within the move, and
+/// adaptive on the next move. Without arguments: the embedded arm, 30 degrees.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell move
+  quell move --belief-error -20 --shaper ei --noise 20 --seed 7
+  quell move --robot robot.toml --joint 2 --target 45 --belief 11,0.05 --json
+
+Residual: peak of the true deformation at the tip once the command has ended and the motor side has
+followed. Settling: from the start of the move until the tip stays within 0.05 mm of its target.
+Delay: what shaping and corrections add to the command. The tracker's frame and clock are learned
+first, in a commissioning move there and back. The folder of --out gets report.html and a recording
+of each move that `quell identify` and `quell inspect` read.")]
+pub struct Args {
+    /// The robot's description; the embedded arm where none is given.
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// The joint, counted from 1 [default: the one that the description moves].
+    #[arg(long, value_name = "N")]
+    pub joint: Option<usize>,
+    /// How far to move, deg [default: as the description says, 30].
+    #[arg(
+        long,
+        visible_alias = "target-deg",
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
+    pub target: Option<f64>,
+    /// The believed mode: natural frequency in Hz and damping ratio.
+    #[arg(long, value_name = "F,XI", value_parser = shape::mode, conflicts_with = "belief_error")]
+    pub belief: Option<Mode>,
+    /// How wrong the believed frequency is, percent of the true one.
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 25.0,
+        allow_negative_numbers = true
+    )]
+    pub belief_error: f64,
+    /// The shaper.
+    #[arg(long, default_value = "zvd", value_parser = choices::shapers())]
+    pub shaper: String,
+    /// The estimator.
+    #[arg(long, default_value = "likelihood", value_parser = choices::estimators())]
+    pub estimator: String,
+    /// Limit of the velocity, deg/s [default: the joint's].
+    #[arg(long, value_name = "DEG/S")]
+    pub velocity: Option<f64>,
+    /// Limit of the acceleration, deg/s^2 [default: the joint's].
+    #[arg(long, value_name = "DEG/S^2")]
+    pub acceleration: Option<f64>,
+    /// Limit of the jerk, deg/s^3 [default: the joint's].
+    #[arg(long, value_name = "DEG/S^3")]
+    pub jerk: Option<f64>,
+    /// Noise of the tracker, one standard deviation, um [default: the robot's].
+    #[arg(long, visible_alias = "noise-um", value_name = "UM")]
+    pub noise: Option<f64>,
+    /// Where the damper sits [default: as the description says].
+    #[arg(long, value_parser = choices::dampings())]
+    pub damping: Option<String>,
+    /// Load at the tip that the belief does not know of, kg.
+    #[arg(long, value_name = "KG", default_value_t = 0.0)]
+    pub payload: f64,
+    /// Seed of the simulated noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The folder for report and recordings.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Prints JSON instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`CliError::Input`] where the robot, the belief or the move is refused.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let scenario = scenario::from(&args)?;
+    let comparison = side_by_side(&scenario)?;
+    let report = files::write(&args.out, &scenario, &comparison)?;
+    if args.json {
+        return output::json(&document::document(&comparison));
+    }
+    output::text(&document::text(&scenario, &comparison))?;
+    output::text(&format!("\nReport: {}\n", report.display()))
+}
+
+/// The three cells do not know each other: each runs on a thread of its own.
+fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
+    let runtime = tokio::runtime::Runtime::new().map_err(CliError::failure)?;
+    let scenario = Arc::new(scenario.clone());
+    runtime.block_on(async {
+        let unshaped = cell(&scenario, Scenario::unshaped);
+        let wrong_belief = cell(&scenario, Scenario::wrong_belief);
+        let adaptive = cell(&scenario, Scenario::adaptive);
+        Ok(Comparison::new(
+            unshaped.await?,
+            wrong_belief.await?,
+            adaptive.await?,
+        ))
+    })
+}
+
+/// Starts one cell now, and gives its result later.
+fn cell<T: Send + 'static>(
+    scenario: &Arc<Scenario>,
+    run: fn(&Scenario) -> Result<T, ClosedLoopError>,
+) -> impl Future<Output = Result<T, CliError>> + use<T> {
+    let scenario = Arc::clone(scenario);
+    let task = tokio::task::spawn_blocking(move || {
+        let _span = tracing::info_span!("cell", shaper = scenario.shaper.name()).entered();
+        run(&scenario)
+    });
+    async {
+        task.await
+            .map_err(CliError::failure)?
+            .map_err(CliError::input)
+    }
+}

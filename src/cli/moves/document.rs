@@ -1,0 +1,178 @@
+//! The comparison as JSON and as a table.
+
+use serde_json::{Value, json};
+
+use crate::cli::output;
+use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
+use crate::estimators::Estimate;
+use crate::report::number;
+
+/// Distance from the target within which the tip counts as settled, m.
+pub const SETTLED: f64 = 0.05e-3;
+
+/// What the adaptive move learned, and when.
+pub struct Learned {
+    /// The estimate at the end of the move.
+    pub estimate: Estimate,
+    /// From the start of the move until the estimate had settled, s.
+    pub converged_at: Option<f64>,
+}
+
+impl Learned {
+    /// From the adaptive first move; `None` if it yielded no estimate.
+    pub fn from(comparison: &Comparison) -> Option<Self> {
+        let first = comparison.trace(MoveKind::AdaptiveFirst);
+        Some(Self {
+            estimate: first.last_estimate()?,
+            converged_at: first.converged().map(|(time, _)| time),
+        })
+    }
+
+    /// Periods of the estimated mode until the estimate had settled.
+    pub fn periods(&self) -> Option<f64> {
+        self.converged_at
+            .map(|time| time * self.estimate.mode.hertz())
+    }
+
+    /// One standard deviation of the frequency, Hz.
+    pub fn frequency_std(&self) -> f64 {
+        self.estimate.natural_frequency_std / core::f64::consts::TAU
+    }
+}
+
+/// The comparison as JSON.
+pub fn document(comparison: &Comparison) -> Value {
+    let moves: Vec<Value> = comparison
+        .moves
+        .iter()
+        .map(|(kind, trace)| {
+            json!({
+                "name": kind.name(),
+                "residual_mm": trace.residual() * 1e3,
+                "percent_of_unshaped": comparison.ratio(*kind) * 100.0,
+                "settling_s": trace.settling_time(SETTLED),
+                "added_delay_s": trace.added_delay(),
+                "final_error_rad": trace.final_error(),
+            })
+        })
+        .collect();
+    let estimate = Learned::from(comparison).map(|learned| {
+        json!({
+            "frequency_hz": learned.estimate.mode.hertz(),
+            "frequency_std_hz": learned.frequency_std(),
+            "damping_ratio": learned.estimate.mode.damping_ratio(),
+            "damping_std": learned.estimate.damping_ratio_std,
+            "converged_at_s": learned.converged_at,
+            "periods_to_converge": learned.periods(),
+        })
+    });
+    json!({
+        "moves": moves,
+        "estimate": estimate,
+        "truth": {
+            "frequency_hz": comparison.truth.hertz(),
+            "damping_ratio": comparison.truth.damping_ratio(),
+        },
+    })
+}
+
+/// The comparison as text for a terminal.
+pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
+    let table = output::table(
+        [
+            "move",
+            "residual_mm",
+            "of_unshaped",
+            "settling_s",
+            "delay_s",
+            "final_error_rad",
+        ],
+        comparison
+            .moves
+            .iter()
+            .map(|(kind, trace)| row(comparison, *kind, trace)),
+    );
+    format!(
+        "{}\n\n{table}\n{}\n{}",
+        headline(scenario),
+        learned(comparison),
+        remarks(scenario, comparison)
+    )
+}
+
+/// What is moved, and what is believed of it.
+pub fn headline(scenario: &Scenario) -> String {
+    format!(
+        "{}, joint {}, {} deg, {} shaper, {} estimator; believed {:.3} Hz, damping {:.3}.",
+        scenario.robot.name,
+        scenario.joint + 1,
+        number(scenario.displacement.to_degrees()),
+        scenario.shaper.name(),
+        scenario.estimator.name,
+        scenario.belief.hertz(),
+        scenario.belief.damping_ratio(),
+    )
+}
+
+fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 6] {
+    let settling = trace.settling_time(SETTLED);
+    [
+        kind.name().to_string(),
+        format!("{:.4}", trace.residual() * 1e3),
+        format!("{:.2} %", comparison.ratio(kind) * 100.0),
+        settling.map_or("-".to_string(), |time| format!("{time:.3}")),
+        format!("{:.3}", trace.added_delay()),
+        format!("{:.1e}", trace.final_error()),
+    ]
+}
+
+/// What was learned, against the truth, in two lines.
+pub fn learned(comparison: &Comparison) -> String {
+    let truth = format!(
+        "The arm has {:.3} Hz, damping {:.4}.",
+        comparison.truth.hertz(),
+        comparison.truth.damping_ratio()
+    );
+    let Some(learned) = Learned::from(comparison) else {
+        return format!("No estimate came out of the move. {truth}\n");
+    };
+    let when = match (learned.converged_at, learned.periods()) {
+        (Some(time), Some(periods)) => {
+            format!(
+                "converged {:.0} ms ({periods:.2} periods) after the move began",
+                time * 1e3
+            )
+        }
+        _ => "not converged".to_string(),
+    };
+    format!(
+        "Estimated {:.3} +- {:.3} Hz, damping {:.4} +- {:.4}; {when}.\n{truth}\n",
+        learned.estimate.mode.hertz(),
+        learned.frequency_std(),
+        learned.estimate.mode.damping_ratio(),
+        learned.estimate.damping_ratio_std,
+    )
+}
+
+/// What the user should know besides: slowed moves, refused corrections.
+pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
+    let mut words = String::new();
+    for (kind, trace) in &comparison.moves {
+        if let Some(speed) = trace.slowed_to {
+            words.push_str(&format!(
+                "{}: the negative impulses of {} would exceed the limits; slowed to {:.1} % speed.\n",
+                kind.name(),
+                scenario.shaper.name(),
+                speed * 100.0
+            ));
+        }
+        if trace.refused > 0 {
+            words.push_str(&format!(
+                "{}: {} corrections refused, they would have exceeded the limits.\n",
+                kind.name(),
+                trace.refused
+            ));
+        }
+    }
+    words
+}

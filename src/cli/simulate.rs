@@ -1,0 +1,187 @@
+//! `quell simulate`: moves, or a recorded command, through a robot's joint, written as a recording.
+
+mod document;
+mod limits;
+mod motion;
+mod planned;
+mod recorded;
+mod setup;
+mod slopes;
+mod trace;
+
+use std::path::{Path, PathBuf};
+
+use quell_shapers::Mode;
+
+use super::{CliError, choices, model_file, output, shape};
+use crate::plant::ArmSimulation;
+use setup::Setup;
+use trace::Trace;
+
+/// Sends moves, or a recorded command, through a joint of a robot and writes what its sensors see
+/// as a recording. Without arguments: the embedded arm and its own move, 30 degrees, unshaped.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell simulate
+  quell simulate --target 30 --target 0 --dwell 2 --payload 10 --out data
+  quell simulate --robot robot.toml --joint 2 --shaper zvd --belief 11,0.05 --json
+  quell simulate --command data --noise 5
+  quell simulate --command command.csv --column joint_1_deg --unit deg --rate 250
+
+The folder of --out gets recording.toml with the command, the encoder and the tracker, each on its
+own clock, and model.toml with what is believed of the joint; `quell identify` and `quell inspect`
+read them. Residual: peak of the true deformation at the tip from where the motor side has come to
+rest, to one encoder step, until the next move begins.")]
+pub struct Args {
+    /// The robot's description; the embedded arm where none is given.
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// The joint, counted from 1 [default: the one that the description moves].
+    #[arg(long, value_name = "N")]
+    pub joint: Option<usize>,
+    /// Where to move, deg from where the joint stands at the start; may be repeated [default: as
+    /// the description says, 30].
+    #[arg(
+        long,
+        visible_alias = "target-deg",
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
+    pub target: Vec<f64>,
+    /// Rest after each move, s [default: 12 periods of the slowest mode, at least 1 s].
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
+    pub dwell: Option<f64>,
+    /// The shaper of the moves [default: none].
+    #[arg(long, value_parser = choices::shapers())]
+    pub shaper: Option<String>,
+    /// The believed mode, natural frequency in Hz and damping ratio; several are shaped for at once
+    /// [default: the joint's own without payload, in its home pose].
+    #[arg(long, value_name = "F,XI", value_parser = shape::mode)]
+    pub belief: Vec<Mode>,
+    /// A recorded command instead of moves: a recording with a command_position, or a CSV file.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["target", "shaper"])]
+    pub command: Option<PathBuf>,
+    /// The column of the CSV file.
+    #[arg(long, value_name = "NAME", requires = "command")]
+    pub column: Option<String>,
+    /// The unit of the column.
+    #[arg(long, value_name = "UNIT", default_value = "rad", requires = "column")]
+    pub unit: String,
+    /// The column with seconds [default: time_s, t_s, time or t].
+    #[arg(long, value_name = "NAME", requires = "column")]
+    pub time: Option<String>,
+    /// Rows a second of the CSV file, checked against the column with seconds where there is one.
+    #[arg(long, value_name = "HZ", value_parser = shape::rate, requires = "column")]
+    pub rate: Option<f64>,
+    /// Load at the tip, kg.
+    #[arg(long, value_name = "KG", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    pub payload: f64,
+    /// Where the joints stand at the start, deg, or m for joints that slide [default: home].
+    #[arg(
+        long,
+        value_name = "DEG,...",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub pose: Vec<f64>,
+    /// Where the damper sits [default: as the description says].
+    #[arg(long, value_parser = choices::dampings())]
+    pub damping: Option<String>,
+    /// The joint's first mode in its home pose without payload, instead of the description's.
+    #[arg(long, value_name = "F,XI", value_parser = shape::mode)]
+    pub mode: Option<Mode>,
+    /// Noise of the tracker, one standard deviation, um [default: the robot's].
+    #[arg(long, visible_alias = "noise-um", value_name = "UM", value_parser = not_negative, allow_negative_numbers = true)]
+    pub noise: Option<f64>,
+    /// Seed of the simulated noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The folder for the recording.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Prints JSON instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err(format!("{text:?} is not a finite number, 0 or more")),
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`CliError::Input`] where the robot, the move or the command is refused.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let mut setup = Setup::from(&args)?;
+    if let Some(file) = &args.command {
+        apart(file, &args.out)?;
+    }
+    let mut motion = match &args.command {
+        Some(file) => recorded::read(file, &args, &setup)?,
+        None => planned::plan(&args, &setup)?,
+    };
+    setup.pose[setup.joint] = motion.knots[0].position;
+    setup.options.pose = Some(setup.pose.clone());
+    let mut arm =
+        ArmSimulation::new(&setup.robot, setup.joint, &setup.options).map_err(CliError::input)?;
+    motion.remarks.extend(limits::exceeded(&motion, &setup));
+    let trace = Trace::run(&mut arm, &motion);
+    let files = write(&args, &setup, &arm, &trace)?;
+    let run = document::Run {
+        args: &args,
+        setup: &setup,
+        arm: &arm,
+        motion: &motion,
+        trace: &trace,
+        files: &files,
+    };
+    if args.json {
+        return output::json(&document::document(&run));
+    }
+    output::text(&document::text(&run))
+}
+
+/// Refuses to write over the recording that is read.
+fn apart(command: &Path, out: &Path) -> Result<(), CliError> {
+    let folder = match command.is_dir() {
+        true => Some(command),
+        false => command.parent(),
+    };
+    let real = |path: &Path| match path.as_os_str().is_empty() {
+        true => Path::new(".").canonicalize().ok(),
+        false => path.canonicalize().ok(),
+    };
+    match (folder.and_then(real), real(out)) {
+        (Some(read), Some(written)) if read == written => {
+            let text = format!("--out {}: the command is in that folder", out.display());
+            Err(CliError::input(text).with_help("give another folder, --out DIR"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes recording and model; returns the files.
+fn write(
+    args: &Args,
+    setup: &Setup,
+    arm: &ArmSimulation,
+    trace: &Trace,
+) -> Result<Vec<PathBuf>, CliError> {
+    output::folder(&args.out)?;
+    trace
+        .recording
+        .write(&args.out, true)
+        .map_err(CliError::failure)?;
+    let mut files = vec![args.out.join(crate::recording::MANIFEST)];
+    if let Some(&belief) = setup.belief.first() {
+        let file = args.out.join("model.toml");
+        output::file(&file, model_file::flexible_joint(belief, arm.arc()))?;
+        files.push(file);
+    }
+    Ok(files)
+}

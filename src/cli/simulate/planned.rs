@@ -1,0 +1,171 @@
+//! Jerk-limited moves from rest to rest, shaped or not.
+
+use quell_shapers::{GridTrain, Setpoint, ShapingFilter, shaper_by_name};
+use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
+
+use super::Args;
+use super::motion::{Knot, Leg, Motion, affordable, rounding};
+use super::setup::Setup;
+use crate::cli::CliError;
+
+/// Rest before the first move, s: what the sensors say of a joint that stands.
+const REST: f64 = 0.5;
+
+/// The moves of the arguments, one after the other, with rest before and after each.
+pub fn plan(args: &Args, setup: &Setup) -> Result<Motion, CliError> {
+    let start = setup.pose[setup.joint];
+    let train = train(args, setup)?;
+    let mut writer = Writer::new(start, &train, setup)?;
+    writer.rest(REST)?;
+    let mut at = start;
+    for target in targets(args, setup)? {
+        let target = start + target;
+        writer.leg(&move_between(at, target, setup)?)?;
+        writer.rest(setup.dwell(args))?;
+        at = target;
+    }
+    Ok(Motion {
+        resolution: rounding(&writer.knots),
+        knots: writer.knots,
+        legs: writer.legs,
+        added_delay: train.duration(),
+        stamp: 0.0,
+        remarks: Vec::new(),
+    })
+}
+
+/// Targets from where the joint stands, rad.
+fn targets(args: &Args, setup: &Setup) -> Result<Vec<f64>, CliError> {
+    if args.target.is_empty() {
+        return Ok(vec![setup.robot.default_move.target]);
+    }
+    let mut at = 0.0;
+    for &target in &args.target {
+        if !target.is_finite() {
+            return Err(CliError::input(format!(
+                "--target {target}: a finite number of deg is needed"
+            )));
+        }
+        if target == at {
+            return Err(CliError::input(format!(
+                "--target {target}: the joint stands there already"
+            )));
+        }
+        at = target;
+    }
+    Ok(args.target.iter().map(|deg| deg.to_radians()).collect())
+}
+
+/// The shaper's taps for all believed modes.
+fn train(args: &Args, setup: &Setup) -> Result<GridTrain, CliError> {
+    let sample_time = 1.0 / setup.robot.control_rate;
+    let mut train = GridTrain::identity(sample_time).map_err(CliError::input)?;
+    let Some(name) = &args.shaper else {
+        return Ok(train);
+    };
+    let shaper = shaper_by_name(name)
+        .ok_or_else(|| CliError::input(format!("there is no shaper {name:?}")))?;
+    if setup.belief.is_empty() {
+        let (joint, robot) = (setup.joint + 1, &setup.robot.name);
+        let text = format!("--shaper {name}: joint {joint} of {robot} has no mode to shape for");
+        return Err(CliError::input(text).with_help("give one: --belief 8.12,0.084"));
+    }
+    for &mode in &setup.belief {
+        train = shaper
+            .on_grid(mode, sample_time)
+            .and_then(|next| train.convolve(&next))
+            .map_err(CliError::input)?;
+    }
+    affordable(train.duration(), &setup.robot)?;
+    Ok(train)
+}
+
+fn move_between(from: f64, to: f64, setup: &Setup) -> Result<SampledTrajectory, CliError> {
+    let own = setup.robot.joints[setup.joint].limits;
+    let limits = Limits {
+        velocity: own.velocity,
+        acceleration: own.acceleration,
+        jerk: own.jerk,
+    };
+    Planner::new(1)
+        .and_then(|planner| {
+            let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
+            planner.plan(&ends[..1], &ends[1..], &[limits])
+        })
+        .and_then(|trajectory| trajectory.sample(1.0 / setup.robot.control_rate))
+        .map_err(CliError::input)
+}
+
+/// Sends setpoints through the shaper and notes what comes out, tick by tick.
+struct Writer<'a> {
+    setup: &'a Setup,
+    filter: ShapingFilter,
+    train_ticks: usize,
+    knots: Vec<Knot>,
+    legs: Vec<Leg>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(start: f64, train: &GridTrain, setup: &'a Setup) -> Result<Self, CliError> {
+        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
+        filter.install(train).map_err(CliError::input)?;
+        filter.reset(start);
+        let mut writer = Self {
+            setup,
+            filter,
+            train_ticks: train.duration_in_ticks(),
+            knots: Vec::new(),
+            legs: Vec::new(),
+        };
+        writer.tick(Setpoint::at_rest(start));
+        Ok(writer)
+    }
+
+    fn tick(&mut self, planned: Setpoint) {
+        let Setpoint {
+            position, velocity, ..
+        } = self.filter.step(planned);
+        self.knots.push(Knot {
+            time: self.knots.len() as f64 / self.setup.robot.control_rate,
+            position,
+            velocity,
+        });
+    }
+
+    fn last(&self) -> Knot {
+        self.knots[self.knots.len() - 1]
+    }
+
+    fn rest(&mut self, duration: f64) -> Result<(), CliError> {
+        affordable(self.last().time + duration, &self.setup.robot)?;
+        let at = Setpoint::at_rest(self.last().position);
+        let ticks = (duration * self.setup.robot.control_rate).ceil() as usize;
+        (0..ticks).for_each(|_| self.tick(at));
+        Ok(())
+    }
+
+    /// One move until its shaped command has come to its end. The plan's first sample is where the
+    /// joint stands already.
+    fn leg(&mut self, plan: &SampledTrajectory) -> Result<(), CliError> {
+        let Knot { time, position, .. } = self.last();
+        let ticks = plan.samples() + self.train_ticks;
+        let duration = ticks as f64 * plan.period();
+        affordable(time + duration, &self.setup.robot)?;
+        for tick in 1..ticks {
+            if let Some(state) = plan.state(0, tick) {
+                self.tick(Setpoint {
+                    position: state.position,
+                    velocity: state.velocity,
+                    acceleration: state.acceleration,
+                });
+            }
+        }
+        self.legs.push(Leg {
+            from: time,
+            until: self.last().time,
+            start: position,
+            target: self.last().position,
+        });
+        Ok(())
+    }
+}

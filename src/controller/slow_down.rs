@@ -1,0 +1,75 @@
+//! Moves for trains with negative impulses, which can exceed limits that the plan keeps.
+
+use quell_shapers::{GridTrain, PeakRatios, Setpoint, ShapingFilter, peak_ratios};
+use quell_trajectories::{AxisState, Limits, PlanError, Planner, SampledTrajectory};
+
+use super::settings::motion_limits;
+
+/// Rounding of velocities and accelerations by the planner and of differences over one tick.
+const ROUNDING: f64 = 1e-9;
+/// Slower plans that are tried; each step stretches by what the last one lacked, and a plan at lower
+/// limits is the old one stretched, so that the second is nearly right already.
+const ATTEMPTS: usize = 8;
+
+/// A plan whose shaped command keeps the limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlowedPlan {
+    /// The plan at the control period, not yet shaped.
+    pub plan: SampledTrajectory,
+    /// Speed of the plan, 1 for full speed: limits are scaled by it, its square and its cube.
+    pub speed: f64,
+    /// Peaks of the shaped command over the limits.
+    pub peaks: PeakRatios,
+}
+
+/// Plans a move of one axis from rest to rest and slows it down until `train` keeps the limits.
+///
+/// Trains of positive amplitudes keep them at full speed. Off the tick.
+///
+/// # Errors
+/// [`PlanError`] where the move cannot be planned.
+pub fn plan_shaped(
+    planner: &Planner,
+    [from, to]: [f64; 2],
+    limits: Limits,
+    train: &GridTrain,
+) -> Result<SlowedPlan, PlanError> {
+    let mut speed: f64 = 1.0;
+    let mut attempt = 1;
+    loop {
+        let slowed = Limits {
+            velocity: limits.velocity * speed,
+            acceleration: limits.acceleration * speed.powi(2),
+            jerk: limits.jerk * speed.powi(3),
+        };
+        let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
+        let plan = planner
+            .plan(&ends[..1], &ends[1..], &[slowed])?
+            .sample(train.sample_time())?;
+        let peaks = shaped_peaks(&plan, limits, train);
+        if peaks.worst() <= 1.0 + ROUNDING || attempt == ATTEMPTS {
+            return Ok(SlowedPlan { plan, speed, peaks });
+        }
+        speed /= peaks.stretch();
+        attempt += 1;
+    }
+}
+
+fn shaped_peaks(plan: &SampledTrajectory, limits: Limits, train: &GridTrain) -> PeakRatios {
+    let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
+    let start = plan.positions(0)[0];
+    // The filter's own capacity is the train's length, so that it cannot refuse the train.
+    if filter.install(train).is_err() {
+        return PeakRatios::default();
+    }
+    filter.reset(start);
+    let command = (0..plan.samples() + train.duration_in_ticks()).map(|tick| {
+        let planned = plan.state(0, tick).unwrap_or(AxisState::at_rest(start));
+        filter.step(Setpoint {
+            position: planned.position,
+            velocity: planned.velocity,
+            acceleration: planned.acceleration,
+        })
+    });
+    peak_ratios(command, &motion_limits(limits), train.sample_time())
+}

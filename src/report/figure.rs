@@ -1,0 +1,59 @@
+//! Key figures.
+
+use super::html::{escape, number};
+
+/// A key figure: one number with its unit, and what it means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    name: String,
+    value: String,
+    unit: String,
+    note: String,
+}
+
+impl Figure {
+    /// A number, shown with four significant digits, with its unit ("" if it has none).
+    pub fn new(name: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
+        Self {
+            unit: unit.into(),
+            ..Self::text(name, number(value))
+        }
+    }
+
+    /// A value that is already text, as "8.12 ± 0.03".
+    pub fn text(name: impl Into<String>, value: impl Into<String>) -> Self {
+        let (unit, note) = (String::new(), String::new());
+        Self {
+            name: name.into(),
+            value: value.into(),
+            unit,
+            note,
+        }
+    }
+
+    /// The unit of a value that is text.
+    pub fn unit(mut self, unit: impl Into<String>) -> Self {
+        self.unit = unit.into();
+        self
+    }
+
+    /// A few words below the number: against what it is to be held.
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    pub(super) fn render(&self) -> String {
+        let note = if self.note.is_empty() {
+            String::new()
+        } else {
+            format!("<dd class=\"note\">{}</dd>", escape(&self.note))
+        };
+        format!(
+            "<div><dt>{}</dt><dd class=\"value\">{} <small>{}</small></dd>{note}</div>",
+            escape(&self.name),
+            escape(&self.value),
+            escape(&self.unit),
+        )
+    }
+}

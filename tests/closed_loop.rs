@@ -1,0 +1,89 @@
+//! Controller and simulated arm in a loop: what adaptation leaves of the vibration, and that the
+//! tick does not allocate.
+
+use quell::closed_loop::{Comparison, MoveKind, Scenario};
+use quell::estimators::estimator;
+use quell::plant::{Damping, Robot, SimulationOptions};
+use quell_shapers::{CORRECTION_OVERSHOOT, Mode, shaper_by_name};
+use quell_trajectories::Limits;
+use rayon::prelude::*;
+
+/// Rounding of velocities and accelerations by the planner and of differences over one tick.
+const ROUNDING: f64 = 1e-9;
+
+fn scenario(error: f64, damping: Damping, noise: f64, shaper: &str, seed: u64) -> Scenario {
+    let robot = Robot::rx170();
+    let joint = robot.default_move.joint;
+    let own = robot.joints[joint].limits;
+    let truth = robot.joints[joint].modes[0].mode;
+    Scenario {
+        joint,
+        displacement: robot.default_move.target,
+        limits: Limits {
+            velocity: own.velocity,
+            acceleration: own.acceleration,
+            jerk: own.jerk,
+        },
+        simulation: SimulationOptions {
+            seed,
+            damping: Some(damping),
+            tracker_noise: Some(noise),
+            ..SimulationOptions::default()
+        },
+        belief: Mode::new(
+            truth.natural_frequency() * (1.0 + error),
+            truth.damping_ratio(),
+        )
+        .expect("a mode"),
+        shaper: shaper_by_name(shaper).expect("a shaper"),
+        estimator: estimator("likelihood").expect("an estimator"),
+        robot,
+    }
+}
+
+fn check(scenario: &Scenario, comparison: &Comparison, case: &str) {
+    let percent = |kind| 100.0 * comparison.ratio(kind);
+    let (first, next) = (
+        percent(MoveKind::AdaptiveFirst),
+        percent(MoveKind::AdaptiveNext),
+    );
+    println!("{case}: first {first:.2} %, next {next:.2} %");
+    assert!(first <= 5.0, "{case}: {first} % within the first move");
+    assert!(next <= 2.0, "{case}: {next} % on the next move");
+    for (kind, trace) in &comparison.moves {
+        let name = kind.name();
+        assert!(trace.final_error() <= 1e-9, "{case}: {name} misses");
+        let allowed = match trace.retunes {
+            0 => 1.0,
+            _ => CORRECTION_OVERSHOOT,
+        };
+        let worst = trace.peak_ratios(scenario.limits).worst();
+        assert!(
+            worst <= allowed + ROUNDING,
+            "{case}: {name} reaches {worst} of a limit, {allowed} allowed"
+        );
+    }
+}
+
+#[test]
+fn adaptation_quells_the_vibration_over_errors_conventions_and_noise() {
+    let mut cases = Vec::new();
+    for error in [-0.25, -0.1, 0.0, 0.1, 0.25] {
+        for damping in [Damping::AcrossJoint, Damping::ToGround] {
+            for noise in [5e-6, 10e-6, 20e-6] {
+                for shaper in ["zv", "zvd"] {
+                    cases.push((error, damping, noise, shaper));
+                }
+            }
+        }
+    }
+    cases
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(seed, (error, damping, noise, shaper))| {
+            let scenario = scenario(error, damping, noise, shaper, seed as u64);
+            let comparison = scenario.run().expect("the moves run");
+            let case = format!("{shaper}, {error:+.2}, {damping:?}, {:.0} um", noise * 1e6);
+            check(&scenario, &comparison, &case);
+        });
+}
