@@ -48,7 +48,6 @@ pub struct Args {
 struct Findings {
     recording: String,
     series: Series,
-    model: Option<NominalModel>,
     found: Identification,
 }
 
@@ -84,7 +83,6 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let findings = Findings {
         recording: recording.name,
         series,
-        model,
         found,
     };
     output::folder(&args.out)?;

@@ -2,11 +2,9 @@
 
 use quell_shapers::Mode;
 
-use super::reference_fit;
-use super::stretches::{self, Stretch};
-use crate::estimators::offline::{BatchFit, extrema, fourier, mode_of_extrema};
+use super::stretches::{self, FreeDecay, Stretch};
+use crate::estimators::offline::{BatchFit, Extremum, batch_fit, fourier, mode_of_extrema};
 use crate::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
-use crate::signal::noise_floor;
 
 /// Points of an estimate's history that are kept for a figure.
 const HISTORY: usize = 600;
@@ -54,20 +52,19 @@ pub struct Run {
     pub off_line: Vec<OffLine>,
     /// Sum of squares of the deformation about its offset, of use to compare decays.
     pub energy: f64,
-    /// Offset of the deformation, from the batch fit.
-    pub offset: f64,
+    /// Extrema of a free decay, half a period apart.
+    pub extrema: Vec<Extremum>,
 }
 
 impl Run {
     /// The whole recording with the motor side as known input.
-    pub(super) fn whole(samples: &[Sample], settings: &Settings) -> (Self, Option<BatchFit>) {
+    pub(super) fn whole(samples: &[Sample], settings: &Settings, fit: Option<&BatchFit>) -> Self {
         let stretch = Stretch {
             from: samples[0].time,
             until: samples[samples.len() - 1].time,
         };
-        let fit = reference_fit(samples, settings, true);
         let counted_from = stretches::motion_from(samples);
-        let run = Self {
+        Self {
             stretch,
             counted_from,
             is_free_decay: false,
@@ -76,45 +73,46 @@ impl Run {
                 .filter(|line| line.uses_motion)
                 .map(|line| on_line(line, samples, settings, counted_from))
                 .collect(),
-            off_line: fit.iter().map(batch_reference).collect(),
-            energy: energy(samples, fit.as_ref()),
-            offset: fit.as_ref().map_or(0.0, |fit| fit.offset),
-        };
-        (run, fit)
+            off_line: fit.into_iter().map(batch_reference).collect(),
+            energy: energy(samples, fit),
+            extrema: Vec::new(),
+        }
     }
 
-    /// One free decay.
+    /// One free decay: the motor side counts as standing still.
     ///
-    /// The motor side may still creep under feedback, so the batch fit takes it as a known input
-    /// here too.
-    pub(super) fn free_decay(samples: &[Sample], stretch: Stretch, settings: &Settings) -> Self {
-        let samples = stretch.of(samples);
-        let fit = reference_fit(samples, settings, true);
-        let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
+    /// It may creep under feedback, but below the share of a move's speed that counts as rest it drives
+    /// nothing, while its creep as a regressor would take up a drift of the sensor's zero.
+    pub(super) fn free_decay(samples: &[Sample], decay: FreeDecay, settings: &Settings) -> Self {
+        let FreeDecay { stretch, extrema } = decay;
+        let mut samples = stretch.of(samples).to_vec();
+        let position = samples.first().map_or(0.0, |s| s.motor_position);
+        samples.iter_mut().for_each(|s| s.motor_position = position);
+        let settings = Settings {
+            memory: f64::INFINITY,
+            ..*settings
+        };
+        let fit = batch_fit(&samples, &settings, false);
         let plain = |method, mode| OffLine {
             method,
             mode,
             natural_frequency_std: None,
             damping_ratio_std: None,
         };
-        off_line.extend(fourier(samples, settings.frequency_range).map(|m| plain("fourier", m)));
-        if let Some(fit) = &fit {
-            let values: Vec<f64> = samples.iter().map(|s| s.deformation).collect();
-            let floor = 3.0 * noise_floor(&values).standard_deviation;
-            let found = extrema(samples, fit.mode.damped_frequency(), fit.offset, floor);
-            off_line.extend(mode_of_extrema(&found).map(|m| plain("log_decrement", m)));
-        }
+        let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
+        off_line.extend(fourier(&samples, settings.frequency_range).map(|m| plain("fourier", m)));
+        off_line.extend(mode_of_extrema(&extrema).map(|m| plain("log_decrement", m)));
         Self {
             stretch,
             counted_from: stretch.from,
             is_free_decay: true,
             on_line: ESTIMATORS
                 .iter()
-                .map(|line| on_line(line, samples, settings, stretch.from))
+                .map(|line| on_line(line, &samples, &settings, stretch.from))
                 .collect(),
             off_line,
-            energy: energy(samples, fit.as_ref()),
-            offset: fit.as_ref().map_or(0.0, |fit| fit.offset),
+            energy: energy(&samples, fit.as_ref()),
+            extrema,
         }
     }
 
