@@ -4,6 +4,7 @@ use crate::correction::{Schedule, sum};
 use crate::cross_fade::CrossFade;
 use crate::filter::DelayLine;
 use crate::history::History;
+use crate::modal_state::pole;
 use crate::{GridTrain, Mode, Setpoint, ShaperError};
 use alloc::boxed::Box;
 use alloc::vec;
@@ -176,11 +177,9 @@ impl AdaptiveFilter {
     /// `None` where the start of a move that is still remembered in part has been overwritten. Cost
     /// proportional to the horizon.
     pub fn residual(&self, mode: Mode) -> Option<Residual> {
-        let vibration = self.history.vibration(mode, self.sample_time)?;
-        Some(Residual {
-            shaped: vibration.sent.abs(),
-            unshaped: vibration.planned.abs(),
-        })
+        let vibration = self.history.vibration(pole(mode, self.sample_time))?;
+        let (shaped, unshaped) = (vibration.sent.value.abs(), vibration.planned.value.abs());
+        Some(Residual { shaped, unshaped })
     }
 
     fn try_install(&mut self) {

@@ -82,4 +82,12 @@ pub enum ShaperError {
         /// The number.
         value: f64,
     },
+    /// No shaper of the table is within the delay.
+    #[error("no shaper adds less than {longest_delay} s; the shortest adds {shortest} s")]
+    NoneFits {
+        /// Longest delay allowed, s.
+        longest_delay: f64,
+        /// Delay of the shortest shaper, s.
+        shortest: f64,
+    },
 }

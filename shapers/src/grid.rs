@@ -19,7 +19,8 @@ pub struct Tap {
     pub amplitude: f64,
 }
 
-/// A train on a grid of ticks: delays in ticks, ordered, the first 0; amplitudes with sum 1.
+/// A train on a grid of ticks: delays in ticks, ordered, the first 0 unless [`GridTrain::delayed`];
+/// amplitudes with sum 1.
 ///
 /// An impulse between two ticks, `A` at `t = (m + f) T_s`, becomes two taps whose contribution at
 /// the mode is the same, `a exp(-lambda m T_s) + b exp(-lambda (m + 1) T_s) = A exp(-lambda t)`:
@@ -150,12 +151,31 @@ impl GridTrain {
         self.duration_in_ticks() as f64 * self.sample_time
     }
 
+    /// `sum A_i t_i`, s: by how much a slow command lags.
+    pub fn mean_delay(&self) -> f64 {
+        let ticks: f64 = self
+            .taps
+            .iter()
+            .map(|tap| tap.amplitude * f64::from(tap.delay))
+            .sum();
+        ticks * self.sample_time
+    }
+
+    /// The same train, later by whole ticks; its residual is the same.
+    pub fn delayed(&self, ticks: u32) -> Self {
+        let mut train = self.clone();
+        for tap in &mut train.taps {
+            tap.delay = tap.delay.saturating_add(ticks);
+        }
+        train
+    }
+
     /// `sum |A_i|`: the most by which the train can raise a peak.
     pub fn gain(&self) -> f64 {
         self.taps.iter().map(|tap| tap.amplitude.abs()).sum()
     }
 
-    /// The same train with times in seconds, for analysis.
+    /// The same train with times in seconds from its first tap, for analysis.
     pub fn to_impulses(&self) -> ImpulseTrain {
         let impulses: ArrayVec<Impulse, TRAIN_CAPACITY> = self
             .taps

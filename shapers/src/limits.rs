@@ -1,6 +1,8 @@
 //! Limits of a move, and how near a command comes to them.
 
-use crate::{Setpoint, ShaperError};
+use crate::filter::shape;
+use crate::{GridTrain, Setpoint, ShaperError};
+use num_traits::Float;
 
 /// Largest velocity, acceleration and jerk of one axis (rad/s, rad/s^2, rad/s^3, or m ...).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,11 +52,11 @@ impl PeakRatios {
         self.velocity.max(self.acceleration).max(self.jerk)
     }
 
-    /// By how much a move must be stretched in time to keep the limits: at least 1.
+    /// By how much to stretch the move in time to keep the limits: at least 1.
     ///
-    /// Stretching by `s` divides velocity, acceleration and jerk by `s`, `s^2` and `s^3`.
+    /// Stretching by `s` divides velocity, acceleration and jerk by `s`, `s^2` and `s^3`. A train
+    /// does not stretch with the move, so check the stretched move again.
     pub fn stretch(&self) -> f64 {
-        use num_traits::Float;
         let by_acceleration = Float::sqrt(self.acceleration);
         self.velocity
             .max(by_acceleration)
@@ -111,4 +113,24 @@ pub fn peak_ratios(
         before = now;
     }
     peaks
+}
+
+/// [`peak_ratios`] of a planned move as a train will shape it, without running a filter.
+///
+/// `planned`: the setpoints at the ticks of the train's grid, from rest; after the last it stays
+/// there. No allocation; cost proportional to the ticks times the taps.
+pub fn shaped_peak_ratios(
+    train: &GridTrain,
+    planned: &[Setpoint],
+    limits: &MotionLimits,
+) -> PeakRatios {
+    let start = Setpoint::at_rest(planned.first().map_or(0.0, |first| first.position));
+    let end = Setpoint::at_rest(planned.last().map_or(0.0, |last| last.position));
+    let command = (0..planned.len() + train.duration_in_ticks()).map(|k| {
+        shape(train, |age| match k.checked_sub(age) {
+            Some(index) => planned.get(index).copied().unwrap_or(end),
+            None => start,
+        })
+    });
+    peak_ratios(command, limits, train.sample_time())
 }
