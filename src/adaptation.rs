@@ -2,9 +2,9 @@
 //!
 //! Three questions, in this order. Is the estimate plausible? Is it certain enough, that is, would
 //! the train designed for it still hold its tolerance two standard deviations away? Does it matter,
-//! that is, does the present
-//! command leave more than the dead band at the estimated mode? A mode that
-//! jumps away from one learned before must in addition say the same for one period.
+//! that is, does the present command leave more than a new one would, by more than the dead band and
+//! by more than the estimate's own uncertainty explains? A mode that jumps away from one learned
+//! before must in addition say the same for half a period, twice the window over which estimates must agree.
 
 use crate::estimators::Estimate;
 use quell_shapers::{ImpulseTrain, Mode, Shaper, residual_vibration};
@@ -60,9 +60,12 @@ pub enum Reason {
     /// Within two standard deviations the new train would leave this fraction of the unshaped
     /// vibration, which is above the tolerance.
     Uncertain(f64),
-    /// The train in force leaves only this fraction at the estimated mode.
+    /// The present command leaves only this fraction more than a new one would.
     DeadBand(f64),
-    /// The mode has jumped by this relative step and has not yet persisted for one period.
+    /// What the present command leaves could as well be the estimate's error: two standard
+    /// deviations of it are this fraction.
+    NotSignificant(f64),
+    /// The mode has jumped by this relative step and has not yet persisted for half a period, twice the window over which estimates must agree.
     Unconfirmed(f64),
 }
 
@@ -89,14 +92,17 @@ impl Adaptation {
         self.learned
     }
 
-    /// Judges an estimate; `shaper` is the rule that would design the next train, and `left` tells
-    /// what the present command leaves of a mode, as a fraction of the unshaped vibration. Bounded
-    /// work, no allocation.
+    /// Judges an estimate at the time `now` (s).
+    ///
+    /// `shaper` is the rule that would design the next train; `excess` tells by how much what the
+    /// present command leaves of a mode exceeds what a new one would leave, as a fraction of the
+    /// unshaped vibration. Bounded work, at most five calls of `excess`, no allocation.
     pub fn consider(
         &mut self,
         estimate: &Estimate,
+        now: f64,
         shaper: &dyn Shaper,
-        left: impl FnOnce(Mode) -> f64,
+        mut excess: impl FnMut(Mode) -> f64,
     ) -> Decision {
         if !estimate.converged {
             return Decision::Keep(Reason::NotConverged);
@@ -114,12 +120,17 @@ impl Adaptation {
         if doubt > self.settings.tolerance {
             return Decision::Keep(Reason::Uncertain(doubt));
         }
-        let left = left(mode) - at_best;
-        if left < self.settings.dead_band {
+        let at_estimate = excess(mode);
+        if at_estimate < self.settings.dead_band {
             self.jump = None;
-            return Decision::Keep(Reason::DeadBand(left));
+            return Decision::Keep(Reason::DeadBand(at_estimate));
         }
-        if let Some(step) = self.unconfirmed_jump(mode, estimate.time) {
+        let explained = two_sigma_of(estimate, at_estimate, excess);
+        if at_estimate < explained {
+            self.jump = None;
+            return Decision::Keep(Reason::NotSignificant(explained));
+        }
+        if let Some(step) = self.unconfirmed_jump(mode, now) {
             return Decision::Keep(Reason::Unconfirmed(step));
         }
         self.learned = Some(mode);
@@ -161,6 +172,32 @@ fn residual(train: &ImpulseTrain, mode: Mode) -> f64 {
 
 fn relative_step(from: Mode, to: Mode) -> f64 {
     (to.natural_frequency() / from.natural_frequency() - 1.0).abs()
+}
+
+/// Two standard deviations of what is left of the estimated mode, because of the estimate's own.
+///
+/// What is left is the magnitude of a complex number `r(omega, xi)` that is linear near the estimate,
+/// so that `|r' d|^2 = (|r(+d)|^2 + |r(-d)|^2) / 2 - |r(0)|^2` for a step `d` of either.
+fn two_sigma_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64) -> f64 {
+    let mode = estimate.mode;
+    let steps = [
+        (2.0 * estimate.natural_frequency_std, 0.0),
+        (0.0, 2.0 * estimate.damping_ratio_std),
+    ];
+    let mut square = 0.0;
+    for (across, along) in steps {
+        let mut sum = 0.0;
+        for sign in [-1.0, 1.0] {
+            let omega = mode.natural_frequency() + sign * across;
+            let xi = (mode.damping_ratio() + sign * along).max(0.0);
+            match Mode::new(omega, xi) {
+                Ok(step) => sum += left(step).powi(2),
+                Err(_) => return f64::INFINITY,
+            }
+        }
+        square += (0.5 * sum - centre * centre).max(0.0);
+    }
+    square.sqrt()
 }
 
 /// The largest V of `train` over the corners of two standard deviations of frequency and damping.

@@ -11,6 +11,9 @@ use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
 use crate::signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
 
+/// Length of the shortest correction, periods: five smooth steps of a quarter period.
+const SHORTEST_CORRECTION: f64 = 1.25;
+
 /// What an axis believes and does; plain numbers for logs and displays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisStatus {
@@ -24,6 +27,8 @@ pub struct AxisStatus {
     pub retunes: u32,
     /// Corrections that were refused because no limit-keeping one was found.
     pub refused: u32,
+    /// Corrections sent; a correction need not change the train.
+    pub corrections: u32,
     /// The last correction in motion.
     pub correction: Option<Correction>,
     /// The last deformation sample.
@@ -38,6 +43,7 @@ pub struct Axis {
     estimator: Box<dyn Estimator>,
     adaptation: Adaptation,
     filter: AdaptiveFilter,
+    time: f64,
     since_plan_end: f64,
     last_forecast: f64,
     status: AxisStatus,
@@ -62,6 +68,7 @@ impl Axis {
             estimator: (settings.estimator.build)(&settings.estimation),
             adaptation: Adaptation::new(settings.adaptation),
             filter,
+            time: 0.0,
             since_plan_end: f64::INFINITY,
             last_forecast: f64::NEG_INFINITY,
             status: AxisStatus {
@@ -70,6 +77,7 @@ impl Axis {
                 mode: settings.belief,
                 retunes: 0,
                 refused: 0,
+                corrections: 0,
                 correction: None,
                 deformation: None,
             },
@@ -140,6 +148,7 @@ impl Axis {
             0 => self.since_plan_end + self.settings.sample_time,
             _ => 0.0,
         };
+        self.time += self.settings.sample_time;
         self.filter.step(ahead.setpoint(0))
     }
 }
@@ -162,11 +171,14 @@ impl Axis {
         let decision = match self.settings.retune {
             RetunePolicy::InMotion if self.is_ringing(estimate.mode) => {
                 // The steps of a correction are a quarter period apart: more often gains nothing.
+                // Counted by the axis' own time, since a frozen estimate does not advance.
                 let pause = 0.25 * estimate.mode.damped_period();
-                if (estimate.time - self.last_forecast).abs() < pause {
+                if estimate.converged && self.time - self.last_forecast < pause {
                     return;
                 }
-                self.last_forecast = estimate.time;
+                if estimate.converged {
+                    self.last_forecast = self.time;
+                }
                 self.consider_in_motion(&estimate, shaper, ahead)
             }
             _ => self.consider_at_rest(&estimate, shaper),
@@ -181,13 +193,13 @@ impl Axis {
     }
 
     fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
-        let waiting = self.next_train().to_impulses();
-        let left = |mode: Mode| {
-            residual_vibration(&waiting, mode.natural_frequency(), mode.damping_ratio())
-        };
-        let decision = self.adaptation.consider(estimate, shaper, left);
+        let (waiting, tick) = (self.next_train().to_impulses(), self.settings.sample_time);
+        let excess = |mode| excess_of(&waiting, shaper, mode, tick);
+        let decision = self
+            .adaptation
+            .consider(estimate, self.time, shaper, excess);
         if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
+            && let Ok(train) = shaper.on_grid(mode, tick)
         {
             self.install(&train, mode);
         }
@@ -201,45 +213,73 @@ impl Axis {
         ahead: &Ahead<'_>,
     ) -> Decision {
         let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
-        let (filter, since) = (&mut self.filter, self.since_plan_end);
-        // The share of what the plan itself would leave, seen at the end of the plan.
-        let left = |mode: Mode| match filter.forecast(mode, remaining, planned) {
-            Ok(residual) => residual.ratio() * (-mode.decay_rate() * since).exp(),
+        let tick = self.settings.sample_time;
+        let train = self.filter.train().duration();
+        let since_end = match remaining {
+            0 => self.since_plan_end,
+            ticks => -(ticks as f64) * tick,
+        };
+        let filter = &mut self.filter;
+        // A correction can leave nothing, but not before it is over: what is left is seen there.
+        let excess = |mode: Mode| match filter.forecast(mode, remaining, planned) {
+            Ok(residual) => {
+                let soonest = since_end + SHORTEST_CORRECTION * mode.damped_period();
+                residual.ratio() * (-mode.decay_rate() * train.max(soonest)).exp()
+            }
             Err(_) => f64::INFINITY,
         };
-        let decision = self.adaptation.consider(estimate, shaper, left);
+        let decision = self
+            .adaptation
+            .consider(estimate, self.time, shaper, excess);
         if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
+            && let Ok(train) = shaper.on_grid(mode, tick)
         {
-            self.correct(&train, mode, remaining, planned);
+            self.correct(&train, mode, shaper, remaining, planned);
         }
         decision
     }
 
-    /// Fades the train in and cancels what the old one would leave; where no correction keeps the
-    /// limits, the train waits for rest.
+    /// Cancels what the present command would leave, and goes over to a train for the mode if the
+    /// one in force is worse by more than the dead band. Where no correction keeps the limits, the
+    /// train waits for rest.
     fn correct(
         &mut self,
-        train: &GridTrain,
+        designed: &GridTrain,
         mode: Mode,
+        shaper: &dyn Shaper,
         remaining: usize,
         planned: impl Fn(usize) -> Setpoint,
     ) {
+        let present = self.next_train();
+        let tick = self.settings.sample_time;
+        let excess = excess_of(&present.to_impulses(), shaper, mode, tick);
+        let changes = excess >= self.settings.adaptation.dead_band;
+        let train = if changes {
+            designed.clone()
+        } else {
+            present.clone()
+        };
         let request = Retune {
-            train,
+            train: &train,
             modes: &[mode],
             limits: motion_limits(self.settings.limits),
         };
         match self.filter.retune(&request, remaining, planned) {
             RetuneOutcome::Refused(_) => {
                 self.status.refused += 1;
-                self.install(train, mode);
+                if changes {
+                    self.install(&train, mode);
+                }
+                return;
             }
             RetuneOutcome::Corrected(correction) => {
                 self.status.correction = Some(correction);
-                self.changed(mode);
+                self.status.corrections += 1;
             }
-            RetuneOutcome::Installed => self.changed(mode),
+            RetuneOutcome::Installed => {}
+        }
+        if changes {
+            self.changed(mode);
         }
     }
 
@@ -252,6 +292,17 @@ impl Axis {
     fn changed(&mut self, mode: Mode) {
         self.status.mode = mode;
         self.status.retunes += 1;
+    }
+}
+
+/// V of a train at a mode beyond that of the train designed for it.
+fn excess_of(train: &ImpulseTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f64) -> f64 {
+    let left = |train: &ImpulseTrain| {
+        residual_vibration(train, mode.natural_frequency(), mode.damping_ratio())
+    };
+    match shaper.on_grid(mode, sample_time) {
+        Ok(best) => left(train) - left(&best.to_impulses()),
+        Err(_) => f64::INFINITY,
     }
 }
 
