@@ -4,7 +4,8 @@
 //! the train designed for it still hold its tolerance two standard deviations away? Does it matter,
 //! that is, does the present command leave more than a new one would, by more than the dead band and
 //! by more than the estimate's own uncertainty explains? A mode that jumps away from one learned
-//! before must in addition say the same for half a period, twice the window over which estimates must agree.
+//! before must in addition say the same for half a period: as long as estimators look back before
+//! they call an estimate converged, so that two windows without overlap agree.
 
 use crate::estimators::Estimate;
 use quell_shapers::{ImpulseTrain, Mode, Shaper, residual_vibration};
@@ -22,7 +23,7 @@ pub struct AdaptationSettings {
     /// Residual vibration V of the train in force below which a new train is not worth a retune.
     pub dead_band: f64,
     /// Relative change of `omega_n` against the last learned mode that is believed at once; a
-    /// larger one must persist for one period of the new mode.
+    /// larger one must persist for half a period of the new mode.
     pub largest_step: f64,
 }
 
@@ -62,7 +63,7 @@ pub enum Reason {
     Uncertain(f64),
     /// The present command leaves only this fraction more than a new one would.
     DeadBand(f64),
-    /// What the present command leaves could as well be the estimate's error: two standard
+    /// What the present command leaves could as well be the estimate's error: three standard
     /// deviations of it are this fraction.
     NotSignificant(f64),
     /// The mode has jumped by this relative step and has not yet persisted for half a period, twice the window over which estimates must agree.
@@ -125,7 +126,7 @@ impl Adaptation {
             self.jump = None;
             return Decision::Keep(Reason::DeadBand(at_estimate));
         }
-        let explained = two_sigma_of(estimate, at_estimate, excess);
+        let explained = doubt_of(estimate, at_estimate, excess);
         if at_estimate < explained {
             self.jump = None;
             return Decision::Keep(Reason::NotSignificant(explained));
@@ -144,7 +145,7 @@ impl Adaptation {
             && (least..=most).contains(&mode.damping_ratio())
     }
 
-    /// The relative step from the learned mode, if it is large and younger than one period.
+    /// The relative step from the learned mode, if it is large and younger than half a period.
     fn unconfirmed_jump(&mut self, mode: Mode, time: f64) -> Option<f64> {
         let step = relative_step(self.learned?, mode);
         if step <= self.settings.largest_step {
@@ -155,7 +156,7 @@ impl Adaptation {
             Some((candidate, since))
                 if relative_step(candidate, mode) <= self.settings.largest_step =>
             {
-                (time - since < mode.damped_period()).then_some(step)
+                (time - since < 0.5 * mode.damped_period()).then_some(step)
             }
             _ => {
                 self.jump = Some((mode, time));
@@ -174,15 +175,21 @@ fn relative_step(from: Mode, to: Mode) -> f64 {
     (to.natural_frequency() / from.natural_frequency() - 1.0).abs()
 }
 
-/// Two standard deviations of what is left of the estimated mode, because of the estimate's own.
+/// Standard deviations by which an excess counts as significant. As a complex number that is
+/// Gaussian in both parts it exceeds them by chance once in 90 times (`exp(-4.5)`), and it is judged
+/// some ten times a move.
+const SIGNIFICANT: f64 = 3.0;
+
+/// What the estimate's uncertainty alone may make of the vibration left, [`SIGNIFICANT`] standard
+/// deviations of it.
 ///
 /// What is left is the magnitude of a complex number `r(omega, xi)` that is linear near the estimate,
 /// so that `|r' d|^2 = (|r(+d)|^2 + |r(-d)|^2) / 2 - |r(0)|^2` for a step `d` of either.
-fn two_sigma_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64) -> f64 {
+fn doubt_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64) -> f64 {
     let mode = estimate.mode;
     let steps = [
-        (2.0 * estimate.natural_frequency_std, 0.0),
-        (0.0, 2.0 * estimate.damping_ratio_std),
+        (SIGNIFICANT * estimate.natural_frequency_std, 0.0),
+        (0.0, SIGNIFICANT * estimate.damping_ratio_std),
     ];
     let mut square = 0.0;
     for (across, along) in steps {

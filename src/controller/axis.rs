@@ -165,9 +165,13 @@ impl Axis {
     }
 
     fn adapt(&mut self, ahead: &Ahead<'_>) {
-        let (Some(estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper) else {
+        let (Some(mut estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper)
+        else {
             return;
         };
+        // Once the plan has ended there is little more to learn: what is certain enough for the
+        // adaptation is used then, settled or not.
+        estimate.converged |= self.settings.estimator.states_error && ahead.remaining() == 0;
         let decision = match self.settings.retune {
             RetunePolicy::InMotion if self.is_ringing(estimate.mode) => {
                 // The steps of a correction are a quarter period apart: more often gains nothing.
