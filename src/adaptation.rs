@@ -88,12 +88,12 @@ impl Adaptation {
         }
     }
 
-    /// The last mode that was accepted from an estimate.
+    /// The last mode that was accepted, or that bore the present one out.
     pub fn learned(&self) -> Option<Mode> {
         self.learned
     }
 
-    /// Judges an estimate at the time `now` (s).
+    /// Judges an estimate.
     ///
     /// `shaper` is the rule that would design the next train; `excess` tells by how much what the
     /// present command leaves of a mode exceeds what a new one would leave, as a fraction of the
@@ -101,7 +101,6 @@ impl Adaptation {
     pub fn consider(
         &mut self,
         estimate: &Estimate,
-        now: f64,
         shaper: &dyn Shaper,
         mut excess: impl FnMut(Mode) -> f64,
     ) -> Decision {
@@ -123,7 +122,7 @@ impl Adaptation {
         }
         let at_estimate = excess(mode);
         if at_estimate < self.settings.dead_band {
-            self.jump = None;
+            (self.learned, self.jump) = (Some(mode), None);
             return Decision::Keep(Reason::DeadBand(at_estimate));
         }
         let explained = doubt_of(estimate, at_estimate, excess);
@@ -131,7 +130,7 @@ impl Adaptation {
             self.jump = None;
             return Decision::Keep(Reason::NotSignificant(explained));
         }
-        if let Some(step) = self.unconfirmed_jump(mode, now) {
+        if let Some(step) = self.unconfirmed_jump(mode, estimate.time) {
             return Decision::Keep(Reason::Unconfirmed(step));
         }
         self.learned = Some(mode);

@@ -7,7 +7,7 @@ use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::adaptation::AdaptationSettings;
 use crate::controller::{
-    AxisMeasurement, AxisSettings, Controller, RetunePolicy, Setpoint, plan_shaped,
+    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint, plan_shaped,
 };
 use crate::estimators::{EstimatorEntry, Settings};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
@@ -95,7 +95,11 @@ impl Cell {
             longest_move: LONGEST_MOVE,
         };
         Ok(Self {
-            controller: Controller::new(vec![axis], &[arm.true_motor_position()])?,
+            controller: Controller::new(
+                vec![axis],
+                &[arm.true_motor_position()],
+                PathPolicy::Independent,
+            )?,
             planner: Planner::new(1)?,
             limits: settings.limits,
             registration,

@@ -1,18 +1,15 @@
 //! One axis at the tick: measurements to estimate, estimate to train, plan to setpoint.
 
 use quell_shapers::{
-    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Retune, RetuneOutcome, Setpoint,
-    Shaper, ShaperError, residual_vibration,
+    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError,
 };
 
 use super::ahead::Ahead;
-use super::settings::{AxisSettings, RetunePolicy, motion_limits};
+use super::path::Lane;
+use super::settings::AxisSettings;
 use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
 use crate::signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
-
-/// Length of the shortest correction, periods: five smooth steps of a quarter period.
-const SHORTEST_CORRECTION: f64 = 1.25;
 
 /// What an axis believes and does; plain numbers for logs and displays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,16 +34,21 @@ pub struct AxisStatus {
 
 /// One axis of the controller.
 pub struct Axis {
-    settings: AxisSettings,
+    pub(super) settings: AxisSettings,
     sensor: DeformationSensor,
     rest: RestDetector,
     estimator: Box<dyn Estimator>,
-    adaptation: Adaptation,
-    filter: AdaptiveFilter,
-    time: f64,
-    since_plan_end: f64,
-    last_forecast: f64,
-    status: AxisStatus,
+    pub(super) adaptation: Adaptation,
+    /// Changes nothing where there is a lane.
+    pub(super) filter: AdaptiveFilter,
+    /// The trains of all axes, where the path in space is kept.
+    pub(super) lane: Option<Lane>,
+    pub(super) time: f64,
+    pub(super) since_plan_end: f64,
+    pub(super) last_forecast: f64,
+    /// The mode that the last correction was for.
+    pub(super) corrected: Mode,
+    pub(super) status: AxisStatus,
     fresh: bool,
 }
 
@@ -68,6 +70,8 @@ impl Axis {
             estimator: (settings.estimator.build)(&settings.estimation),
             adaptation: Adaptation::new(settings.adaptation),
             filter,
+            lane: None,
+            corrected: settings.belief,
             time: 0.0,
             since_plan_end: f64::INFINITY,
             last_forecast: f64::NEG_INFINITY,
@@ -93,7 +97,15 @@ impl Axis {
 
     /// Whether the command is constant and the train has run out.
     pub fn is_settled(&self) -> bool {
-        self.filter.is_settled()
+        self.lane.as_ref().is_none_or(Lane::is_settled) && self.filter.is_settled()
+    }
+
+    /// From now on the axis runs the trains of all axes, its own among them.
+    pub(super) fn enter(&mut self, lane: Lane) -> Result<(), ShaperError> {
+        self.filter
+            .install(&GridTrain::identity(self.settings.sample_time)?)?;
+        self.lane = Some(lane);
+        Ok(())
     }
 
     /// A move from rest begins: the mode may have changed since the last one.
@@ -149,164 +161,27 @@ impl Axis {
             _ => 0.0,
         };
         self.time += self.settings.sample_time;
-        self.filter.step(ahead.setpoint(0))
+        let planned = ahead.setpoint(0);
+        let shaped = match &mut self.lane {
+            Some(lane) => lane.step(planned),
+            None => planned,
+        };
+        self.filter.step(shaped)
     }
-}
 
-impl Axis {
-    /// The train in force, or the one that is fading in.
+    /// The train in force for this axis' mode, or the one that is fading in.
     pub fn train(&self) -> ImpulseTrain {
-        self.filter.train().to_impulses()
+        let filter = || self.filter.train();
+        self.lane
+            .as_ref()
+            .map_or_else(filter, Lane::own)
+            .to_impulses()
     }
 
-    /// The train that the next move from rest will meet.
+    /// The train for this axis' mode that the next move from rest will meet.
     pub fn next_train(&self) -> &GridTrain {
-        self.filter.pending().unwrap_or(self.filter.train())
-    }
-
-    fn adapt(&mut self, ahead: &Ahead<'_>) {
-        let (Some(mut estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper)
-        else {
-            return;
-        };
-        // Once the plan has ended there is little more to learn: what is certain enough for the
-        // adaptation is used then, settled or not.
-        estimate.converged |= self.settings.estimator.states_error && ahead.remaining() == 0;
-        let decision = match self.settings.retune {
-            RetunePolicy::InMotion if self.is_ringing(estimate.mode) => {
-                // The steps of a correction are a quarter period apart: more often gains nothing.
-                // Counted by the axis' own time, since a frozen estimate does not advance.
-                let pause = 0.25 * estimate.mode.damped_period();
-                if estimate.converged && self.time - self.last_forecast < pause {
-                    return;
-                }
-                if estimate.converged {
-                    self.last_forecast = self.time;
-                }
-                self.consider_in_motion(&estimate, shaper, ahead)
-            }
-            _ => self.consider_at_rest(&estimate, shaper),
-        };
-        self.status.decision = Some(decision);
-    }
-
-    /// Whether anything is moving, or may still ring: five time constants of the envelope leave
-    /// less than the dead band of 1 %.
-    fn is_ringing(&self, mode: Mode) -> bool {
-        !self.filter.is_settled() || self.since_plan_end * mode.decay_rate() < 5.0
-    }
-
-    fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
-        let (waiting, tick) = (self.next_train().to_impulses(), self.settings.sample_time);
-        let excess = |mode| excess_of(&waiting, shaper, mode, tick);
-        let decision = self
-            .adaptation
-            .consider(estimate, self.time, shaper, excess);
-        if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, tick)
-        {
-            self.install(&train, mode);
-        }
-        decision
-    }
-
-    fn consider_in_motion(
-        &mut self,
-        estimate: &Estimate,
-        shaper: &dyn Shaper,
-        ahead: &Ahead<'_>,
-    ) -> Decision {
-        let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
-        let tick = self.settings.sample_time;
-        let train = self.filter.train().duration();
-        let since_end = match remaining {
-            0 => self.since_plan_end,
-            ticks => -(ticks as f64) * tick,
-        };
-        let filter = &mut self.filter;
-        // A correction can leave nothing, but not before it is over: what is left is seen there.
-        let excess = |mode: Mode| match filter.forecast(mode, remaining, planned) {
-            Ok(residual) => {
-                let soonest = since_end + SHORTEST_CORRECTION * mode.damped_period();
-                residual.ratio() * (-mode.decay_rate() * train.max(soonest)).exp()
-            }
-            Err(_) => f64::INFINITY,
-        };
-        let decision = self
-            .adaptation
-            .consider(estimate, self.time, shaper, excess);
-        if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, tick)
-        {
-            self.correct(&train, mode, shaper, remaining, planned);
-        }
-        decision
-    }
-
-    /// Cancels what the present command would leave, and goes over to a train for the mode if the
-    /// one in force is worse by more than the dead band. Where no correction keeps the limits, the
-    /// train waits for rest.
-    fn correct(
-        &mut self,
-        designed: &GridTrain,
-        mode: Mode,
-        shaper: &dyn Shaper,
-        remaining: usize,
-        planned: impl Fn(usize) -> Setpoint,
-    ) {
-        let present = self.next_train();
-        let tick = self.settings.sample_time;
-        let excess = excess_of(&present.to_impulses(), shaper, mode, tick);
-        let changes = excess >= self.settings.adaptation.dead_band;
-        let train = if changes {
-            designed.clone()
-        } else {
-            present.clone()
-        };
-        let request = Retune {
-            train: &train,
-            modes: &[mode],
-            limits: motion_limits(self.settings.limits),
-        };
-        match self.filter.retune(&request, remaining, planned) {
-            RetuneOutcome::Refused(_) => {
-                self.status.refused += 1;
-                if changes {
-                    self.install(&train, mode);
-                }
-                return;
-            }
-            RetuneOutcome::Corrected(correction) => {
-                self.status.correction = Some(correction);
-                self.status.corrections += 1;
-            }
-            RetuneOutcome::Installed => {}
-        }
-        if changes {
-            self.changed(mode);
-        }
-    }
-
-    fn install(&mut self, train: &GridTrain, mode: Mode) {
-        if self.filter.install(train).is_ok() {
-            self.changed(mode);
-        }
-    }
-
-    fn changed(&mut self, mode: Mode) {
-        self.status.mode = mode;
-        self.status.retunes += 1;
-    }
-}
-
-/// V of a train at a mode beyond that of the train designed for it.
-fn excess_of(train: &ImpulseTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f64) -> f64 {
-    let left = |train: &ImpulseTrain| {
-        residual_vibration(train, mode.natural_frequency(), mode.damping_ratio())
-    };
-    match shaper.on_grid(mode, sample_time) {
-        Ok(best) => left(train) - left(&best.to_impulses()),
-        Err(_) => f64::INFINITY,
+        let filter = || self.filter.pending().unwrap_or(self.filter.train());
+        self.lane.as_ref().map_or_else(filter, Lane::next_own)
     }
 }
 
