@@ -1,8 +1,11 @@
 //! The estimators against closed forms, published figures and the Cramer-Rao bound.
 
+#[path = "generator/decay.rs"]
+mod decay;
 mod generator;
 
-use generator::{Truth, add_noise, decay, jerk_limited_move, respond, stamps};
+use decay::decay;
+use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 use proptest::prelude::*;
 use quell::estimators::offline::{
     amplitude_spectrum, batch_fit, extrema, fourier, log_decrement, mode_of_extrema,

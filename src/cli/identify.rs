@@ -123,7 +123,7 @@ fn tables(findings: &Findings) -> String {
             figure(estimate.map(|e| e.gain), 4),
             figure(result.and_then(|r| r.converged_at), 3),
             figure(result.and_then(|r| r.periods), 2),
-            run.map_or("-".into(), |run| words::stretch(run)),
+            run.map_or("-".into(), words::stretch),
         ]
     });
     let on_line = output::table(

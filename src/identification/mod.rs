@@ -15,6 +15,9 @@ pub use prepare::{IdentificationError, Series, prepare};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
 
+use run::Input;
+use stretches::FreeDecay;
+
 use core::f64::consts::TAU;
 
 use quell_shapers::Mode;
@@ -86,19 +89,25 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
         });
     }
     let settings = settings(samples, prior)?;
-    let resting = stretches::rests(samples, &settings);
-    let free_decays: Vec<Run> = resting
+    let decays: Vec<FreeDecay> = stretches::rests(samples, &settings)
         .iter()
         .filter_map(|rest| stretches::free_decay(samples, *rest, &settings))
-        .map(|decay| Run::free_decay(samples, decay, &settings))
         .collect();
     let (settings, fit) = trusted_memory(samples, settings);
     let whole = Run::whole(samples, &settings, fit.as_ref());
-    let best_decay = (0..free_decays.len())
-        .filter(|&k| free_decays[k].batch().is_some())
-        .max_by(|&a, &b| free_decays[a].energy.total_cmp(&free_decays[b].energy));
+    let run = |input: Input| -> Vec<Run> {
+        let run = |decay: &FreeDecay| Run::free_decay(samples, decay, &settings, input);
+        decays.iter().map(run).collect()
+    };
+    let mut free_decays = run(Input::Still);
+    let mut best_decay = strongest(&free_decays);
+    let known_input_holds = best_decay.and_then(|best| agree(fit.as_ref(), &free_decays[best]));
+    if known_input_holds == Some(true) {
+        // Then what is left of the motor side's motion, its settling, is known too.
+        free_decays = run(Input::Known);
+        best_decay = strongest(&free_decays);
+    }
     let best = best_decay.map(|k| &free_decays[k]);
-    let known_input_holds = best.and_then(|run| agree(fit.as_ref(), run));
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
     let explained = fit.map_or(0.0, |fit| 1.0 - explained_not(samples, &fit));
     Ok(Identification {
@@ -110,6 +119,13 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
         amplitude_dependence,
         best_decay,
     })
+}
+
+/// The free decay with the largest deformation, of those that a batch fit could follow.
+fn strongest(decays: &[Run]) -> Option<usize> {
+    (0..decays.len())
+        .filter(|&k| decays[k].batch().is_some())
+        .max_by(|&a, &b| decays[a].energy.total_cmp(&decays[b].energy))
 }
 
 /// Settings whose memory the recording bears out, and the batch fit of the whole of it.

@@ -7,7 +7,17 @@ use crate::estimators::offline::{BatchFit, Extremum, batch_fit, fourier, mode_of
 use crate::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
 
 /// Points of an estimate's history that are kept for a figure.
-const HISTORY: usize = 600;
+const HISTORY: usize = 3000;
+
+/// What the motor side counts as in a free decay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// As standing still: its creep under feedback is below the share of a move's speed that counts
+    /// as rest, and as a regressor it would take up a drift of the sensor's zero.
+    Still,
+    /// As the known input that it is in the moves.
+    Known,
+}
 
 /// One estimator over one stretch.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +30,7 @@ pub struct OnLine {
     pub converged_at: Option<f64>,
     /// The same in periods of its mode, counted from `counted_from` of the run.
     pub periods: Option<f64>,
-    /// The estimate over time, thinned to 600 points.
+    /// The estimate over time, thinned to 3000 points.
     pub history: Vec<Estimate>,
 }
 
@@ -79,20 +89,33 @@ impl Run {
         }
     }
 
-    /// One free decay: the motor side counts as standing still.
-    ///
-    /// It may creep under feedback, but below the share of a move's speed that counts as rest it drives
-    /// nothing, while its creep as a regressor would take up a drift of the sensor's zero.
-    pub(super) fn free_decay(samples: &[Sample], decay: FreeDecay, settings: &Settings) -> Self {
-        let FreeDecay { stretch, extrema } = decay;
-        let mut samples = stretch.of(samples).to_vec();
-        let position = samples.first().map_or(0.0, |s| s.motor_position);
-        samples.iter_mut().for_each(|s| s.motor_position = position);
+    /// One free decay.
+    pub(super) fn free_decay(
+        samples: &[Sample],
+        decay: &FreeDecay,
+        settings: &Settings,
+        input: Input,
+    ) -> Self {
+        let FreeDecay { stretch, extrema } = decay.clone();
+        let moving = stretch.of(samples);
+        let position = moving.first().map_or(0.0, |s| s.motor_position);
+        let still: Vec<Sample> = moving
+            .iter()
+            .map(|s| Sample {
+                motor_position: position,
+                ..*s
+            })
+            .collect();
+        let samples = if input == Input::Known {
+            moving
+        } else {
+            &still
+        };
         let settings = Settings {
             memory: f64::INFINITY,
             ..*settings
         };
-        let fit = batch_fit(&samples, &settings, false);
+        let fit = batch_fit(samples, &settings, input == Input::Known);
         let plain = |method, mode| OffLine {
             method,
             mode,
@@ -100,7 +123,7 @@ impl Run {
             damping_ratio_std: None,
         };
         let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
-        off_line.extend(fourier(&samples, settings.frequency_range).map(|m| plain("fourier", m)));
+        off_line.extend(fourier(samples, settings.frequency_range).map(|m| plain("fourier", m)));
         off_line.extend(mode_of_extrema(&extrema).map(|m| plain("log_decrement", m)));
         Self {
             stretch,
@@ -108,10 +131,14 @@ impl Run {
             is_free_decay: true,
             on_line: ESTIMATORS
                 .iter()
-                .map(|line| on_line(line, &samples, &settings, stretch.from))
+                .map(|line| {
+                    // The methods for a free decay know of no input but a constant.
+                    let samples = if line.uses_motion { samples } else { &still };
+                    on_line(line, samples, &settings, stretch.from)
+                })
                 .collect(),
             off_line,
-            energy: energy(&samples, fit.as_ref()),
+            energy: energy(samples, fit.as_ref()),
             extrema,
         }
     }

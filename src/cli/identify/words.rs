@@ -36,10 +36,10 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     remarks.extend(damping(findings));
     if let Some(registration) = &findings.series.registration {
         remarks.push(format!(
-            "The tip sensor's clock reads {:+.3} ms (+- {:.3}) against the encoder's; it was \
+            "The tip sensor's clock reads {:+.3} ms (± {:.1} us) against the encoder's; it was \
              registered to {:.1} um rms off the arc's plane.",
             1e3 * registration.clock.offset,
-            1e3 * registration.clock_offset_std,
+            1e6 * registration.clock_offset_std,
             1e6 * registration.normal_rms,
         ));
     }

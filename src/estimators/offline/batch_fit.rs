@@ -348,7 +348,7 @@ fn conclude(problem: &Problem<'_>) -> Option<BatchFit> {
     Some(BatchFit {
         mode,
         natural_frequency_std: std(0) * mode.natural_frequency(),
-        damping_ratio_std: std(1) * problem.damping_slope(),
+        damping_ratio_std: std(1) * problem.damping_slope().abs(),
         gain: (problem.point[5], std(5)),
         scale: 1.0 + problem.point[4],
         offset: problem.point[2],
