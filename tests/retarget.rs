@@ -20,6 +20,9 @@ const LIMITS: Limits = Limits {
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
 
+/// No correction lasts longer, ticks: 28 quarter periods of 6 Hz, and two periods for robustness.
+const LONGEST_CORRECTION: usize = 380;
+
 /// A controller, its arm, and what was commanded.
 struct Loop {
     controller: Controller,
@@ -149,13 +152,24 @@ fn interrupted(error: f64, shaper: Option<&str>, at: usize, target: Option<f64>)
     let mut running = Loop::new(error, shaper);
     running.load(&first.expect("a plan"));
     running.run(at);
-    let state = [running.planned()];
-    let plan = match target {
-        Some(target) => planner.plan(&state, &rest(target), &[LIMITS]),
-        None => planner.plan_stop(&state, &[LIMITS]),
+    // While a correction is under way, a plan that goes to the limits at once may not be possible.
+    let plan = loop {
+        let state = [running.planned()];
+        let plan = match target {
+            Some(target) => planner.plan(&state, &rest(target), &[LIMITS]),
+            None => planner.plan_stop(&state, &[LIMITS]),
+        };
+        let plan = plan.expect("a plan");
+        let loaded = running
+            .controller
+            .load(plan.sample(PERIOD).expect("samples"));
+        match loaded {
+            Ok(_) => break plan,
+            Err((_, LoadError::Correction { .. })) => running.run(1),
+            Err((_, error)) => panic!("{error}"),
+        }
+        assert!(running.sent.len() < at + LONGEST_CORRECTION);
     };
-    let plan = plan.expect("a plan");
-    running.load(&plan);
     let left = running.ringing();
     let end = plan.end()[0].position;
     assert_eq!(running.sent.last().map(|s| s.position), Some(end));

@@ -1,7 +1,8 @@
 //! From an estimate to a train, at rest or in motion.
 
 use quell_shapers::{
-    GridTrain, ImpulseTrain, Mode, Retune, RetuneOutcome, Setpoint, Shaper, residual_vibration,
+    GridTrain, ImpulseTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, Shaper,
+    residual_vibration,
 };
 
 use super::ahead::Ahead;
@@ -118,29 +119,29 @@ impl Axis {
             present.clone()
         };
         match self.cancel(&train, mode, remaining, planned) {
-            true if changes => self.changed(mode),
-            false if changes => self.install(&train, mode),
+            Ok(()) if changes => self.changed(mode),
+            Err(_) if changes => self.install(&train, mode),
             _ => {}
         }
     }
 
-    /// Cancels what the present command would leave of a mode; says whether the limits allow it.
+    /// Cancels what the present command would leave of a mode.
     fn cancel(
         &mut self,
         train: &GridTrain,
         mode: Mode,
         remaining: usize,
         planned: impl Fn(usize) -> Setpoint,
-    ) -> bool {
+    ) -> Result<(), Refusal> {
         let request = Retune {
             train,
             modes: &[mode],
             limits: motion_limits(self.settings.limits),
         };
         match self.filter.retune(&request, remaining, planned) {
-            RetuneOutcome::Refused(_) => {
+            RetuneOutcome::Refused(refusal) => {
                 self.status.refused += 1;
-                return false;
+                return Err(refusal);
             }
             RetuneOutcome::Corrected(correction) => {
                 self.status.correction = Some(correction);
@@ -149,17 +150,18 @@ impl Axis {
             }
             RetuneOutcome::Installed => {}
         }
-        true
+        Ok(())
     }
 
     /// A correction was made for another plan: with the new one it would leave the wrong vibration,
-    /// and could exceed the limits.
-    pub(super) fn follow_new_plan(&mut self, ahead: &Ahead<'_>) {
-        if self.filter.is_correcting() {
-            let train = self.next_train().clone();
-            let planned = |k: usize| ahead.setpoint(k - 1);
-            self.cancel(&train, self.corrected, ahead.remaining(), planned);
+    /// and could exceed the limits. Where no other keeps them either, nothing is changed.
+    pub(super) fn follow(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {
+        if !self.filter.is_correcting() {
+            return Ok(());
         }
+        let train = self.next_train().clone();
+        let planned = |k: usize| ahead.setpoint(k - 1);
+        self.cancel(&train, self.corrected, ahead.remaining(), planned)
     }
 
     fn install(&mut self, train: &GridTrain, mode: Mode) {

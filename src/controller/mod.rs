@@ -16,7 +16,7 @@ pub use quell_shapers::Setpoint;
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
 pub use slow_down::{SlowedPlan, plan_shaped};
 
-use quell_shapers::ShaperError;
+use quell_shapers::{Refusal, ShaperError};
 use quell_trajectories::SampledTrajectory;
 
 use self::ahead::Ahead;
@@ -74,6 +74,15 @@ pub enum LoadError {
         expected: f64,
         /// The plan's first one.
         found: f64,
+    },
+    /// A correction is under way, and with the plan the command would exceed the limits: try again
+    /// at the next tick, or plan with lower limits.
+    #[error("axis {axis}: a correction is under way: {reason}")]
+    Correction {
+        /// Axis, counted from 0.
+        axis: usize,
+        /// Why it cannot go on with the plan.
+        reason: Refusal,
     },
 }
 
@@ -141,17 +150,33 @@ impl Controller {
         if let Err(error) = self.check(&plan) {
             return Err((plan, error));
         }
+        // From rest the first sample is sent too: the same position for a tick more.
+        let cursor = usize::from(self.planned.iter().any(is_moving));
+        if let Err((axis, reason)) = self.follow(Some(&plan), cursor) {
+            let present = self.plan.take();
+            // The present plan's corrections, which were possible a tick ago, are restored.
+            let _ = self.follow(present.as_ref(), self.cursor);
+            self.plan = present;
+            return Err((plan, LoadError::Correction { axis, reason }));
+        }
         if self.is_settled() {
             self.axes.iter_mut().for_each(Axis::begin_move);
         }
-        // From rest the first sample is sent too: the same position for a tick more.
-        self.cursor = usize::from(self.planned.iter().any(is_moving));
-        let last = self.plan.replace(plan);
+        self.cursor = cursor;
+        Ok(self.plan.replace(plan))
+    }
+
+    /// Makes the corrections that are under way anew for a plan.
+    fn follow(
+        &mut self,
+        plan: Option<&SampledTrajectory>,
+        cursor: usize,
+    ) -> Result<(), (usize, Refusal)> {
         for (index, axis) in self.axes.iter_mut().enumerate() {
-            let ahead = Ahead::new(self.plan.as_ref(), index, self.cursor, self.planned[index]);
-            axis.follow_new_plan(&ahead);
+            let ahead = Ahead::new(plan, index, cursor, self.planned[index]);
+            axis.follow(&ahead).map_err(|refusal| (index, refusal))?;
         }
-        Ok(last)
+        Ok(())
     }
 
     /// One control period: takes what was measured since the last tick, returns one setpoint an
