@@ -72,13 +72,7 @@ fn val_figures_are_the_closed_forms() {
 fn the_recommended_shaper_is_the_shortest_that_holds() {
     // Bands in which V <= 5 % at a damping ratio of 0.084: ZV +-3.6 %, MZV +-5.8 %, ZVD +-16 %,
     // EI +-22 %, ZVDD +-26 %, two-hump EI +-36 %, three-hump EI +-48 %.
-    for (frequency_std, expected) in [
-        ("1.5", "zv"),
-        ("2.5", "mzv"),
-        ("9", "ei"),
-        ("15", "ei2"),
-        ("20", "ei3"),
-    ] {
+    for (frequency_std, expected) in [("1.5", "zv"), ("2.5", "mzv"), ("9", "ei"), ("20", "ei2")] {
         let known = ["--frequency-std", frequency_std, "--damping-std", "0"];
         let document = compare_json(&[&["--rate", "1000"], &known[..]].concat());
         assert_eq!(

@@ -95,7 +95,8 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     };
     let early = begin.time - rest.from < 1.2 * half_period;
     let from = if begin.time == found[0].time && early {
-        rest.from
+        let amplitude = 0.5 * (regular[1].height - regular[0].height).abs();
+        standstill(within, rest.from + half_period, STANDSTILL * amplitude)
     } else {
         begin.time
     };
@@ -105,6 +106,19 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
         stretch: Stretch { from, until },
         extrema: regular.to_vec(),
     })
+}
+
+/// The motor side stands still once what is left of its motion is this part of the vibration: a step
+/// by `e` adds a vibration of amplitude `e`, which turns its phase by 0.01 rad at most.
+const STANDSTILL: f64 = 0.01;
+
+/// From when on, before `latest`, the motor side stays within `tolerance` (rad) of where it is then.
+fn standstill(within: &[Sample], latest: f64, tolerance: f64) -> f64 {
+    let last = within.partition_point(|s| s.time <= latest).max(1);
+    let end = within[last - 1].motor_position;
+    let away = |s: &Sample| (s.motor_position - end).abs() > tolerance;
+    let still = within[..last].iter().rposition(away);
+    within[still.map_or(0, |moving| (moving + 1).min(last - 1))].time
 }
 
 /// Leaves out first cycles whose logarithmic decrement stands out from the others': more than the mode
