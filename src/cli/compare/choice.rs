@@ -1,116 +1,220 @@
 //! The recommended shaper, with the reason in a sentence.
 
-use super::candidate::{Candidate, Design, TOLERANCE};
-use quell_shapers::Shaper;
-use std::cmp::Ordering;
+use super::candidate::{Candidate, TOLERANCE};
+use crate::cli::CliError;
+use quell_shapers::{
+    Criterion, Mode, Reason, Recommendation, Requirements, Shaper, ShaperError, Standing,
+    UncertainMode, recommend,
+};
 
-/// Errors up to this many standard deviations are to be covered: 95 % of a Gaussian's.
-const DEVIATIONS: f64 = 2.0;
-/// A worst value this little above the tolerance is rounding: shapers touch it by design.
-const TOUCHING: f64 = 1e-9;
-
-/// What is asked of the shaper.
+/// How well the modes are known, and what is asked of the shaper.
 #[derive(Clone, Copy)]
 pub struct Wish {
-    /// One standard deviation of the frequency over the frequency.
+    /// One standard deviation of each frequency over that frequency.
     pub frequency_std: f64,
-    /// The longest delay, s.
-    pub max_delay: Option<f64>,
+    /// One standard deviation of each damping ratio.
+    pub damping_std: f64,
+    /// The longest delay, s; infinity for any.
+    pub max_delay: f64,
+}
+
+/// What a shaper leaves of modes that are known only so well: the most of any of them.
+#[derive(Clone, Copy)]
+pub struct Uncertain {
+    /// The shaper.
+    pub shaper: &'static dyn Shaper,
+    /// Mean residual vibration.
+    pub expected: f64,
+    /// Residual vibration that 95 % of the uncertainty stays below.
+    pub worst_95: f64,
+    eligible: bool,
 }
 
 /// The recommended shaper.
 pub struct Choice {
-    /// The shaper.
-    pub shaper: &'static dyn Shaper,
+    /// The shaper and its figures.
+    pub figures: Uncertain,
     /// Why, in a sentence.
     pub reason: String,
-    /// What it adds to the end of a move, s.
+    /// What it adds to the end of a move on the controller's grid, s.
     pub delay: f64,
-    /// Its greatest residual vibration over the errors to be covered.
-    pub worst: f64,
 }
 
-/// One candidate that may be chosen.
-struct Entry<'a> {
-    shaper: &'static dyn Shaper,
-    design: &'a Design,
-    worst: f64,
+/// What came of the recommendation.
+pub struct Advice {
+    /// The shapers for which there are figures.
+    pub uncertain: Vec<Uncertain>,
+    /// The one to take.
+    pub choice: Option<Choice>,
 }
 
-/// The shortest shaper that leaves at most 5 % over two standard deviations of frequency; where
-/// none does, the one that leaves least. Shapers with negative amplitudes are left out, since they
-/// can exceed the limits of the move, and so are those above the delay that is allowed.
-pub fn choose(candidates: &[Candidate], wish: Wish) -> Option<Choice> {
-    let entries = entries(candidates, wish);
-    let holds = |entry: &&Entry| entry.worst <= TOLERANCE + TOUCHING;
-    let within = match wish.max_delay {
-        Some(delay) => format!(" within {delay} s of delay"),
-        None => String::new(),
-    };
-    let range = format!(
-        "frequency errors of +-{}",
-        percent(DEVIATIONS * wish.frequency_std)
-    );
-    let (best, reason) = match entries.iter().filter(holds).min_by(|a, b| a.order(b)) {
-        Some(best) => {
-            let shorter = entries.iter().filter(|entry| entry.order(best).is_lt());
-            let left = shorter.map(|entry| entry.worst).min_by(f64::total_cmp);
-            let left =
-                left.map(|left| format!("; the shorter ones leave {} or more", percent(left)));
-            let reason = format!("the shortest{within} that leaves at most 5.0 % over {range}");
-            (
-                best,
-                format!(
-                    "{reason} ({}{})",
-                    percent(best.worst),
-                    left.unwrap_or_default()
-                ),
-            )
-        }
-        None => {
-            let best = entries.iter().min_by(|a, b| a.worst.total_cmp(&b.worst))?;
-            let left = percent(best.worst);
-            let reason = format!("none leaves at most 5.0 %{within} over {range}; it leaves least");
-            (best, format!("{reason}, up to {left}"))
-        }
-    };
-    let delay = best.design.train.duration();
-    let reason = format!("{}, which adds {delay:.3} s: {reason}.", best.shaper.name());
-    Some(Choice {
-        shaper: best.shaper,
-        reason,
-        delay,
-        worst: best.worst,
+/// Recommends one shaper for all the modes by [`recommend`]; residuals nearer than 5 % count as
+/// equal.
+///
+/// Several modes are asked about one by one, each with a share of the delay in proportion to its
+/// period, and of the shapers recommended for them the one is taken that leaves least of the mode of
+/// which it leaves most. The trains of the other modes only take from what is left of a mode (their
+/// amplitudes are positive, so their own residual is at most 1), so that the figures are bounds.
+///
+/// [`recommend`] judges exact impulse times. Where the controller's grid makes the recommended train
+/// longer than allowed, or cannot hold it, the one of the others that leaves least is taken.
+///
+/// # Errors
+/// [`CliError::Input`] where a standard deviation is refused.
+pub fn choose(candidates: &[Candidate], modes: &[Mode], wish: Wish) -> Result<Advice, CliError> {
+    let max_delay = f64::INFINITY;
+    let all = ask(modes, Wish { max_delay, ..wish })?;
+    let within = ask(modes, wish)?;
+    Ok(Advice {
+        uncertain: over_all(&all),
+        choice: pick(candidates, &within, wish),
     })
 }
 
-/// The candidates that may be chosen.
-fn entries(candidates: &[Candidate], wish: Wish) -> Vec<Entry<'_>> {
-    let allowed = wish.max_delay.unwrap_or(f64::INFINITY);
-    let mut entries = Vec::new();
-    for Candidate { shaper, design } in candidates {
-        if let (true, Ok(design)) = (shaper.is_convex(), design)
-            && design.train.duration() <= allowed
-        {
-            let worst = design.worst(DEVIATIONS * wish.frequency_std);
-            entries.push(Entry {
-                shaper: *shaper,
-                design,
-                worst,
-            });
-        }
+/// What is recommended for each of the modes; empty where no shaper is within the delay.
+fn ask(modes: &[Mode], wish: Wish) -> Result<Vec<Recommendation>, CliError> {
+    let one = |&mode| {
+        recommend(
+            &uncertain_mode(mode, wish),
+            &requirements(mode, modes, wish),
+        )
+    };
+    match modes.iter().map(one).collect() {
+        Ok(answers) => Ok(answers),
+        Err(ShaperError::NoneFits { .. }) => Ok(Vec::new()),
+        Err(error) => Err(CliError::input(error)),
     }
-    entries
 }
 
-impl Entry<'_> {
-    /// By duration; of equally long ones the one that leaves less comes first.
-    fn order(&self, other: &Self) -> Ordering {
-        let ticks = |entry: &Self| entry.design.train.duration_in_ticks();
-        ticks(self)
-            .cmp(&ticks(other))
-            .then(self.worst.total_cmp(&other.worst))
+fn uncertain_mode(mode: Mode, wish: Wish) -> UncertainMode {
+    UncertainMode {
+        mode,
+        natural_frequency_std: wish.frequency_std * mode.natural_frequency(),
+        damping_ratio_std: wish.damping_std,
     }
+}
+
+fn requirements(mode: Mode, modes: &[Mode], wish: Wish) -> Requirements {
+    let periods: f64 = modes.iter().map(Mode::damped_period).sum();
+    Requirements {
+        longest_delay: wish.max_delay * (mode.damped_period() / periods),
+        criterion: Criterion::Worst95,
+        tolerance: TOLERANCE,
+        allow_negative: false,
+    }
+}
+
+/// The figures of each shaper over all modes, of those that can be designed for all; with negative
+/// amplitudes they are bounds for a single mode only.
+fn over_all(answers: &[Recommendation]) -> Vec<Uncertain> {
+    let Some(first) = answers.first() else {
+        return Vec::new();
+    };
+    let one = |index: usize| {
+        let of_modes = || {
+            answers
+                .iter()
+                .filter_map(|answer| answer.candidates.get(index))
+        };
+        let shaper = first.candidates[index].shaper;
+        let solved = of_modes().all(|candidate| candidate.standing != Standing::Unsolved);
+        let bounded = answers.len() == 1 || shaper.is_convex();
+        (solved && bounded).then(|| Uncertain {
+            shaper,
+            expected: of_modes().map(|c| c.expected).fold(0.0, f64::max),
+            worst_95: of_modes().map(|c| c.worst_95).fold(0.0, f64::max),
+            eligible: of_modes().all(|c| c.standing == Standing::Eligible),
+        })
+    };
+    (0..first.candidates.len()).filter_map(one).collect()
+}
+
+/// The recommended one, or where the grid has not enough room for it, the best of the others.
+fn pick(candidates: &[Candidate], answers: &[Recommendation], wish: Wish) -> Option<Choice> {
+    let mut eligible = over_all(answers);
+    eligible.retain(|one| one.eligible);
+    eligible.sort_by(|a, b| a.worst_95.total_cmp(&b.worst_95));
+    let is_recommended = |one: &&Uncertain| {
+        let name = one.shaper.name();
+        answers
+            .iter()
+            .any(|answer| answer.best.shaper.name() == name)
+    };
+    let best = eligible.iter().find(is_recommended)?;
+    let on_grid = |one: &Uncertain| delay_on_grid(candidates, one.shaper, wish.max_delay);
+    let (figures, delay, why) = match on_grid(best) {
+        Ok(delay) => (*best, delay, reason(best, answers, wish)),
+        Err(refusal) => {
+            let fits = |one: &Uncertain| Some((*one, on_grid(one).ok()?));
+            let (other, delay) = eligible.iter().find_map(fits)?;
+            let name = best.shaper.name();
+            let why = format!("{name} would be taken, but {refusal}; no other leaves less");
+            (other, delay, why)
+        }
+    };
+    let reason = format!(
+        "{}, which adds {delay:.3} s: it leaves at most {} with 95 % probability where {}; {why}.",
+        figures.shaper.name(),
+        percent(figures.worst_95),
+        known(wish),
+    );
+    Some(Choice {
+        figures,
+        reason,
+        delay,
+    })
+}
+
+/// What the shaper's train adds on the controller's grid, s; in words why it cannot be taken.
+fn delay_on_grid(
+    candidates: &[Candidate],
+    shaper: &dyn Shaper,
+    max_delay: f64,
+) -> Result<f64, String> {
+    let candidate = candidates.iter().find(|c| c.shaper.name() == shaper.name());
+    let design = candidate.map(|candidate| candidate.design.as_ref());
+    match design {
+        Some(Ok(design)) if design.train.duration() <= max_delay => Ok(design.train.duration()),
+        Some(Ok(design)) => Err(format!(
+            "on the controller's grid it adds {:.4} s",
+            design.train.duration()
+        )),
+        Some(Err(refusal)) => Err(refusal.clone()),
+        None => Err("it is not compared".into()),
+    }
+}
+
+/// Why the recommended one was taken, by the mode of which it leaves most.
+fn reason(taken: &Uncertain, answers: &[Recommendation], wish: Wish) -> String {
+    let name = taken.shaper.name();
+    let within = match wish.max_delay {
+        delay if delay.is_finite() => format!(" within {delay} s of delay"),
+        _ => String::new(),
+    };
+    let binding = answers
+        .iter()
+        .filter(|answer| answer.best.shaper.name() == name)
+        .max_by(|a, b| a.best.worst_95.total_cmp(&b.best.worst_95));
+    match binding.map(|answer| (answer.reason, answer.best.delay)) {
+        Some((Reason::OnlyOne, _)) => format!("no other is{within}"),
+        Some((Reason::ShorterAndAsGood(least), delay)) => format!(
+            "{}, which leaves least{within} ({}), is less than {} better and {:.3} s longer",
+            least.shaper.name(),
+            percent(least.worst_95),
+            percent(TOLERANCE),
+            least.delay - delay,
+        ),
+        Some((Reason::LeavesLeast, _)) | None => format!("no other{within} leaves less"),
+    }
+}
+
+/// How well the modes are known, in words.
+fn known(wish: Wish) -> String {
+    format!(
+        "the frequency is known to {} and the damping ratio to {} (one standard deviation)",
+        percent(wish.frequency_std),
+        wish.damping_std,
+    )
 }
 
 fn percent(share: f64) -> String {
