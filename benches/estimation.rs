@@ -2,10 +2,13 @@
 //!
 //! `cargo bench --bench estimation`: no clock is read; the figures are periods, not seconds.
 
+#[path = "../tests/generator/decay.rs"]
+mod decay;
 #[path = "../tests/generator/mod.rs"]
 mod generator;
 
-use generator::{Truth, add_noise, decay, jerk_limited_move, respond, stamps};
+use decay::decay;
+use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 use quell::estimators::{ESTIMATORS, Estimator, EstimatorEntry, Sample, Settings, cramer_rao};
 use quell_shapers::Mode;
 

@@ -10,7 +10,7 @@ const FLOORS: &[&[&str]] = &[
     &["signal"],
     &["estimators", "effects"],
     &["plant", "adaptation"],
-    &["controller", "diagnosis"],
+    &["controller", "identification", "diagnosis"],
     &["closed_loop", "report"],
     &["service"],
     &["cli"],

@@ -4,6 +4,7 @@ use crate::correction::{Schedule, sum};
 use crate::cross_fade::CrossFade;
 use crate::filter::DelayLine;
 use crate::history::History;
+use crate::modal_state::pole;
 use crate::{GridTrain, Mode, Setpoint, ShaperError};
 use alloc::boxed::Box;
 use alloc::vec;
@@ -19,6 +20,8 @@ pub struct AdaptiveFilter {
     pub(crate) line: DelayLine,
     pub(crate) fade: CrossFade,
     pub(crate) pending: Option<GridTrain>,
+    /// A retune counts on the train in force until the planned input ends at this tick.
+    pub(crate) pending_from: u64,
     pub(crate) schedule: Schedule,
     pub(crate) history: History,
     pub(crate) sent: Setpoint,
@@ -72,6 +75,7 @@ impl AdaptiveFilter {
             line: DelayLine::new(capacity),
             fade: CrossFade::new(GridTrain::unit(sample_time)),
             pending: None,
+            pending_from: 0,
             schedule: Schedule::default(),
             history: History::new(horizon),
             sent: Setpoint::default(),
@@ -112,6 +116,7 @@ impl AdaptiveFilter {
     pub fn install(&mut self, train: &GridTrain) -> Result<(), ShaperError> {
         self.check(train)?;
         self.pending = Some(train.clone());
+        self.pending_from = 0;
         self.try_install();
         Ok(())
     }
@@ -176,17 +181,16 @@ impl AdaptiveFilter {
     /// `None` where the start of a move that is still remembered in part has been overwritten. Cost
     /// proportional to the horizon.
     pub fn residual(&self, mode: Mode) -> Option<Residual> {
-        let vibration = self.history.vibration(mode, self.sample_time)?;
-        Some(Residual {
-            shaped: vibration.sent.abs(),
-            unshaped: vibration.planned.abs(),
-        })
+        let vibration = self.history.vibration(pole(mode, self.sample_time))?;
+        let (shaped, unshaped) = (vibration.sent.value.abs(), vibration.planned.value.abs());
+        Some(Residual { shaped, unshaped })
     }
 
     fn try_install(&mut self) {
         let waiting = self.pending.as_ref().map(GridTrain::duration_in_ticks);
         let longest = waiting.map(|ticks| ticks.max(self.fade.duration_in_ticks()));
-        if longest.is_some_and(|ticks| self.line.unchanged_for() >= ticks)
+        if self.tick >= self.pending_from
+            && longest.is_some_and(|ticks| self.line.unchanged_for() >= ticks)
             && let Some(train) = self.pending.take()
         {
             self.fade.replace(&train);

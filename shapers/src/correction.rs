@@ -1,9 +1,10 @@
 //! Smooth steps that add up to nothing and cancel a vibration.
 
+use crate::Setpoint;
 use crate::complex::Complex;
 use crate::linear::solve;
+use crate::modal_state::ModalState;
 use crate::smooth_step::step_at;
-use crate::{Mode, Setpoint};
 use arrayvec::ArrayVec;
 
 /// Modes that one correction can cancel.
@@ -12,8 +13,33 @@ pub const CORRECTED_MODES: usize = 3;
 pub(crate) const CORRECTION_STEPS: usize = 25;
 /// Steps that can be under way or planned at the same time.
 pub(crate) const SCHEDULED_STEPS: usize = 96;
-/// Zero sum, and a real and an imaginary part for each mode.
-const CONDITIONS: usize = 1 + 2 * CORRECTED_MODES;
+/// Zero sum, and real and imaginary part of value and slope for each mode.
+const CONDITIONS: usize = 1 + 4 * CORRECTED_MODES;
+/// A least norm needs freedom: with as many steps as conditions there is only one solution.
+const SPARE: usize = 2;
+
+/// What a correction cancels of each mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// The vibration.
+    Value,
+    /// The vibration and its slope over the mode.
+    Slope,
+}
+
+impl Order {
+    fn rows_per_mode(self) -> usize {
+        match self {
+            Order::Value => 2,
+            Order::Slope => 4,
+        }
+    }
+
+    /// Fewest steps for so many modes.
+    pub fn fewest_steps(self, modes: usize) -> usize {
+        1 + self.rows_per_mode() * modes + SPARE
+    }
+}
 
 /// A smooth step of `amplitude` over `ticks` ticks after tick `start`.
 #[derive(Clone, Copy, Debug)]
@@ -131,65 +157,52 @@ impl Comb {
         self.start + (i * self.spacing) as u64
     }
 
-    /// Amplitudes of least norm with `sum c_i = total` that leave nothing of the modes, where
-    /// `vibration` is `sum du_k exp(-lambda (t_k - t_now))` of each without them.
+    /// Amplitudes of least norm with `sum c_i = total` that leave nothing of the modes, whose states
+    /// without them, referred to tick `now`, are given with their poles.
     ///
     /// `None` where the conditions depend on each other.
     pub fn amplitudes(
         &self,
         now: u64,
-        sample_time: f64,
-        modes: &[(Mode, Complex)],
+        modes: &[(Complex, ModalState)],
+        order: Order,
         total: f64,
     ) -> Option<[f64; CORRECTION_STEPS]> {
-        let size = 1 + 2 * modes.len();
-        let mut rows = [[0.0; CORRECTION_STEPS]; CONDITIONS];
+        let per_mode = order.rows_per_mode();
+        let size = 1 + per_mode * modes.len();
+        let mut columns = [[0.0; CONDITIONS]; CORRECTION_STEPS];
         let mut right = [0.0; CONDITIONS];
-        rows[0][..self.count].fill(1.0);
+        columns
+            .iter_mut()
+            .take(self.count)
+            .for_each(|column| column[0] = 1.0);
         right[0] = total;
-        for (k, (mode, vibration)) in modes.iter().enumerate() {
-            // Referred to the start of the comb, so that the columns are of like size.
-            let pole = Complex::new(-mode.decay_rate(), mode.damped_frequency()).scale(sample_time);
-            let delay = (self.start - now) as f64;
-            let single = self.step_vibration(pole);
-            let wanted = *vibration * pole.scale(delay).exp();
-            (right[1 + 2 * k], right[2 + 2 * k]) = (-wanted.re, -wanted.im);
-            for i in 0..self.count {
-                let column = single * pole.scale(-((i * self.spacing) as f64)).exp();
-                (rows[1 + 2 * k][i], rows[2 + 2 * k][i]) = (column.re, column.im);
+        for ((pole, state), first) in modes.iter().zip((1..).step_by(per_mode)) {
+            // Referred to the start of the comb, and the slope in units of the step's width, so that
+            // rows and columns are of like size.
+            let rows = first..first + per_mode;
+            let wanted = self.parts(state.later(*pole, (self.start - now) as f64));
+            for (value, part) in right[rows.clone()].iter_mut().zip(wanted) {
+                *value = -part;
+            }
+            let single = self.single(*pole);
+            for (i, column) in columns.iter_mut().enumerate().take(self.count) {
+                let state = single.later(*pole, -((i * self.spacing) as f64));
+                column[rows.clone()].copy_from_slice(&self.parts(state)[..per_mode]);
             }
         }
-        let mut gram = [[0.0; CONDITIONS]; CONDITIONS];
-        for i in 0..size {
-            for k in 0..size {
-                gram[i][k] = rows[i].iter().zip(&rows[k]).map(|(a, b)| a * b).sum();
-            }
-        }
-        let multipliers = solve(size, &mut gram, &mut right)?;
-        let mut amplitudes = [0.0; CORRECTION_STEPS];
-        for (row, multiplier) in rows.iter().zip(&multipliers).take(size) {
-            for (amplitude, entry) in amplitudes.iter_mut().zip(row) {
-                *amplitude += multiplier * entry;
-            }
-        }
-        amplitudes
-            .iter()
-            .all(|amplitude| amplitude.is_finite())
-            .then_some(amplitudes)
+        least_norm(size, &columns, &mut right)
     }
 
-    /// `sum ds_k exp(-lambda t_k)` of one step of amplitude 1 that starts at 0, as sampled.
-    fn step_vibration(&self, pole: Complex) -> Complex {
-        let turn = pole.scale(-1.0).exp();
-        let (mut before, mut weight) = (0.0, Complex::ONE);
-        let mut total = Complex::default();
-        for k in 1..=self.ticks {
-            let position = step_at(k as f64, self.ticks, 1.0).position;
-            weight = weight * turn;
-            total = total + weight.scale(position - before);
-            before = position;
-        }
-        total
+    fn parts(&self, state: ModalState) -> [f64; 4] {
+        let slope = state.slope.scale(1.0 / self.ticks as f64);
+        [state.value.re, state.value.im, slope.re, slope.im]
+    }
+
+    /// State left by one step of amplitude 1, as sampled, referred to its start.
+    fn single(&self, pole: Complex) -> ModalState {
+        let samples = (1..=self.ticks).map(|k| step_at(k as f64, self.ticks, 1.0).position);
+        ModalState::of_future(pole, 0.0, samples)
     }
 
     /// The steps with their amplitudes.
@@ -221,4 +234,26 @@ impl Comb {
             )
         })
     }
+}
+
+/// The `x` of least norm with `M x = right`, `M` given by columns: `x = M' (M M')^-1 right`.
+fn least_norm(
+    size: usize,
+    columns: &[[f64; CONDITIONS]; CORRECTION_STEPS],
+    right: &mut [f64; CONDITIONS],
+) -> Option<[f64; CORRECTION_STEPS]> {
+    let mut gram = [[0.0; CONDITIONS]; CONDITIONS];
+    for column in columns {
+        for (row, a) in gram.iter_mut().zip(column).take(size) {
+            for (entry, b) in row.iter_mut().zip(column) {
+                *entry += a * b;
+            }
+        }
+    }
+    let multipliers = solve(size, &mut gram, right)?;
+    let solution = columns.map(|column| column.iter().zip(&multipliers).map(|(a, b)| a * b).sum());
+    solution
+        .iter()
+        .all(|value: &f64| value.is_finite())
+        .then_some(solution)
 }

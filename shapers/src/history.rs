@@ -1,7 +1,7 @@
 //! What a filter was given and what it has sent.
 
-use crate::Mode;
 use crate::complex::Complex;
+use crate::modal_state::ModalState;
 use alloc::boxed::Box;
 use alloc::vec;
 
@@ -27,8 +27,8 @@ pub(crate) struct History {
 /// The vibration that positions planned and sent leave, referred to the newest tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Vibration {
-    pub planned: Complex,
-    pub sent: Complex,
+    pub planned: ModalState,
+    pub sent: ModalState,
 }
 
 impl History {
@@ -68,11 +68,10 @@ impl History {
         }
     }
 
-    /// `sum du_k exp(lambda (t_now - t_k))` over everything kept, `lambda = -xi omega + j omega_d`:
-    /// the state of the mode at the newest tick, in units of the position.
+    /// The modal states at the newest tick of everything kept.
     ///
     /// `None` where the ring has lost the start of a move that it still holds the end of.
-    pub fn vibration(&self, mode: Mode, sample_time: f64) -> Option<Vibration> {
+    pub fn vibration(&self, pole: Complex) -> Option<Vibration> {
         let oldest = if self.count < self.ring.len() {
             0
         } else {
@@ -91,16 +90,12 @@ impl History {
         } else {
             0
         };
-        let turn = Complex::new(-mode.decay_rate(), mode.damped_frequency())
-            .scale(sample_time)
-            .exp();
+        let turn = pole.exp();
         let mut vibration = Vibration::default();
         for k in start + 1..self.count {
             let (before, now) = (entry(k - 1), entry(k));
-            vibration.planned = vibration.planned * turn;
-            vibration.planned.re += now.planned - before.planned;
-            vibration.sent = vibration.sent * turn;
-            vibration.sent.re += now.sent - before.sent;
+            vibration.planned.tick(turn, now.planned - before.planned);
+            vibration.sent.tick(turn, now.sent - before.sent);
         }
         Some(vibration)
     }

@@ -37,12 +37,15 @@ mod history;
 mod impulse_train;
 mod limits;
 mod linear;
+mod modal_state;
 mod mode;
 mod mzv;
 mod path;
 mod recommend;
+mod replay;
 mod residual;
 mod retune;
+mod retune_outcome;
 mod smooth_step;
 mod three_hump_ei;
 mod two_hump_ei;
@@ -66,8 +69,9 @@ pub use path::{align_delays, common_train};
 pub use recommend::{
     Candidate, Criterion, Reason, Recommendation, Requirements, Standing, UncertainMode, recommend,
 };
+pub use replay::CORRECTION_OVERSHOOT;
 pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
-pub use retune::{CORRECTION_OVERSHOOT, Correction, Refusal, Retune, RetuneOutcome};
+pub use retune_outcome::{Correction, Refusal, Retune, RetuneOutcome};
 pub use three_hump_ei::ThreeHumpEi;
 pub use two_hump_ei::TwoHumpEi;
 pub use um_zv::UmZv;

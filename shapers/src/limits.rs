@@ -52,9 +52,10 @@ impl PeakRatios {
         self.velocity.max(self.acceleration).max(self.jerk)
     }
 
-    /// By how much a move must be stretched in time to keep the limits: at least 1.
+    /// By how much to stretch the move in time to keep the limits: at least 1.
     ///
-    /// Stretching by `s` divides velocity, acceleration and jerk by `s`, `s^2` and `s^3`.
+    /// Stretching by `s` divides velocity, acceleration and jerk by `s`, `s^2` and `s^3`. A train
+    /// does not stretch with the move, so check the stretched move again.
     pub fn stretch(&self) -> f64 {
         let by_acceleration = Float::sqrt(self.acceleration);
         self.velocity

@@ -9,6 +9,11 @@ use quell_shapers::{
 };
 
 const XI: f64 = 0.084;
+/// 30 degrees in 0.39 s.
+const PUBLISHED: Move = Move {
+    distance: std::f64::consts::PI / 6.0,
+    phases: [0.05, 0.04, 0.11],
+};
 
 struct Run {
     sent: Vec<Setpoint>,
@@ -91,7 +96,7 @@ fn scenario<'a>(
         .unwrap()
         .on_grid(wrong, tick)
         .unwrap();
-    let command = Move::PUBLISHED;
+    let command = PUBLISHED;
     Scenario {
         command,
         tick,
@@ -119,40 +124,303 @@ fn assert_consistent(run: &Run, limits: &MotionLimits, tick: f64) {
     }
 }
 
+/// The published table: the wrong train kept, and cross-fade (or keep) with replay correction.
 #[test]
 fn val_retune_in_motion_leaves_nothing() {
     let truth = Mode::from_hertz(8.12, XI).unwrap();
     for tick in [0.004, 0.001] {
         for shaper in ["zv", "zvd"] {
             for wrong in [0.75, 0.9, 1.1, 1.25] {
+                let kept = scenario(wrong, shaper, tick, &[]).run();
+                print!(
+                    "{tick} s, {shaper}, belief x {wrong}: kept {:.1} %;",
+                    100.0 * kept.left
+                );
                 for when in [0.1, 0.2, 0.3, 0.45, 0.7] {
                     let retunes = [((when / tick) as usize, truth)];
                     let scenario = scenario(wrong, shaper, tick, &retunes);
                     let run = scenario.run();
-                    let without = Scenario {
-                        retunes: &[],
-                        ..scenario
+                    let rest = when + run.corrections[0].until_rest;
+                    let kind = if run.corrections[0].robust {
+                        "robust"
+                    } else {
+                        "plain"
                     };
-                    let c = &run.corrections[0];
-                    println!(
-                        "{tick} {shaper} x{wrong} at {when}: {:.4} -> {:.1e}; fade {:.3} delay {:.3} n {} span {:.3} rest {:.3}; peaks {:.3} {:.3} {:.3}",
-                        without.run().left,
-                        run.left,
-                        c.cross_fade,
-                        c.delay,
-                        c.steps,
-                        c.duration,
-                        when + c.until_rest,
-                        run.peaks.velocity,
-                        run.peaks.acceleration,
-                        run.peaks.jerk
+                    print!(
+                        " at {when}: {:.0e} ({kind}), rest at {rest:.3} s;",
+                        run.left
                     );
                     assert!(run.left < 1e-9, "{}", run.left);
                     assert!(run.peaks.worst() <= CORRECTION_OVERSHOOT + 1e-9);
                     assert_consistent(&run, &scenario.limits, tick);
                     assert_eq!(run.sent.last().unwrap().position, scenario.command.distance);
                 }
+                println!();
             }
         }
+    }
+}
+
+/// The damping ratio exact, the frequency off by 1, 2 and 5 %. Published, of the unshaped vibration:
+/// .2 to .5, .4 to 1.2, 2.2 to 5.7 %. ZVD stays below; ZV has no slope of its own to rely on.
+#[test]
+fn val_retune_with_a_frequency_error() {
+    let tick = 0.001;
+    let bounds = [("zvd", [0.005, 0.012, 0.057]), ("zv", [0.005, 0.016, 0.12])];
+    for (shaper, bounds) in bounds {
+        for (error, bound) in [0.01, 0.02, 0.05].into_iter().zip(bounds) {
+            let mut left = Vec::new();
+            for (sign, wrong) in [(-1.0, 0.75), (-1.0, 1.25), (1.0, 0.75), (1.0, 1.25)] {
+                let estimate = Mode::from_hertz(8.12 * (1.0 + sign * error), XI).unwrap();
+                for when in [100, 200, 300] {
+                    left.push(
+                        scenario(wrong, shaper, tick, &[(when, estimate)])
+                            .run()
+                            .left,
+                    );
+                }
+            }
+            left.sort_unstable_by(f64::total_cmp);
+            let [least, most] = [left[0], left[left.len() - 1]].map(|left| 100.0 * left);
+            println!(
+                "{shaper}, off by {:.0} %: {least:.2} to {most:.2} % left",
+                100.0 * error
+            );
+            assert!(most < 100.0 * bound, "{shaper}: {most} %");
+        }
+    }
+}
+
+/// Estimates that come nearer: each correction takes over what the last one has not yet sent.
+#[test]
+fn val_later_estimates_supersede_earlier_ones() {
+    let tick = 0.001;
+    let at = |time: f64, factor: f64| {
+        (
+            (time / tick) as usize,
+            Mode::from_hertz(8.12 * factor, XI).unwrap(),
+        )
+    };
+    for shaper in ["zv", "zvd", "mzv", "ei2"] {
+        let retunes = [
+            at(0.1, 0.85),
+            at(0.14, 0.93),
+            at(0.15, 0.96),
+            at(0.22, 1.02),
+            at(0.35, 1.0),
+        ];
+        let scenario = scenario(0.75, shaper, tick, &retunes);
+        let run = scenario.run();
+        assert_eq!(run.corrections.len(), 5);
+        println!("{shaper}: {:.1e}, peaks {:?}", run.left, run.peaks);
+        // The extra-insensitive shapers leave their 5 % where nothing corrects them: the last
+        // correction leaves nothing here as well.
+        assert!(run.left < 1e-9, "{shaper}: {}", run.left);
+        assert!(
+            run.peaks.worst() <= CORRECTION_OVERSHOOT + 1e-9,
+            "{:?}",
+            run.peaks
+        );
+        assert_consistent(&run, &scenario.limits, tick);
+    }
+}
+
+#[test]
+fn val_two_modes_are_cancelled_at_once() {
+    let tick = 0.001;
+    let modes = [
+        Mode::from_hertz(8.12, XI).unwrap(),
+        Mode::from_hertz(13.0, 0.03).unwrap(),
+    ];
+    let zv = shaper_by_name("zv").unwrap();
+    let [first, second] = modes.map(|mode| zv.on_grid(mode, tick).unwrap());
+    let train = first.convolve(&second).unwrap();
+    let command = PUBLISHED;
+    let mut filter = AdaptiveFilter::new(tick, 500, 3000);
+    let mut joints = modes.map(|mode| (Joint::new(mode, tick), Joint::new(mode, tick)));
+    let mut k = 0;
+    while k < 500 || !filter.is_settled() {
+        if k == 200 {
+            let request = Retune {
+                train: &train,
+                modes: &modes,
+                limits: command.limits(),
+            };
+            let remaining = command.ticks(tick) - k;
+            let outcome = filter.retune(&request, remaining, |ahead| {
+                command.at((k + ahead) as f64 * tick)
+            });
+            assert!(
+                matches!(outcome, RetuneOutcome::Corrected(_)),
+                "{outcome:?}"
+            );
+        }
+        k += 1;
+        let input = command.at(k as f64 * tick);
+        let out = filter.step(input);
+        for (shaped, unshaped) in &mut joints {
+            shaped.step(out.position);
+            unshaped.step(input.position);
+        }
+    }
+    for (shaped, unshaped) in &mut joints {
+        shaped.step(command.distance);
+        unshaped.step(command.distance);
+        let left = shaped.amplitude() / unshaped.amplitude();
+        // Two modes are worse conditioned than one by about the ratio of their spacing.
+        assert!(left < 1e-9, "{left}");
+    }
+}
+
+/// The filter's own account of the vibration agrees with the simulated joint.
+#[test]
+fn val_forecast_and_residual_agree_with_the_joint() {
+    let tick = 0.002;
+    let truth = Mode::from_hertz(8.12, XI).unwrap();
+    let command = PUBLISHED;
+    let wrong = Mode::from_hertz(10.0, XI).unwrap();
+    let train = shaper_by_name("zv").unwrap().on_grid(wrong, tick).unwrap();
+    let mut filter = AdaptiveFilter::new(tick, 100, 1000);
+    filter.install(&train).unwrap();
+    let mut joints = (Joint::new(truth, tick), Joint::new(truth, tick));
+    let mut forecast = None;
+    for k in 1..=400 {
+        let input = command.at(k as f64 * tick);
+        let out = filter.step(input);
+        joints.0.step(out.position);
+        joints.1.step(input.position);
+        if k == 100 {
+            let remaining = command.ticks(tick) - k;
+            let ahead = |ahead: usize| command.at((k + ahead) as f64 * tick);
+            forecast = Some(filter.forecast(truth, remaining, ahead).unwrap());
+        }
+    }
+    let simulated = joints.0.amplitude() / joints.1.amplitude();
+    let sent = filter.residual(truth).unwrap().ratio();
+    // Rounding of positions near 1 rad against a residual of 1e-3 rad: 1e-13 a tick.
+    assert!((sent / simulated - 1.0).abs() < 1e-10, "{sent} {simulated}");
+    assert!((forecast.unwrap().ratio() / simulated - 1.0).abs() < 1e-10);
+}
+
+#[test]
+fn val_what_a_retune_refuses_changes_nothing() {
+    let tick = 0.001;
+    let command = PUBLISHED;
+    let mode = Mode::from_hertz(8.12, XI).unwrap();
+    let train = shaper_by_name("zv").unwrap().on_grid(mode, tick).unwrap();
+    let mut filter = AdaptiveFilter::new(tick, 200, 300);
+    let limits = command.limits();
+    let modes = [mode];
+    let request = Retune {
+        train: &train,
+        modes: &modes,
+        limits,
+    };
+    // At rest and never moved: the train is in force at once.
+    assert_eq!(
+        filter.retune(&request, 0, |_| Setpoint::default()),
+        RetuneOutcome::Installed
+    );
+    assert_eq!(filter.train(), &train);
+    for k in 1..=100 {
+        filter.step(command.at(k as f64 * tick));
+    }
+    let mut untouched = filter.clone();
+    let narrow = MotionLimits {
+        acceleration: 1e-3,
+        ..limits
+    };
+    let refused = [
+        filter.retune(
+            &Retune {
+                limits: narrow,
+                ..request
+            },
+            290,
+            |k| command.at((100 + k) as f64 * tick),
+        ),
+        filter.retune(&request, 1000, |k| command.at((100 + k) as f64 * tick)),
+        filter.retune(
+            &Retune {
+                modes: &[],
+                ..request
+            },
+            100,
+            |_| Setpoint::default(),
+        ),
+        filter.retune(
+            &Retune {
+                limits: MotionLimits {
+                    jerk: f64::NAN,
+                    ..limits
+                },
+                ..request
+            },
+            100,
+            |_| Setpoint::default(),
+        ),
+    ];
+    for outcome in refused {
+        assert!(matches!(outcome, RetuneOutcome::Refused(_)), "{outcome:?}");
+        println!("{outcome:?}");
+    }
+    for k in 101..=700 {
+        let input = command.at(k as f64 * tick);
+        assert_eq!(filter.step(input), untouched.step(input));
+    }
+    // 700 ticks in a memory of 300: the move is over and forgotten as a whole.
+    assert_eq!(filter.residual(mode).unwrap().shaped, 0.0);
+}
+
+/// What a first move left is cancelled in the second, even with a memory that has lost the start of
+/// the first: a move is remembered or forgotten as a whole.
+#[test]
+fn val_vibration_of_an_earlier_move_is_cancelled_too() {
+    let tick = 0.002;
+    let truth = Mode::from_hertz(8.12, 0.01).unwrap();
+    let shaper = shaper_by_name("zv").unwrap();
+    let wrong = shaper
+        .on_grid(Mode::from_hertz(10.0, 0.01).unwrap(), tick)
+        .unwrap();
+    let right = shaper.on_grid(truth, tick).unwrap();
+    let limits = PUBLISHED.limits();
+    let second = 400;
+    let input = |k: usize| {
+        let (one, two) = (
+            PUBLISHED.at(k as f64 * tick),
+            PUBLISHED.at(k.saturating_sub(second) as f64 * tick),
+        );
+        Setpoint {
+            position: one.position + two.position,
+            velocity: one.velocity + two.velocity,
+            acceleration: one.acceleration + two.acceleration,
+        }
+    };
+    for (horizon, remembered) in [(2000, true), (400, false)] {
+        let mut filter = AdaptiveFilter::new(tick, 100, horizon);
+        filter.install(&wrong).unwrap();
+        let (mut joint, mut unshaped) = (Joint::new(truth, tick), Joint::new(truth, tick));
+        let end = second + PUBLISHED.ticks(tick);
+        for k in 1..=1200 {
+            if k == second + 100 {
+                let modes = [truth];
+                let request = Retune {
+                    train: &right,
+                    modes: &modes,
+                    limits,
+                };
+                let outcome = filter.retune(&request, end + 1 - k, |ahead| input(k - 1 + ahead));
+                assert!(
+                    matches!(outcome, RetuneOutcome::Corrected(_)),
+                    "{outcome:?}"
+                );
+            }
+            joint.step(filter.step(input(k)).position);
+            unshaped.step(input(k).position);
+        }
+        let left = joint.amplitude() / unshaped.amplitude();
+        println!("memory of {horizon} ticks: {left:.1e}");
+        assert_eq!(left < 1e-9, remembered);
+        assert!(filter.is_settled() && filter.train() == &right);
     }
 }

@@ -38,10 +38,9 @@ above (+) or below (-) the believed one, and for one that is known only so well 
 band with V <= 5 %, over the frequency. Delay: what the shaper adds to the end of a move. The
 millimetres are simulated: the greatest tip deformation after the robot's own move.
 
-Recommended is the shortest shaper within --max-delay whose V 95 % is within 5 % of the least; umzv
-never is, since its negative impulses can exceed the limits of a move. Several modes are shaped for
-by one shaper, and each gets a share of --max-delay in proportion to its period; of what is
-recommended for each of them, the shaper is taken that leaves least of its worst mode. Writes
+Recommended is the shortest shaper within --max-delay whose V 95 % is --acceptable; where none is,
+the one that leaves least. umzv never is: its negative impulses can exceed the limits of a move.
+Several modes are shaped for by one shaper, one train after the other, and the worst mode counts. Writes
 compare.html into --out.")]
 pub struct Args {
     /// The robot's description, as --robot; the embedded arm where none is given.
@@ -63,6 +62,10 @@ pub struct Args {
     #[arg(long, value_name = "RATIO", default_value_t = 0.02, value_parser = damping_deviation,
           allow_negative_numbers = true)]
     damping_std: f64,
+    /// The residual vibration that is small enough, percent of the unshaped one.
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0,
+          value_parser = values::below_100_percent, allow_negative_numbers = true)]
+    acceptable: f64,
     /// The longest delay that the recommended shaper may add, s [default: any].
     #[arg(long, value_name = "S", value_parser = values::not_negative,
           allow_negative_numbers = true)]
@@ -121,8 +124,8 @@ impl Comparison {
 
     /// Residual vibration that 95 % of the uncertainty stays below, and its mean.
     fn uncertain(&self, shaper: &dyn Shaper) -> Option<(f64, f64)> {
-        let same = |one: &&choice::Uncertain| one.shaper.name() == shaper.name();
-        let found = self.advice.uncertain.iter().find(same);
+        let same = |one: &&choice::Figures| one.shaper.name() == shaper.name();
+        let found = self.advice.figures.iter().find(same);
         found.map(|one| (one.worst_95, one.expected))
     }
 }
@@ -166,6 +169,7 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
     let wish = Wish {
         frequency_std: args.frequency_std / 100.0,
         damping_std: args.damping_std,
+        acceptable: args.acceptable / 100.0,
         max_delay: args.max_delay.unwrap_or(f64::INFINITY),
     };
     let advice = choice::choose(&candidates, &modes, wish)?;

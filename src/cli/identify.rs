@@ -48,7 +48,6 @@ pub struct Args {
 struct Findings {
     recording: String,
     series: Series,
-    model: Option<NominalModel>,
     found: Identification,
 }
 
@@ -84,7 +83,6 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let findings = Findings {
         recording: recording.name,
         series,
-        model,
         found,
     };
     output::folder(&args.out)?;
@@ -125,7 +123,7 @@ fn tables(findings: &Findings) -> String {
             figure(estimate.map(|e| e.gain), 4),
             figure(result.and_then(|r| r.converged_at), 3),
             figure(result.and_then(|r| r.periods), 2),
-            run.map_or("-".into(), |run| words::stretch(run)),
+            run.map_or("-".into(), words::stretch),
         ]
     });
     let on_line = output::table(

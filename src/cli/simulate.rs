@@ -5,6 +5,7 @@ mod limits;
 mod motion;
 mod planned;
 mod recorded;
+mod setup;
 mod slopes;
 mod trace;
 
@@ -14,8 +15,8 @@ use quell_shapers::{Mode, Shaper};
 
 use super::robot_args::{RobotArgs, SimulationArgs};
 use super::{CliError, choices, model_file, output, values};
-use crate::plant::{ArmSimulation, Damping, ModeOfJoint, Robot, SimulationOptions};
-use crate::signal::JointKind;
+use crate::plant::ArmSimulation;
+use setup::Setup;
 use trace::Trace;
 
 /// Simulates moves, or a recorded command, and writes what the sensors see as a recording.
@@ -95,25 +96,12 @@ pub struct Args {
     pub json: bool,
 }
 
-/// A joint of a robot, what is simulated of it, and what is believed of it.
-struct Setup {
-    robot: Robot,
-    /// Counted from 0.
-    joint: usize,
-    /// Where the joints stand at the start, rad or m.
-    pose: Vec<f64>,
-    /// Modes in the home pose without payload.
-    modes: Vec<ModeOfJoint>,
-    belief: Vec<Mode>,
-    options: SimulationOptions,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
 /// [`CliError::Input`] where the robot, the move or the command is refused.
 pub fn run(args: Args) -> Result<(), CliError> {
-    let mut setup = setup(&args)?;
+    let mut setup = Setup::from(&args)?;
     if let Some(file) = &args.command {
         apart(file, &args.out)?;
     }
@@ -158,85 +146,6 @@ fn apart(command: &Path, out: &Path) -> Result<(), CliError> {
             Err(CliError::input(text).with_help("give another folder, --out DIR"))
         }
         _ => Ok(()),
-    }
-}
-
-fn setup(args: &Args) -> Result<Setup, CliError> {
-    let (robot, joint) = args.robot.resolve()?;
-    let modes = modes(args, &robot, joint);
-    let belief = match args.belief.as_slice() {
-        [] => modes.iter().map(|entry| entry.mode).collect(),
-        given => given.to_vec(),
-    };
-    let options = SimulationOptions {
-        modes: Some(modes.clone()),
-        ..args.simulation.options()
-    };
-    Ok(Setup {
-        pose: pose(args, &robot)?,
-        robot,
-        joint,
-        modes,
-        belief,
-        options,
-    })
-}
-
-/// The joint's modes, the first one as --mode says; it gives a stiff joint its first.
-fn modes(args: &Args, robot: &Robot, joint: usize) -> Vec<ModeOfJoint> {
-    let mut modes = robot.joints[joint].modes.clone();
-    match (args.mode, modes.first_mut()) {
-        (Some(mode), Some(first)) => first.mode = mode,
-        (Some(mode), None) => modes.push(ModeOfJoint {
-            mode,
-            damping: Damping::AcrossJoint,
-            participation: 1.0,
-        }),
-        (None, _) => {}
-    }
-    modes
-}
-
-fn pose(args: &Args, robot: &Robot) -> Result<Vec<f64>, CliError> {
-    if args.pose.is_empty() {
-        return Ok(robot.home());
-    }
-    let (given, joints) = (args.pose.len(), robot.joints.len());
-    if given != joints {
-        return Err(CliError::input(format!(
-            "--pose: {given} values for the {joints} joints of {}",
-            robot.name
-        )));
-    }
-    if let Some(value) = args.pose.iter().find(|value| !value.is_finite()) {
-        return Err(CliError::input(format!(
-            "--pose: {value} is not a finite number"
-        )));
-    }
-    let kinds = robot.chain.joints().iter().map(|joint| joint.kind);
-    let values = args.pose.iter().zip(kinds).map(|(value, kind)| match kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => *value,
-    });
-    Ok(values.collect())
-}
-
-impl Setup {
-    /// Half a period of the slowest mode, or of the servo where that is slower: within it a free
-    /// oscillation shows its greatest deflection.
-    fn half_period(&self) -> f64 {
-        let frequencies = self
-            .modes
-            .iter()
-            .map(|entry| entry.mode.natural_frequency());
-        core::f64::consts::PI / frequencies.fold(self.robot.servo.bandwidth, f64::min)
-    }
-
-    /// Rest after each move, s.
-    fn dwell(&self, args: &Args) -> f64 {
-        let slowest = self.modes.iter().map(|entry| 1.0 / entry.mode.hertz());
-        let default = || f64::max(1.0, 12.0 * slowest.fold(0.0, f64::max));
-        args.dwell.unwrap_or_else(default)
     }
 }
 

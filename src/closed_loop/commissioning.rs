@@ -9,8 +9,13 @@ use crate::signal::{ArcRegistration, CubicSpline, End, Measurement, register_arc
 
 /// Rest before each of the two moves, s: the tracker sees the arm at rest too.
 const PAUSE: f64 = 0.5;
-/// Rest after the last one, s: 3 Hz at 5 % rings out to 6 %.
+/// Rest after the last one that is recorded, s: 3 Hz at 5 % rings out to 6 %.
 const RING_OUT: f64 = 3.0;
+/// Time constants of the envelope that the arm is then left alone, to 1 in 1000: the controller
+/// takes it to be at rest when it begins.
+const TIME_CONSTANTS: f64 = 7.0;
+/// And no longer than this, s: 0.1 % at 10 Hz has a time constant of 16 s.
+const LONGEST_REST: f64 = 120.0;
 
 /// Moves the joint there and back, unshaped, and registers frame and clock of the tracker from what
 /// encoder and tracker saw. The mode that comes out on the way is not handed on: the controller has
@@ -23,15 +28,15 @@ pub fn commission(
     displacement: f64,
     limits: Limits,
 ) -> Result<ArcRegistration, ClosedLoopError> {
+    let start = arm.true_motor_position();
     let (encoder, tracker) = there_and_back(arm, displacement, limits)?;
     let motor = CubicSpline::new(&encoder.0, &encoder.1, End::NotAKnot)?;
-    Ok(register_arc(
-        arm.arc(),
-        &motor,
-        &tracker.0,
-        &tracker.1,
-        None,
-    )?)
+    let registration = register_arc(arm.arc(), &motor, &tracker.0, &tracker.1, None)?;
+    if let Some(mode) = registration.mode {
+        let rest = (TIME_CONSTANTS / mode.decay_rate()).min(LONGEST_REST) - RING_OUT;
+        stay(arm, start, rest, &mut Seen::default());
+    }
+    Ok(registration)
 }
 
 /// Samples of one sensor: stamps and readings.
@@ -52,9 +57,22 @@ fn there_and_back(
         let plan = planner.plan(&[from], &[to], &[limits])?;
         follow(arm, &plan, plan.duration(), &mut seen);
     }
-    let stay = planner.plan(&[start], &[start], &[limits])?;
-    follow(arm, &stay, RING_OUT, &mut seen);
+    stay(arm, start.position, RING_OUT, &mut seen);
     Ok(seen)
+}
+
+/// Rests at a position.
+fn stay(arm: &mut ArmSimulation, position: f64, duration: f64, seen: &mut Seen) {
+    let command = Command {
+        position,
+        velocity: Some(0.0),
+    };
+    let period = 1.0 / arm.robot().control_rate;
+    for _ in 0..(duration / period).ceil() as usize {
+        for measurement in arm.step(command, period) {
+            sort(measurement, seen);
+        }
+    }
 }
 
 /// Rests, then follows a plan for `duration` (s).

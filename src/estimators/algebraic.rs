@@ -11,7 +11,7 @@
 
 use super::least_squares::{COLUMNS, LeastSquares};
 use super::quadrature::Integral;
-use super::regression::Settling;
+use super::regression::{Hearing, Settling};
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// Which regression is made of the integrals.
@@ -57,6 +57,24 @@ struct State {
     equations: LeastSquares,
     moved: f64,
     largest: f64,
+    position_seen: f64,
+    hearing: Hearing,
+}
+
+impl State {
+    /// Begins the integrals anew and keeps the equations: the initial state, which they annihilate,
+    /// may be another one.
+    fn begin_stretch(&mut self) {
+        *self = Self {
+            last: self.last,
+            equations: self.equations,
+            moved: self.moved,
+            largest: self.largest,
+            position_seen: self.position_seen,
+            hearing: self.hearing,
+            ..Self::default()
+        };
+    }
 }
 
 /// The integrals of one signal.
@@ -123,12 +141,26 @@ impl Algebraic {
     /// offset's where the settings allow one.
     fn used(&self) -> [bool; COLUMNS] {
         if self.form == AlgebraicForm::Paper {
-            return [true, true, true, false, false];
+            // A position of zero is no column: then two unknowns are left.
+            return [true, true, self.state.position_seen > 0.0, false, false];
         }
         let noise = self.settings.noise_std.unwrap_or(0.01 * self.state.largest);
         let moves = self.state.moved > 10.0 * noise;
         let scale = moves && self.settings.scale_is_free();
         [true, true, moves, self.settings.offset_is_free(), scale]
+    }
+
+    /// How long the integrals run before they begin anew, s: the settings' memory, and no longer than
+    /// one and a half periods of the present estimate (with noise, or a mode that is not quite linear,
+    /// they drift away by three), or of the slowest mode that is looked for.
+    fn stretch(&self) -> f64 {
+        let w = self
+            .settling
+            .estimate()
+            .map_or(self.settings.frequency_range.0, |estimate| {
+                estimate.mode.natural_frequency()
+            });
+        self.settings.memory.min(1.5 * core::f64::consts::TAU / w)
     }
 
     fn solve(&mut self, time: f64) {
@@ -149,12 +181,29 @@ impl Estimator for Algebraic {
         if !sample.is_finite() || self.settling.is_frozen() {
             return;
         }
-        let first = *self.state.first.get_or_insert(sample);
         let step = self.state.last.map_or(0.0, |last| sample.time - last.time);
         if self.state.last.is_some() && step <= 0.0 {
             return;
         }
+        if self
+            .state
+            .first
+            .is_some_and(|first| sample.time - first.time >= self.stretch())
+        {
+            if !self.state.hearing.hears(self.settings.noise_std) {
+                // Noise alone: nothing of it shall weigh on the vibration to come.
+                self.state.equations = LeastSquares::default();
+            }
+            self.state.begin_stretch();
+        }
+        self.state.hearing.push(sample.deformation);
+        let step = if self.state.first.is_some() {
+            step
+        } else {
+            0.0
+        };
         self.state.last = Some(sample);
+        let first = *self.state.first.get_or_insert(sample);
         let t = sample.time - first.time;
         let moved = sample.motor_position - first.motor_position;
         // The paper's third column is the position itself; the form with y needs the motion only.
@@ -164,6 +213,7 @@ impl Estimator for Algebraic {
             moved
         };
         self.state.moved = self.state.moved.max(moved.abs());
+        self.state.position_seen = self.state.position_seen.max(sample.motor_position.abs());
         self.state.largest = self.state.largest.max(sample.deformation.abs());
         self.state
             .position
@@ -179,7 +229,9 @@ impl Estimator for Algebraic {
             value = self.state.extra[COLUMNS].push(value, step);
         }
         self.state.equations.push(row, value, step);
-        self.solve(sample.time);
+        if self.state.hearing.hears(self.settings.noise_std) {
+            self.solve(sample.time);
+        }
     }
 
     fn estimate(&self) -> Option<Estimate> {

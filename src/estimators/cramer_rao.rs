@@ -2,7 +2,7 @@
 
 use quell_shapers::Mode;
 
-use super::likelihood::{Priors, Track, fit};
+use super::likelihood::{Folding, Priors, Track, fit};
 use super::{Sample, Settings};
 
 /// Smallest standard deviations of an unbiased estimator.
@@ -27,10 +27,6 @@ pub fn cramer_rao(
     noise_std: f64,
     settings: &Settings,
 ) -> Option<Bound> {
-    let mut track = Track::new(mode, settings.sample_time);
-    for _ in samples {
-        track.absorb(samples);
-    }
     let w = mode.natural_frequency();
     let precision = |std: f64| if std > 0.0 { (std * std).recip() } else { 1e30 };
     let priors = Priors {
@@ -46,13 +42,17 @@ pub fn cramer_rao(
             precision(settings.gain_std),
         ],
     };
-    let fit = fit(
-        &track.moments,
-        &track.response,
-        mode,
-        &priors,
-        noise_std * noise_std,
-    )?;
+    let variance = noise_std * noise_std;
+    let folding = Folding {
+        memory: settings.memory,
+        priors,
+        variance,
+    };
+    let mut track = Track::new(mode, settings.sample_time);
+    for _ in samples {
+        track.absorb(samples, &folding);
+    }
+    let fit = fit(&track, &priors, variance)?;
     Some(Bound {
         natural_frequency_std: fit.covariance[0][0].sqrt() * noise_std * w,
         damping_ratio_std: fit.covariance[1][1].sqrt() * noise_std,

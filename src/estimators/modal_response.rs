@@ -172,6 +172,14 @@ impl ModalResponse {
         self.lambda_slopes
     }
 
+    /// Begins anew at rest: what vibrates now is left to the free columns.
+    pub fn restart(&mut self) {
+        let zero = Complex::new(0.0, 0.0);
+        (self.state, self.sensitivity, self.free_slope) = (zero, zero, zero);
+        self.free = Complex::new(1.0, 0.0);
+        self.time = 0.0;
+    }
+
     /// Moves over one interval, the input on it a parabola.
     ///
     /// The step's weights are computed again only where its length changes by more than 1e-6 of

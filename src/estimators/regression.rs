@@ -7,9 +7,12 @@ use super::{Estimate, Settings};
 
 /// The estimate of a linear regression: kept once it has settled, since these estimates drift
 /// away again as the vibration sinks into the noise while the regressors' noise goes on adding up.
+/// Where the integrals begin anew after each of the settings' `memory` they do not, and the estimate
+/// goes on.
 #[derive(Clone, Copy, Debug)]
 pub struct Settling {
     range: (f64, f64),
+    keeps: bool,
     convergence: Convergence,
     estimate: Option<Estimate>,
 }
@@ -19,6 +22,7 @@ impl Settling {
     pub fn new(settings: &Settings) -> Self {
         Self {
             range: settings.frequency_range,
+            keeps: settings.memory.is_infinite(),
             convergence: Convergence::default(),
             estimate: None,
         }
@@ -58,12 +62,61 @@ impl Settling {
 
     /// Whether the estimate has settled and is kept.
     pub fn is_frozen(&self) -> bool {
-        self.estimate.is_some_and(|estimate| estimate.converged)
+        self.keeps && self.estimate.is_some_and(|estimate| estimate.converged)
     }
 
     /// Forgets all estimates.
     pub fn restart(&mut self) {
         self.convergence = Convergence::default();
         self.estimate = None;
+    }
+}
+
+/// Variance of the deformation over that of its noise, above which it counts as vibrating.
+///
+/// Where noise makes up a tenth of a regression's columns it biases the unknowns by as much; noise
+/// alone always has some best unknowns.
+const HEARD: f64 = 10.0;
+
+/// Tells a vibration from noise, sample by sample.
+///
+/// Third differences remove what is smooth and leave 20 times the variance of white noise
+/// (1 + 9 + 9 + 1).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Hearing {
+    last: [f64; 3],
+    count: f64,
+    origin: f64,
+    sum: f64,
+    square: f64,
+    rough: f64,
+}
+
+impl Hearing {
+    /// Takes a deformation.
+    pub fn push(&mut self, deformation: f64) {
+        if self.count == 0.0 {
+            self.origin = deformation;
+        }
+        let [a, b, c] = self.last;
+        if self.count >= 3.0 {
+            self.rough += (deformation - 3.0 * c + 3.0 * b - a).powi(2);
+        }
+        self.last = [b, c, deformation];
+        self.count += 1.0;
+        self.sum += deformation - self.origin;
+        self.square += (deformation - self.origin).powi(2);
+    }
+
+    /// Whether the variance so far is ten times that of the noise, given or seen (in 16 samples or
+    /// more: from fewer a variance is not known to a factor of ten).
+    pub fn hears(&self, noise_std: Option<f64>) -> bool {
+        if self.count < 16.0 {
+            return false;
+        }
+        let variance = (self.square - self.sum * self.sum / self.count) / self.count;
+        let seen = self.rough / (20.0 * (self.count - 3.0));
+        let given = noise_std.map_or(0.0, |std| std * std);
+        variance > HEARD * seen.max(given)
     }
 }

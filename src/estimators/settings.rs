@@ -25,6 +25,13 @@ pub struct Settings {
     pub scale_std: f64,
     /// Static gain `K`, deformation over motor-side position.
     pub gain_std: f64,
+    /// How long the known input is trusted to carry the vibration, s; infinity: for ever.
+    ///
+    /// A motor side that is measured coarsely, or a joint with more physics than the model, drives a
+    /// lightly damped mode away from the measured one. After each `memory` the vibration is
+    /// therefore free again, while mode, offset, scale and gain stay common to all stretches
+    /// (multiple shooting).
+    pub memory: f64,
     /// Longest stretch of samples that counts, s.
     pub window: f64,
 }
@@ -54,6 +61,7 @@ impl Settings {
             offset_std: None,
             scale_std: 0.1,
             gain_std: 0.05,
+            memory: f64::INFINITY,
             window: 20.0 * core::f64::consts::TAU / frequency_range.0,
         }
     }

@@ -10,7 +10,7 @@
 //! eq. 19 is alpha). In the sliding mode `v = xhat2 + z1` is the velocity.
 
 use super::least_squares::LeastSquares;
-use super::regression::Settling;
+use super::regression::{Hearing, Settling};
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// `alpha / f+`.
@@ -58,6 +58,7 @@ struct State {
     filtered_position: TwoPole,
     filtered_offset: TwoPole,
     equations: LeastSquares,
+    hearing: Hearing,
 }
 
 /// Two equal poles, `tau s + 1` squared; both states are outputs.
@@ -138,6 +139,7 @@ impl Estimator for SuperTwisting {
             return;
         }
         let Some(last) = self.state.last else {
+            self.state.hearing.push(sample.deformation);
             self.state.begin = sample.time;
             self.state.position = sample.deformation;
             self.state.largest = sample.deformation.abs();
@@ -151,6 +153,7 @@ impl Estimator for SuperTwisting {
         if sample.time <= last.time {
             return;
         }
+        self.state.hearing.push(sample.deformation);
         self.state.largest = self.state.largest.max(sample.deformation.abs());
         self.track(last, sample);
         let rate = self.state.filtered_velocity.second.abs() / self.bound;
@@ -160,7 +163,7 @@ impl Estimator for SuperTwisting {
         // a second, so the sliding mode is reached within 1 / w, and half of that for the spiral's
         // end.
         let begin = self.state.begin + 1.5 / self.bound + FORGOTTEN * self.time_constant();
-        if sample.time < begin {
+        if sample.time < begin || !self.state.hearing.hears(self.settings.noise_std) {
             return;
         }
         let tau = self.time_constant();

@@ -2,7 +2,7 @@
 
 use super::run::Run;
 use crate::estimators::Sample;
-use crate::estimators::offline::{extrema, log_decrement};
+use crate::estimators::offline::log_decrement;
 use crate::signal::noise_floor;
 
 /// Damping over one cycle.
@@ -21,37 +21,47 @@ pub struct CycleDamping {
 /// Damping against amplitude over a free decay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AmplitudeDependence {
-    /// One entry a half period, each over a whole cycle.
+    /// One entry a half period, each over a whole cycle, in the order of time.
     pub cycles: Vec<CycleDamping>,
-    /// Change of the damping ratio where the amplitude grows by a factor e.
-    pub slope: f64,
-    /// One standard deviation of it.
-    pub slope_std: f64,
+    /// Kendall's rank correlation of damping and amplitude in standard deviations of chance.
+    pub trend: f64,
 }
 
 impl AmplitudeDependence {
-    /// Whether damping falls as the amplitude does: the slope is above zero by three of its standard
-    /// deviations, and the line falls by a fifth or more of the first cycle's over the record.
+    /// Whether damping falls as the amplitude does: the ranks agree beyond chance (two standard
+    /// deviations, 5 % by chance; it takes five cycles), and the first third's median differs from the
+    /// last third's by three of their own standard deviations.
     pub fn falls_with_amplitude(&self) -> bool {
-        self.matters() && self.slope > 0.0
+        self.trend > 2.0 && self.differs()
     }
 
     /// Whether damping grows as the amplitude falls, by the same rule.
     pub fn grows_as_amplitude_falls(&self) -> bool {
-        self.matters() && self.slope < 0.0
+        self.trend < -2.0 && self.differs()
     }
 
-    fn matters(&self) -> bool {
-        let (Some(first), Some(last)) = (self.cycles.first(), self.cycles.last()) else {
-            return false;
-        };
-        let change = self.slope * (first.amplitude / last.amplitude).ln();
-        self.slope.abs() > 3.0 * self.slope_std && change.abs() > 0.2 * first.damping_ratio.abs()
+    /// Medians of the first and of the last third of the cycles: amplitude and damping ratio.
+    pub fn ends(&self) -> [CycleDamping; 2] {
+        let third = self.cycles.len().div_ceil(3);
+        [
+            &self.cycles[..third],
+            &self.cycles[self.cycles.len() - third..],
+        ]
+        .map(|part| {
+            let mut part = part.to_vec();
+            part.sort_by(|a, b| a.damping_ratio.total_cmp(&b.damping_ratio));
+            part[part.len() / 2]
+        })
+    }
+
+    fn differs(&self) -> bool {
+        let [first, last] = self.ends();
+        let std = first.damping_ratio_std.hypot(last.damping_ratio_std);
+        (first.damping_ratio - last.damping_ratio).abs() > 3.0 * std
     }
 }
 
-/// Damping of successive cycles of a free decay, and a line through it over the amplitude's
-/// logarithm.
+/// Damping of successive cycles of a free decay, and its rank correlation with the amplitude.
 ///
 /// Half of the distance between neighbouring extrema is an amplitude without offset; two of them a
 /// period apart give a damping ratio by eq. (25). `None` with fewer than three cycles.
@@ -60,12 +70,12 @@ pub fn dependence(samples: &[Sample], run: &Run) -> Option<AmplitudeDependence> 
     let samples = run.stretch.of(samples);
     let values: Vec<f64> = samples.iter().map(|s| s.deformation).collect();
     let noise = noise_floor(&values).standard_deviation;
-    let found = extrema(samples, mode.damped_frequency(), run.offset, 3.0 * noise);
     let sample_time = (run.stretch.until - run.stretch.from) / samples.len().max(2) as f64;
     // The vertex of a parabola through m samples has a standard deviation of 1.5 sigma / sqrt m.
     let averaged = (mode.damped_period() / 4.0 / sample_time).max(1.0);
     let height_std = 1.5 * noise / averaged.sqrt();
-    let halves: Vec<(f64, f64)> = found
+    let halves: Vec<(f64, f64)> = run
+        .extrema
         .windows(2)
         .map(|pair| {
             let amplitude = 0.5 * (pair[1].height - pair[0].height).abs();
@@ -86,39 +96,30 @@ pub fn dependence(samples: &[Sample], run: &Run) -> Option<AmplitudeDependence> 
             }
         })
         .collect();
-    (cycles.len() >= 3).then(|| line(cycles))
+    let trend = trend(&cycles);
+    (cycles.len() >= 3).then_some(AmplitudeDependence { cycles, trend })
 }
 
-/// Weighted line of damping over `ln amplitude`; its standard deviation from the larger of the
-/// known noise and the scatter about the line.
-fn line(cycles: Vec<CycleDamping>) -> AmplitudeDependence {
+/// Kendall's score of damping over amplitude, over its standard deviation without any dependence.
+///
+/// Source: M. G. Kendall, Rank Correlation Methods (1948), with the continuity correction.
+fn trend(cycles: &[CycleDamping]) -> f64 {
     let count = cycles.len() as f64;
-    let mean_x = cycles.iter().map(|c| c.amplitude.ln()).sum::<f64>() / count;
-    let mean_y = cycles.iter().map(|c| c.damping_ratio).sum::<f64>() / count;
-    let square: f64 = cycles
-        .iter()
-        .map(|c| (c.amplitude.ln() - mean_x).powi(2))
-        .sum();
-    let product: f64 = cycles
-        .iter()
-        .map(|c| (c.amplitude.ln() - mean_x) * (c.damping_ratio - mean_y))
-        .sum();
-    let slope = product / square.max(f64::MIN_POSITIVE);
-    let scatter: f64 = cycles
-        .iter()
-        .map(|c| (c.damping_ratio - mean_y - slope * (c.amplitude.ln() - mean_x)).powi(2))
-        .sum::<f64>()
-        / (count - 2.0).max(1.0);
-    let noise: f64 = cycles
-        .iter()
-        .map(|c| c.damping_ratio_std.powi(2))
-        .sum::<f64>()
-        / count;
-    // Cycles overlap by half, so half as many are independent.
-    let slope_std = (2.0 * scatter.max(noise) / square.max(f64::MIN_POSITIVE)).sqrt();
-    AmplitudeDependence {
-        cycles,
-        slope,
-        slope_std,
+    let mut score = 0.0;
+    for (k, a) in cycles.iter().enumerate() {
+        for b in &cycles[k + 1..] {
+            let product = (a.damping_ratio - b.damping_ratio) * (a.amplitude - b.amplitude);
+            score += if product == 0.0 {
+                0.0
+            } else {
+                product.signum()
+            };
+        }
+    }
+    let variance = count * (count - 1.0) * (2.0 * count + 5.0) / 18.0;
+    if score == 0.0 {
+        0.0
+    } else {
+        (score - f64::signum(score)) / variance.sqrt()
     }
 }

@@ -2,14 +2,22 @@
 
 use quell_shapers::Mode;
 
-use super::reference_fit;
-use super::stretches::{self, Stretch};
-use crate::estimators::offline::{BatchFit, extrema, fourier, mode_of_extrema};
+use super::stretches::{self, FreeDecay, Stretch};
+use crate::estimators::offline::{BatchFit, Extremum, batch_fit, fourier, mode_of_extrema};
 use crate::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
-use crate::signal::noise_floor;
 
 /// Points of an estimate's history that are kept for a figure.
-const HISTORY: usize = 600;
+const HISTORY: usize = 3000;
+
+/// What the motor side counts as in a free decay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// As standing still: its creep under feedback is below the share of a move's speed that counts
+    /// as rest, and as a regressor it would take up a drift of the sensor's zero.
+    Still,
+    /// As the known input that it is in the moves.
+    Known,
+}
 
 /// One estimator over one stretch.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +30,7 @@ pub struct OnLine {
     pub converged_at: Option<f64>,
     /// The same in periods of its mode, counted from `counted_from` of the run.
     pub periods: Option<f64>,
-    /// The estimate over time, thinned to 600 points.
+    /// The estimate over time, thinned to 3000 points.
     pub history: Vec<Estimate>,
 }
 
@@ -54,20 +62,19 @@ pub struct Run {
     pub off_line: Vec<OffLine>,
     /// Sum of squares of the deformation about its offset, of use to compare decays.
     pub energy: f64,
-    /// Offset of the deformation, from the batch fit.
-    pub offset: f64,
+    /// Extrema of a free decay, half a period apart.
+    pub extrema: Vec<Extremum>,
 }
 
 impl Run {
     /// The whole recording with the motor side as known input.
-    pub(super) fn whole(samples: &[Sample], settings: &Settings) -> (Self, Option<BatchFit>) {
+    pub(super) fn whole(samples: &[Sample], settings: &Settings, fit: Option<&BatchFit>) -> Self {
         let stretch = Stretch {
             from: samples[0].time,
             until: samples[samples.len() - 1].time,
         };
-        let fit = reference_fit(samples, settings, true);
         let counted_from = stretches::motion_from(samples);
-        let run = Self {
+        Self {
             stretch,
             counted_from,
             is_free_decay: false,
@@ -76,45 +83,63 @@ impl Run {
                 .filter(|line| line.uses_motion)
                 .map(|line| on_line(line, samples, settings, counted_from))
                 .collect(),
-            off_line: fit.iter().map(batch_reference).collect(),
-            energy: energy(samples, fit.as_ref()),
-            offset: fit.as_ref().map_or(0.0, |fit| fit.offset),
-        };
-        (run, fit)
+            off_line: fit.into_iter().map(batch_reference).collect(),
+            energy: energy(samples, fit),
+            extrema: Vec::new(),
+        }
     }
 
     /// One free decay.
-    ///
-    /// The motor side may still creep under feedback, so the batch fit takes it as a known input
-    /// here too.
-    pub(super) fn free_decay(samples: &[Sample], stretch: Stretch, settings: &Settings) -> Self {
-        let samples = stretch.of(samples);
-        let fit = reference_fit(samples, settings, true);
-        let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
+    pub(super) fn free_decay(
+        samples: &[Sample],
+        decay: &FreeDecay,
+        settings: &Settings,
+        input: Input,
+    ) -> Self {
+        let FreeDecay { stretch, extrema } = decay.clone();
+        let moving = stretch.of(samples);
+        let position = moving.first().map_or(0.0, |s| s.motor_position);
+        let still: Vec<Sample> = moving
+            .iter()
+            .map(|s| Sample {
+                motor_position: position,
+                ..*s
+            })
+            .collect();
+        let samples = if input == Input::Known {
+            moving
+        } else {
+            &still
+        };
+        let settings = Settings {
+            memory: f64::INFINITY,
+            ..*settings
+        };
+        let fit = batch_fit(samples, &settings, input == Input::Known);
         let plain = |method, mode| OffLine {
             method,
             mode,
             natural_frequency_std: None,
             damping_ratio_std: None,
         };
+        let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
         off_line.extend(fourier(samples, settings.frequency_range).map(|m| plain("fourier", m)));
-        if let Some(fit) = &fit {
-            let values: Vec<f64> = samples.iter().map(|s| s.deformation).collect();
-            let floor = 3.0 * noise_floor(&values).standard_deviation;
-            let found = extrema(samples, fit.mode.damped_frequency(), fit.offset, floor);
-            off_line.extend(mode_of_extrema(&found).map(|m| plain("log_decrement", m)));
-        }
+        off_line.extend(mode_of_extrema(&extrema).map(|m| plain("log_decrement", m)));
         Self {
             stretch,
             counted_from: stretch.from,
             is_free_decay: true,
             on_line: ESTIMATORS
                 .iter()
-                .map(|line| on_line(line, samples, settings, stretch.from))
+                .map(|line| {
+                    // The methods for a free decay know of no input but a constant.
+                    let samples = if line.uses_motion { samples } else { &still };
+                    on_line(line, samples, &settings, stretch.from)
+                })
                 .collect(),
             off_line,
             energy: energy(samples, fit.as_ref()),
-            offset: fit.as_ref().map_or(0.0, |fit| fit.offset),
+            extrema,
         }
     }
 

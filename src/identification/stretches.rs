@@ -24,6 +24,15 @@ impl Stretch {
     }
 }
 
+/// A free decay within a rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeDecay {
+    /// Where it is.
+    pub stretch: Stretch,
+    /// Its extrema, half a period apart.
+    pub extrema: Vec<Extremum>,
+}
+
 /// Rests of the motor side that follow a motion and could hold two periods of the slowest mode
 /// that is looked for, or are a tenth of the record.
 pub fn rests(samples: &[Sample], settings: &Settings) -> Vec<Stretch> {
@@ -66,7 +75,7 @@ pub fn motion_from(samples: &[Sample]) -> f64 {
 /// extremum by 3 %, and twice that on both ends of an interval is 13 %. Where all are even
 /// the decay begins with the rest. `None` where fewer than three extrema (a period) rise out of the
 /// noise.
-pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Option<Stretch> {
+pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Option<FreeDecay> {
     let within = rest.of(samples);
     // The frequency from the rest's last two thirds, where only the mode is left.
     let late = Stretch {
@@ -80,7 +89,7 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     let found = extrema(within, fit.mode.damped_frequency(), fit.offset, 3.0 * noise);
     let half_period = 0.5 * fit.mode.damped_period();
     let even = |pair: &[Extremum]| ((pair[1].time - pair[0].time) / half_period - 1.0).abs() < 0.15;
-    let regular = longest_run(&found, even);
+    let regular = steady(longest_run(&found, even));
     let [begin, _, .., last] = regular else {
         return None;
     };
@@ -92,7 +101,43 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     };
     // One more period after the last extremum that is seen: beyond there is only noise.
     let until = rest.until.min(last.time + 2.0 * half_period);
-    Some(Stretch { from, until })
+    Some(FreeDecay {
+        stretch: Stretch { from, until },
+        extrema: regular.to_vec(),
+    })
+}
+
+/// Leaves out first cycles whose logarithmic decrement stands out from the others': more than the mode
+/// decays in them.
+///
+/// Out of line is what lies more than three standard deviations (of a normal distribution with the same
+/// median absolute deviation) off the median, among five cycles or more.
+fn steady(mut extrema: &[Extremum]) -> &[Extremum] {
+    loop {
+        let amplitude: Vec<f64> = extrema
+            .windows(2)
+            .map(|pair| (pair[1].height - pair[0].height).abs())
+            .collect();
+        let decrement: Vec<f64> = amplitude
+            .windows(3)
+            .map(|three| (three[0] / three[2]).ln())
+            .collect();
+        let Some(first) = decrement.first().filter(|_| decrement.len() >= 5) else {
+            return extrema;
+        };
+        let centre = median(&decrement);
+        let off: Vec<f64> = decrement.iter().map(|d| (d - centre).abs()).collect();
+        if (first - centre).abs() <= 3.0 * 1.4826 * median(&off) {
+            return extrema;
+        }
+        extrema = &extrema[1..];
+    }
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }
 
 /// The longest run of extrema of which all neighbours are even.

@@ -164,21 +164,6 @@ pub fn respond(truth: &Truth, segments: &[Segment], times: &[f64]) -> Vec<Sample
     samples
 }
 
-/// A free decay of unit first amplitude times `amplitude`, begun at a phase.
-pub fn decay(truth: &Truth, amplitude: f64, phase: f64, times: &[f64]) -> Vec<Sample> {
-    let w = TAU * truth.frequency_hz;
-    let xi = truth.damping_ratio;
-    let wd = w * (1.0 - xi * xi).sqrt();
-    times
-        .iter()
-        .map(|&time| Sample {
-            time,
-            motor_position: 30f64.to_radians(),
-            deformation: amplitude * (-xi * w * time).exp() * (wd * time + phase).cos(),
-        })
-        .collect()
-}
-
 /// Stamps at a rate, in Hz.
 pub fn stamps(rate_hz: f64, duration: f64) -> Vec<f64> {
     (0..(duration * rate_hz).round() as usize)

@@ -11,12 +11,6 @@ pub struct Move {
 }
 
 impl Move {
-    /// 30 degrees in 0.39 s.
-    pub const PUBLISHED: Move = Move {
-        distance: std::f64::consts::PI / 6.0,
-        phases: [0.05, 0.04, 0.11],
-    };
-
     fn sequence(&self) -> [(f64, f64); 7] {
         let [j, a, v] = self.phases;
         [

@@ -6,8 +6,7 @@ use quell_shapers::{
     GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
 };
 
-/// Residual vibration at which the insensitivity is told, and below which a difference does not
-/// matter: the 5 % of the literature.
+/// Residual vibration at which the insensitivity is told.
 pub const TOLERANCE: f64 = 0.05;
 
 /// A shaper and what came of its design.

@@ -1,6 +1,6 @@
 //! The recommended shaper, with the reason in a sentence.
 
-use super::candidate::{Candidate, TOLERANCE};
+use super::candidate::Candidate;
 use crate::cli::CliError;
 use quell_shapers::{
     Criterion, Mode, Reason, Recommendation, Requirements, Shaper, ShaperError, Standing,
@@ -14,26 +14,19 @@ pub struct Wish {
     pub frequency_std: f64,
     /// One standard deviation of each damping ratio.
     pub damping_std: f64,
+    /// Residual vibration that is small enough.
+    pub acceptable: f64,
     /// The longest delay, s; infinity for any.
     pub max_delay: f64,
 }
 
-/// What a shaper leaves of modes that are known only so well: the most of any of them.
-#[derive(Clone, Copy)]
-pub struct Uncertain {
-    /// The shaper.
-    pub shaper: &'static dyn Shaper,
-    /// Mean residual vibration.
-    pub expected: f64,
-    /// Residual vibration that 95 % of the uncertainty stays below.
-    pub worst_95: f64,
-    eligible: bool,
-}
+/// A shaper's figures over the uncertainty, as the crate gives them.
+pub type Figures = quell_shapers::Candidate;
 
 /// The recommended shaper.
 pub struct Choice {
     /// The shaper and its figures.
-    pub figures: Uncertain,
+    pub figures: Figures,
     /// Why, in a sentence.
     pub reason: String,
     /// What it adds to the end of a move on the controller's grid, s.
@@ -42,19 +35,14 @@ pub struct Choice {
 
 /// What came of the recommendation.
 pub struct Advice {
-    /// The shapers for which there are figures.
-    pub uncertain: Vec<Uncertain>,
-    /// The one to take.
+    /// Every shaper's figures.
+    pub figures: Vec<Figures>,
+    /// The one to take; none where no shaper is within the delay.
     pub choice: Option<Choice>,
 }
 
-/// Recommends one shaper for all the modes by [`recommend`]; residuals nearer than 5 % count as
-/// equal.
-///
-/// Several modes are asked about one by one, each with a share of the delay in proportion to its
-/// period, and of the shapers recommended for them the one is taken that leaves least of the mode of
-/// which it leaves most. The trains of the other modes only take from what is left of a mode (their
-/// amplitudes are positive, so their own residual is at most 1), so that the figures are bounds.
+/// Recommends one shaper for all the modes by [`recommend`]: the shortest that leaves no more than is
+/// acceptable for 95 % of the uncertainty; where none does, the one that leaves least.
 ///
 /// [`recommend`] judges exact impulse times. Where the controller's grid makes the recommended train
 /// longer than allowed, or cannot hold it, the one of the others that leaves least is taken.
@@ -64,103 +52,57 @@ pub struct Advice {
 pub fn choose(candidates: &[Candidate], modes: &[Mode], wish: Wish) -> Result<Advice, CliError> {
     let max_delay = f64::INFINITY;
     let all = ask(modes, Wish { max_delay, ..wish })?;
-    let within = ask(modes, wish)?;
+    let found = ask(modes, wish)?;
     Ok(Advice {
-        uncertain: over_all(&all),
-        choice: pick(candidates, &within, wish),
+        figures: all.map_or(Vec::new(), |all| all.candidates.to_vec()),
+        choice: found.and_then(|found| pick(candidates, &found, wish)),
     })
 }
 
-/// What is recommended for each of the modes; empty where no shaper is within the delay.
-fn ask(modes: &[Mode], wish: Wish) -> Result<Vec<Recommendation>, CliError> {
-    let one = |&mode| {
-        recommend(
-            &uncertain_mode(mode, wish),
-            &requirements(mode, modes, wish),
-        )
+/// The crate's recommendation; nothing where no shaper is within the delay.
+fn ask(modes: &[Mode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
+    let estimate = |&mode: &Mode| UncertainMode {
+        mode,
+        natural_frequency_std: wish.frequency_std * mode.natural_frequency(),
+        damping_ratio_std: wish.damping_std,
     };
-    match modes.iter().map(one).collect() {
-        Ok(answers) => Ok(answers),
-        Err(ShaperError::NoneFits { .. }) => Ok(Vec::new()),
+    let estimates: Vec<UncertainMode> = modes.iter().map(estimate).collect();
+    let requirements = Requirements {
+        longest_delay: wish.max_delay,
+        criterion: Criterion::Worst95,
+        acceptable: wish.acceptable,
+        tolerance: 0.0,
+        allow_negative: false,
+    };
+    match recommend(&estimates, &requirements) {
+        Ok(found) => Ok(Some(found)),
+        Err(ShaperError::NoneFits { .. }) => Ok(None),
         Err(error) => Err(CliError::input(error)),
     }
 }
 
-fn uncertain_mode(mode: Mode, wish: Wish) -> UncertainMode {
-    UncertainMode {
-        mode,
-        natural_frequency_std: wish.frequency_std * mode.natural_frequency(),
-        damping_ratio_std: wish.damping_std,
-    }
-}
-
-fn requirements(mode: Mode, modes: &[Mode], wish: Wish) -> Requirements {
-    let periods: f64 = modes.iter().map(Mode::damped_period).sum();
-    Requirements {
-        longest_delay: wish.max_delay * (mode.damped_period() / periods),
-        criterion: Criterion::Worst95,
-        tolerance: TOLERANCE,
-        allow_negative: false,
-    }
-}
-
-/// The figures of each shaper over all modes, of those that can be designed for all; with negative
-/// amplitudes they are bounds for a single mode only.
-fn over_all(answers: &[Recommendation]) -> Vec<Uncertain> {
-    let Some(first) = answers.first() else {
-        return Vec::new();
-    };
-    let one = |index: usize| {
-        let of_modes = || {
-            answers
-                .iter()
-                .filter_map(|answer| answer.candidates.get(index))
-        };
-        let shaper = first.candidates[index].shaper;
-        let solved = of_modes().all(|candidate| candidate.standing != Standing::Unsolved);
-        let bounded = answers.len() == 1 || shaper.is_convex();
-        (solved && bounded).then(|| Uncertain {
-            shaper,
-            expected: of_modes().map(|c| c.expected).fold(0.0, f64::max),
-            worst_95: of_modes().map(|c| c.worst_95).fold(0.0, f64::max),
-            eligible: of_modes().all(|c| c.standing == Standing::Eligible),
-        })
-    };
-    (0..first.candidates.len()).filter_map(one).collect()
-}
-
 /// The recommended one, or where the grid has not enough room for it, the best of the others.
-fn pick(candidates: &[Candidate], answers: &[Recommendation], wish: Wish) -> Option<Choice> {
-    let mut eligible = over_all(answers);
-    eligible.retain(|one| one.eligible);
-    eligible.sort_by(|a, b| a.worst_95.total_cmp(&b.worst_95));
-    let is_recommended = |one: &&Uncertain| {
-        let name = one.shaper.name();
-        answers
-            .iter()
-            .any(|answer| answer.best.shaper.name() == name)
-    };
-    let best = eligible.iter().find(is_recommended)?;
-    let on_grid = |one: &Uncertain| delay_on_grid(candidates, one.shaper, wish.max_delay);
-    let (figures, delay, why) = match on_grid(best) {
-        Ok(delay) => (*best, delay, reason(best, answers, wish)),
+fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<Choice> {
+    let on_grid = |one: &Figures| delay_on_grid(candidates, one.shaper, wish.max_delay);
+    let (figures, delay, why) = match on_grid(&found.best) {
+        Ok(delay) => (found.best, delay, reason(found, wish)),
         Err(refusal) => {
-            let fits = |one: &Uncertain| Some((*one, on_grid(one).ok()?));
-            let (other, delay) = eligible.iter().find_map(fits)?;
-            let name = best.shaper.name();
-            let why = format!("{name} would be taken, but {refusal}; no other leaves less");
-            (other, delay, why)
+            let eligible = found.candidates.iter();
+            let eligible = eligible.filter(|one| one.standing == Standing::Eligible);
+            let others = eligible.filter_map(|one| Some((*one, on_grid(one).ok()?)));
+            let (least, delay) = others.min_by(|a, b| a.0.worst_95.total_cmp(&b.0.worst_95))?;
+            let name = found.best.shaper.name();
+            let left = percent(least.worst_95);
+            let why =
+                format!("{name} would be taken, but {refusal}; of the others it leaves least");
+            (least, delay, format!("{why}, up to {left}"))
         }
     };
-    let reason = format!(
-        "{}, which adds {delay:.3} s: it leaves at most {} with 95 % probability where {}; {why}.",
-        figures.shaper.name(),
-        percent(figures.worst_95),
-        known(wish),
-    );
+    let name = figures.shaper.name();
+    let known = known(wish);
     Some(Choice {
         figures,
-        reason,
+        reason: format!("{name}, which adds {delay:.3} s: {why}, {known}."),
         delay,
     })
 }
@@ -171,47 +113,56 @@ fn delay_on_grid(
     shaper: &dyn Shaper,
     max_delay: f64,
 ) -> Result<f64, String> {
-    let candidate = candidates.iter().find(|c| c.shaper.name() == shaper.name());
-    let design = candidate.map(|candidate| candidate.design.as_ref());
-    match design {
-        Some(Ok(design)) if design.train.duration() <= max_delay => Ok(design.train.duration()),
-        Some(Ok(design)) => Err(format!(
-            "on the controller's grid it adds {:.4} s",
-            design.train.duration()
-        )),
-        Some(Err(refusal)) => Err(refusal.clone()),
-        None => Err("it is not compared".into()),
+    let same = |candidate: &&Candidate| candidate.shaper.name() == shaper.name();
+    let candidate = candidates.iter().find(same).ok_or("it is not compared")?;
+    let design = candidate.design.as_ref().map_err(String::clone)?;
+    match design.train.duration() {
+        delay if delay <= max_delay => Ok(delay),
+        delay => Err(format!("on the controller's grid it adds {delay:.4} s")),
     }
 }
 
-/// Why the recommended one was taken, by the mode of which it leaves most.
-fn reason(taken: &Uncertain, answers: &[Recommendation], wish: Wish) -> String {
-    let name = taken.shaper.name();
+/// Why the best one was taken, as a clause.
+fn reason(found: &Recommendation, wish: Wish) -> String {
+    let best = &found.best;
+    let (left, acceptable) = (percent(best.worst_95), percent(wish.acceptable));
     let within = match wish.max_delay {
         delay if delay.is_finite() => format!(" within {delay} s of delay"),
         _ => String::new(),
     };
-    let binding = answers
-        .iter()
-        .filter(|answer| answer.best.shaper.name() == name)
-        .max_by(|a, b| a.best.worst_95.total_cmp(&b.best.worst_95));
-    match binding.map(|answer| (answer.reason, answer.best.delay)) {
-        Some((Reason::OnlyOne, _)) => format!("no other is{within}"),
-        Some((Reason::ShorterAndAsGood(least), delay)) => format!(
-            "{}, which leaves least{within} ({}), is less than {} better and {:.3} s longer",
-            least.shaper.name(),
-            percent(least.worst_95),
-            percent(TOLERANCE),
-            least.delay - delay,
-        ),
-        Some((Reason::LeavesLeast, _)) | None => format!("no other{within} leaves less"),
+    let holds = best.worst_95 <= wish.acceptable;
+    match found.reason {
+        Reason::OnlyOne => format!("the only one{within}; it leaves up to {left}"),
+        Reason::LeavesLeast if !holds => {
+            format!("none{within} leaves at most {acceptable}; it leaves least, up to {left}")
+        }
+        Reason::ShorterAndAsGood(least) => {
+            let name = least.shaper.name();
+            format!("up to {left}, as little as {name}, which is longer")
+        }
+        Reason::LeavesLeast | Reason::ShortestAcceptable => {
+            let shorter = shorter(found);
+            format!("the shortest{within} that leaves at most {acceptable} ({left}{shorter})")
+        }
     }
 }
 
-/// How well the modes are known, in words.
+/// What the shorter ones leave, of those that could have been chosen.
+fn shorter(found: &Recommendation) -> String {
+    let is_shorter =
+        |one: &&Figures| one.standing == Standing::Eligible && one.delay < found.best.delay;
+    let shorter = found.candidates.iter().filter(is_shorter);
+    let least = shorter.map(|one| one.worst_95).min_by(f64::total_cmp);
+    least.map_or(String::new(), |left| {
+        format!("; the shorter ones leave up to {} or more", percent(left))
+    })
+}
+
+/// For whom the residuals hold, in words.
 fn known(wish: Wish) -> String {
     format!(
-        "the frequency is known to {} and the damping ratio to {} (one standard deviation)",
+        "for 95 % of the machines whose frequency is known to {} and damping ratio to {} \
+         (one standard deviation)",
         percent(wish.frequency_std),
         wish.damping_std,
     )

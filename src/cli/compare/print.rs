@@ -135,6 +135,7 @@ pub fn document(comparison: &Comparison) -> Value {
         "modes": modes.collect::<Vec<_>>(),
         "frequency_std_percent": 100.0 * comparison.wish.frequency_std,
         "damping_std": comparison.wish.damping_std,
+        "acceptable_v": comparison.wish.acceptable,
         "max_delay_s": Some(comparison.wish.max_delay).filter(|delay| delay.is_finite()),
         "unshaped_simulated_mm": comparison.unshaped.as_ref().map(|moved| &moved.residual_mm),
         "shapers": shapers.collect::<Vec<_>>(),

@@ -4,7 +4,7 @@ use super::{Findings, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
 use crate::identification::{OffLine, OnLine, Run};
-use crate::report::{Chart, Figure, Page, Table, Verdict};
+use crate::report::{Chart, Figure, Page, Table, Verdict, number};
 
 const TAU: f64 = core::f64::consts::TAU;
 
@@ -48,36 +48,39 @@ pub fn page(findings: &Findings) -> Page {
 }
 
 fn headline(page: Page, findings: &Findings, e: &Estimate, result: Option<&OnLine>) -> Page {
-    let std = e.natural_frequency_std / TAU;
+    let frequency_std = two_digits(e.natural_frequency_std / TAU);
+    let damping_std = two_digits(e.damping_ratio_std);
     let sentence = format!(
-        "{:.3} Hz (+- {std:.3}) with a damping ratio of {:.4} (+- {:.4}), by maximum likelihood.",
+        "{:.3} Hz (± {frequency_std}) with a damping ratio of {:.4} (± {damping_std}), by maximum \
+         likelihood.",
         e.mode.hertz(),
         e.mode.damping_ratio(),
-        e.damping_ratio_std,
     );
     let verdict = if e.converged {
         Verdict::Good
     } else {
         Verdict::Bad
     };
+    let frequency = Figure::new("natural frequency", e.mode.hertz(), "Hz");
+    let damping = Figure::new("damping ratio", e.mode.damping_ratio(), "");
     let mut page = page
         .verdict(verdict, sentence)
-        .figure(Figure::new("natural frequency", e.mode.hertz(), "Hz").note(format!("+- {std:.3}")))
-        .figure(
-            Figure::new("damping ratio", e.mode.damping_ratio(), "")
-                .note(format!("+- {:.4}", e.damping_ratio_std)),
-        );
+        .figure(frequency.note(format!("± {frequency_std}")))
+        .figure(damping.note(format!("± {damping_std}")));
     if let Some(periods) = result.and_then(|result| result.periods) {
         page = page.figure(Figure::new("to converge", periods, "periods"));
     }
     if let Some(fit) = findings.found.reference().batch() {
         let off = 100.0 * (e.mode.hertz() / fit.mode.hertz() - 1.0);
-        page = page.figure(
-            Figure::new("off-line fit", fit.mode.hertz(), "Hz")
-                .note(format!("on-line {off:+.2} %")),
-        );
+        let figure = Figure::new("off-line fit", fit.mode.hertz(), "Hz");
+        page = page.figure(figure.note(format!("on-line {off:+.2} %")));
     }
     page
+}
+
+/// A standard deviation as it is quoted.
+fn two_digits(value: f64) -> String {
+    number(format!("{value:.1e}").parse().unwrap_or(value))
 }
 
 fn on_line(findings: &Findings) -> Table {
@@ -137,15 +140,16 @@ fn off_line(run: &Run) -> Table {
 }
 
 /// One quantity of all estimators over a run, the likelihood's with a band of two standard
-/// deviations, the batch fit as a level.
+/// deviations, the batch fit as a level; the first five periods are shown first, and a range about the
+/// batch fit (what an estimate does at its start is not worth the scale).
 fn over_time(
     run: &Run,
     chart: Chart,
     quantity: impl Fn(&Estimate) -> (f64, f64),
     level: impl Fn(&OffLine) -> f64,
+    about: [f64; 2],
 ) -> Chart {
     let mut chart = chart;
-    let mut greatest = 0.0_f64;
     for (index, result) in run.on_line.iter().enumerate() {
         let time: Vec<f64> = result.history.iter().map(|e| e.time).collect();
         let values: Vec<(f64, f64)> = result.history.iter().map(&quantity).collect();
@@ -157,24 +161,24 @@ fn over_time(
         }
         chart = chart.series(result.name, &time, &value);
     }
-    if let Some(batch) = run.batch() {
-        greatest = level(batch);
-        chart = chart.level(greatest, "batch fit");
-    }
-    // What lies beyond twice the reference is the start of an estimate, not worth the scale.
-    if greatest > 0.0 {
-        chart.y_range(0.0, 2.0 * greatest)
+    let begins = if run.is_free_decay {
+        "decay begins"
     } else {
-        chart
-    }
-    .marker(
-        run.counted_from,
-        if run.is_free_decay {
-            "decay begins"
-        } else {
-            "motion begins"
-        },
-    )
+        "motion begins"
+    };
+    chart = chart.marker(run.counted_from, begins);
+    let Some(batch) = run.batch() else {
+        return chart;
+    };
+    let value = level(batch);
+    let until = (run.counted_from + 5.0 * batch.mode.damped_period()).min(run.stretch.until);
+    chart
+        .level(value, "batch fit")
+        .x_range(run.counted_from, until)
+        .y_range(
+            about[0] * value,
+            (about[1] * value).max(about[0] * value + 0.01),
+        )
 }
 
 fn frequencies(run: &Run) -> Chart {
@@ -185,6 +189,7 @@ fn frequencies(run: &Run) -> Chart {
         chart,
         |e| (e.mode.hertz(), e.natural_frequency_std / TAU),
         |l| l.mode.hertz(),
+        [0.75, 1.25],
     )
 }
 
@@ -192,7 +197,7 @@ fn dampings(run: &Run) -> Chart {
     let title = format!("Damping ratio, {}", words::stretch(run));
     let chart = Chart::lines(title, "time", "s", "damping ratio", "");
     let quantity = |e: &Estimate| (e.mode.damping_ratio(), e.damping_ratio_std);
-    over_time(run, chart, quantity, |l| l.mode.damping_ratio())
+    over_time(run, chart, quantity, |l| l.mode.damping_ratio(), [0.0, 2.0])
 }
 
 fn positions(findings: &Findings) -> Chart {

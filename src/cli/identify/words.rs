@@ -26,13 +26,20 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
         ),
         _ => {}
     }
+    if found.memory.is_finite() && found.known_input_holds != Some(false) {
+        remarks.push(format!(
+            "The motor side, as measured, does not carry the vibration to the end: it is taken as \
+             free again after every {:.2} s.",
+            found.memory
+        ));
+    }
     remarks.extend(damping(findings));
     if let Some(registration) = &findings.series.registration {
         remarks.push(format!(
-            "The tip sensor's clock reads {:+.3} ms (+- {:.3}) against the encoder's; it was \
+            "The tip sensor's clock reads {:+.3} ms (± {:.1} us) against the encoder's; it was \
              registered to {:.1} um rms off the arc's plane.",
             1e3 * registration.clock.offset,
-            1e3 * registration.clock_offset_std,
+            1e6 * registration.clock_offset_std,
             1e6 * registration.normal_rms,
         ));
     }
@@ -42,7 +49,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
 /// A sentence on damping against amplitude.
 fn damping(findings: &Findings) -> Option<String> {
     let dependence = findings.found.amplitude_dependence.as_ref()?;
-    let (first, last) = (dependence.cycles.first()?, dependence.cycles.last()?);
+    let [first, last] = dependence.ends();
     let word = if dependence.falls_with_amplitude() {
         "falls as the amplitude does"
     } else if dependence.grows_as_amplitude_falls() {

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use quell_shapers::Mode;
 use serde_json::{Value, json};
 
+use super::Args;
 use super::motion::Motion;
+use super::setup::Setup;
 use super::trace::Trace;
-use super::{Args, Setup};
 use crate::cli::output;
 use crate::plant::ArmSimulation;
 

@@ -1,7 +1,7 @@
 //! By how much a command exceeds the limits of its joint.
 
-use super::Setup;
 use super::motion::{Knot, Motion};
+use super::setup::Setup;
 
 /// Share of a limit by which a command at its limit may seem to exceed it, by rounding.
 const ROUNDING: f64 = 1e-6;

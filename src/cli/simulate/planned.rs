@@ -3,8 +3,9 @@
 use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
 use quell_trajectories::SampledTrajectory;
 
+use super::Args;
 use super::motion::{Knot, Leg, Motion, rounding};
-use super::{Args, Setup};
+use super::setup::Setup;
 use crate::cli::{CliError, effort::affordable, shaping};
 
 /// Rest before the first move, s: what the sensors say of a joint that stands.

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::Args;
 use super::motion::{Knot, Leg, Motion, rounding};
+use super::setup::Setup;
 use super::slopes::slopes;
-use super::{Args, Setup};
 use crate::cli::{CliError, effort::affordable, time_column::time_column};
 use crate::recording::health::quantum;
 use crate::recording::{Dimension, Recording, Role, Table, Unit};

@@ -1,15 +1,17 @@
 //! One Gauss-Newton step of the likelihood from accumulated second moments.
 
-use nalgebra::{SMatrix, SVector};
-use quell_shapers::Mode;
-
+use super::track::Track;
 use crate::estimators::modal_response::{
-    DEFORMATION, FREE, FREE_SLOPE, INPUT, LINK, ModalResponse, OFFSET, RATE, RESIDUAL, VELOCITY,
-    WIDTH,
+    DEFORMATION, FREE, FREE_SLOPE, INPUT, LINK, OFFSET, RATE, RESIDUAL, VELOCITY, WIDTH,
 };
+use nalgebra::{SMatrix, SVector};
 
 /// Sums of products of the columns of every row, upper triangle.
 pub type Moments = [[f64; WIDTH]; WIDTH];
+
+/// Normal equations of past stretches, their free decays eliminated: `ln w`, `xi`, offset, rate,
+/// scale, gain, and the residual as last row.
+pub type Past = SMatrix<f64, 7, 7>;
 
 /// Linear unknowns: free decay (two), offset, rate, scale, gain.
 const LINEAR: [usize; 6] = [FREE, FREE + 1, OFFSET, VELOCITY, DEFORMATION, INPUT];
@@ -74,20 +76,19 @@ fn moment(moments: &Moments, i: usize, j: usize) -> f64 {
 }
 
 /// Best linear unknowns at the linearisation point, and the sum of squares there.
-pub fn profile(
-    moments: &Moments,
-    mode: Mode,
-    priors: &Priors,
-    variance: f64,
-) -> Option<(SVector<f64, 6>, f64)> {
+pub fn profile(track: &Track, priors: &Priors, variance: f64) -> Option<(SVector<f64, 6>, f64)> {
+    let (moments, past, mode) = (&track.moments, &track.past, track.mode);
     let mut normal = SMatrix::<f64, 6, 6>::zeros();
     let mut rhs = SVector::<f64, 6>::zeros();
     for (i, &p) in LINEAR.iter().enumerate() {
         for (j, &q) in LINEAR.iter().enumerate() {
             normal[(i, j)] = moment(moments, p, q);
+            if i >= 2 && j >= 2 {
+                normal[(i, j)] += past[(i, j)];
+            }
         }
         normal[(i, i)] += variance * priors.precision[i + 2];
-        rhs[i] = moment(moments, p, RESIDUAL);
+        rhs[i] = moment(moments, p, RESIDUAL) + if i >= 2 { past[(i, 6)] } else { 0.0 };
     }
     let (linear, _) = solve(&normal, &rhs)?;
     let miss = [
@@ -97,48 +98,17 @@ pub fn profile(
     let prior: f64 = (0..2)
         .map(|k| priors.precision[k] * miss[k] * miss[k])
         .sum();
-    let cost = moments[RESIDUAL][RESIDUAL] - linear.dot(&rhs) + variance * prior;
-    Some((linear, cost))
+    let square = moments[RESIDUAL][RESIDUAL] + past[(6, 6)];
+    Some((linear, square - linear.dot(&rhs) + variance * prior))
 }
 
-/// Sum of squares that an offset and a gain alone leave of the deformation.
-pub fn still(moments: &Moments) -> f64 {
-    let measured =
-        |other: usize| moment(moments, DEFORMATION, other) + moment(moments, RESIDUAL, other);
-    let square = measured(DEFORMATION) + measured(RESIDUAL);
-    let (one, cross, input) = (
-        moments[OFFSET][OFFSET],
-        moments[OFFSET][INPUT],
-        moments[INPUT][INPUT],
-    );
-    if one <= 0.0 {
-        return square;
-    }
-    let slope_square = input - cross * cross / one;
-    let centred = square - measured(OFFSET) * measured(OFFSET) / one;
-    let product = measured(INPUT) - measured(OFFSET) * cross / one;
-    // An input that stands still is no column.
-    if slope_square > 1e-12 * input {
-        centred - product * product / slope_square
-    } else {
-        centred
-    }
-}
-
-/// One Gauss-Newton step of all eight unknowns.
+/// A row's columns as derivatives by the eight unknowns, at these linear ones.
 ///
-/// The derivatives by the mode contain the linear unknowns (the free decay's amplitude, the rate's
-/// coefficient, the scale), so these are solved first.
-pub fn fit(
-    moments: &Moments,
-    response: &ModalResponse,
-    mode: Mode,
-    priors: &Priors,
-    variance: f64,
-) -> Option<Fit> {
-    let (linear, cost) = profile(moments, mode, priors, variance)?;
+/// The derivatives by the mode contain the linear unknowns: the free decay's amplitude, the rate's
+/// coefficient, the scale.
+fn derivatives(track: &Track, linear: &SVector<f64, 6>) -> SMatrix<f64, 8, WIDTH> {
     let mut rows = SMatrix::<f64, 8, WIDTH>::zeros();
-    for (k, slope) in response.lambda_slopes().iter().enumerate() {
+    for (k, slope) in track.response.lambda_slopes().iter().enumerate() {
         // Re((a - j b) e^(lambda t)) has the derivative Re((a - j b) lambda_p t e^(lambda t)).
         let turned = nalgebra::Complex::new(linear[0], -linear[1]) * slope;
         rows[(k, LINK + k)] = 1.0 + linear[SCALE];
@@ -149,11 +119,47 @@ pub fn fit(
     for (i, &p) in LINEAR.iter().enumerate() {
         rows[(i + 2, p)] = 1.0;
     }
-    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| moment(moments, i, j));
+    rows
+}
+
+/// Adds the present stretch to the past: its free decay is eliminated (Schur complement).
+pub fn fold(track: &Track, priors: &Priors, variance: f64) -> Option<Past> {
+    let (linear, _) = profile(track, priors, variance)?;
+    let mut rows = SMatrix::<f64, 9, WIDTH>::zeros();
+    rows.fixed_rows_mut::<8>(0)
+        .copy_from(&derivatives(track, &linear));
+    rows[(8, RESIDUAL)] = 1.0;
+    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| moment(&track.moments, i, j));
+    let mut normal = rows * full * rows.transpose();
+    normal[(2, 2)] += variance * priors.precision[2];
+    normal[(3, 3)] += variance * priors.precision[3];
+    const SHARED: [usize; 7] = [0, 1, 4, 5, 6, 7, 8];
+    let free = normal.fixed_view::<2, 2>(2, 2).into_owned();
+    let inverse = free.try_inverse()?;
+    let cross = SMatrix::<f64, 7, 2>::from_fn(|i, j| normal[(SHARED[i], 2 + j)]);
+    let shared = Past::from_fn(|i, j| normal[(SHARED[i], SHARED[j])]);
+    Some(track.past + shared - cross * inverse * cross.transpose())
+}
+
+/// One Gauss-Newton step of all eight unknowns.
+pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
+    let (linear, cost) = profile(track, priors, variance)?;
+    let rows = derivatives(track, &linear);
+    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| moment(&track.moments, i, j));
     let product = rows * full;
     let mut normal = product * rows.transpose();
     let mut rhs: SVector<f64, 8> = product.column(RESIDUAL).into_owned();
-    let point = [mode.natural_frequency().ln(), mode.damping_ratio()];
+    const SHARED: [usize; 6] = [0, 1, 4, 5, 6, 7];
+    for (i, &p) in SHARED.iter().enumerate() {
+        for (j, &q) in SHARED.iter().enumerate() {
+            normal[(p, q)] += track.past[(i, j)];
+        }
+        rhs[p] += track.past[(i, 6)];
+    }
+    let point = [
+        track.mode.natural_frequency().ln(),
+        track.mode.damping_ratio(),
+    ];
     for i in 0..8 {
         let weight = variance * priors.precision[i];
         normal[(i, i)] += weight;

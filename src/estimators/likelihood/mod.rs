@@ -25,9 +25,9 @@ mod track;
 use quell_shapers::Mode;
 
 pub(super) use self::fit::{Priors, fit};
-pub(super) use self::track::Track;
+pub(super) use self::track::{Folding, Track};
 
-use self::fit::{Fit, profile, still};
+use self::fit::{Fit, profile};
 use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
 
@@ -178,6 +178,14 @@ impl Likelihood {
         }
     }
 
+    fn folding(&self) -> Folding {
+        Folding {
+            memory: self.settings.memory,
+            priors: self.priors(),
+            variance: self.variance,
+        }
+    }
+
     /// Pools a given noise level with the residual's.
     fn update_variance(&mut self) {
         let count = self.samples.len() as f64;
@@ -212,28 +220,22 @@ impl Likelihood {
 
     fn refit(&mut self) {
         let priors = self.priors();
-        let Track {
-            moments,
-            response,
-            mode,
-            ..
-        } = &self.active;
-        self.fit = fit(moments, response, *mode, &priors, self.variance);
+        self.fit = fit(&self.active, &priors, self.variance);
     }
 
     /// Moves to the start of the grid that explains the data best.
     fn search_grid(&mut self) {
         let priors = self.priors();
+        let folding = self.folding();
         for track in &mut self.grid {
-            track.absorb(&self.samples);
+            track.absorb(&self.samples, &folding);
         }
         let Some(active) = self.fit else { return };
         let mut best = None;
         let mut best_cost = active.cost;
         let mut second = f64::INFINITY;
         for (index, track) in self.grid.iter().enumerate() {
-            let Some((_, cost)) = profile(&track.moments, track.mode, &priors, self.variance)
-            else {
+            let Some((_, cost)) = profile(track, &priors, self.variance) else {
                 continue;
             };
             second = second.min(cost);
@@ -262,6 +264,7 @@ impl Likelihood {
     /// Iterates: new linearisations while the step matters and the tick's budget lasts.
     fn relinearise(&mut self) {
         let mut budget = REPLAY_BUDGET;
+        let folding = self.folding();
         while budget > 0 {
             if self.candidate.is_none() && !self.propose() {
                 return;
@@ -270,7 +273,7 @@ impl Likelihood {
                 return;
             };
             while budget > 0 && candidate.count < self.samples.len() {
-                candidate.absorb(&self.samples);
+                candidate.absorb(&self.samples, &folding);
                 budget -= 1;
             }
             if candidate.count < self.samples.len() {
@@ -308,8 +311,8 @@ impl Likelihood {
             return;
         };
         let priors = self.priors();
-        let cost = profile(&candidate.moments, candidate.mode, &priors, self.variance)
-            .map_or(f64::INFINITY, |(_, cost)| cost);
+        let cost =
+            profile(&candidate, &priors, self.variance).map_or(f64::INFINITY, |(_, cost)| cost);
         let present = self.fit.map_or(f64::INFINITY, |fit| fit.cost);
         if self.must_replace || cost <= present {
             self.must_replace = false;
@@ -331,7 +334,7 @@ impl Likelihood {
         }
         let [log_std, damping_std, gain_std] = self.spread(&fit);
         // What an offset and a gain explain as well is no vibration: noise always has a best mode.
-        let explained = still(&self.active.moments) - fit.cost_after;
+        let explained = self.active.without_vibration() - fit.cost_after;
         let heard = explained > (RULED_OUT + UNKNOWNS) * self.variance;
         let usable = log_std < USABLE && fit.step[0].abs() < TRUST[0];
         if !(heard && usable) {
@@ -400,7 +403,8 @@ impl Estimator for Likelihood {
         }
         self.samples.push(sample);
         self.largest = self.largest.max(sample.deformation.abs());
-        self.active.absorb(&self.samples);
+        let folding = self.folding();
+        self.active.absorb(&self.samples, &folding);
         self.update_variance();
         self.refit();
         if !self.locked {

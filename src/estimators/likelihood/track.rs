@@ -2,9 +2,9 @@
 
 use quell_shapers::Mode;
 
-use super::fit::Moments;
+use super::fit::{Moments, Past, Priors, fold};
 use crate::estimators::Sample;
-use crate::estimators::modal_response::{Interval, ModalResponse, WIDTH};
+use crate::estimators::modal_response::{INPUT, Interval, ModalResponse, WIDTH};
 
 /// One linearisation of the likelihood, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
@@ -13,14 +13,32 @@ pub struct Track {
     pub mode: Mode,
     /// The mode's response to the input so far.
     pub response: ModalResponse,
-    /// Sums over the rows so far.
+    /// Sums over the rows of the present stretch.
     pub moments: Moments,
+    /// What past stretches say, when the vibration was set free again after them.
+    pub past: Past,
     /// The last row.
     pub row: [f64; WIDTH],
     /// Samples of the window taken so far.
     pub count: usize,
-    /// Input at the first sample: the response is to what the input moved since.
+    /// Sums of products of 1, the input and the deformation, of which an offset and a gain are
+    /// fitted without any vibration.
+    still: [[f64; 3]; 3],
+    /// Input at the first sample, and at the present stretch's first.
     origin: f64,
+    stretch_origin: f64,
+    stretch_from: f64,
+}
+
+/// When a stretch ends, and what its elimination needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Folding {
+    /// Length of a stretch, s.
+    pub memory: f64,
+    /// Priors at the time.
+    pub priors: Priors,
+    /// The noise's variance.
+    pub variance: f64,
 }
 
 impl Track {
@@ -30,44 +48,94 @@ impl Track {
             mode,
             response: ModalResponse::new(mode, sample_time),
             moments: [[0.0; WIDTH]; WIDTH],
+            past: Past::zeros(),
             row: [0.0; WIDTH],
             count: 0,
+            still: [[0.0; 3]; 3],
             origin: 0.0,
+            stretch_origin: 0.0,
+            stretch_from: 0.0,
         }
     }
 
     /// Takes the next sample of the window, if there is one.
-    pub fn absorb(&mut self, samples: &[Sample]) {
+    pub fn absorb(&mut self, samples: &[Sample], folding: &Folding) {
         let Some(sample) = samples.get(self.count) else {
             return;
         };
         if self.count == 0 {
             self.origin = sample.motor_position;
+            self.stretch_origin = self.origin;
+            self.stretch_from = sample.time;
+        } else if sample.time - self.stretch_from >= folding.memory {
+            self.set_free(sample, folding);
+        } else {
+            self.advance(samples, sample);
         }
-        let origin = self.origin;
-        if self.count > 0 {
-            let last = samples[self.count - 1];
-            let mut interval = Interval {
-                start: last.motor_position - origin,
-                end: sample.motor_position - origin,
-                step: sample.time - last.time,
-                ..Interval::default()
-            };
-            if self.count > 1 {
-                let before = samples[self.count - 2];
-                interval.before = before.motor_position - origin;
-                interval.step_before = last.time - before.time;
-            }
-            self.response.advance(&interval);
-        }
-        self.row = self
-            .response
-            .row(sample.motor_position - origin, sample.deformation);
+        let input = sample.motor_position - self.stretch_origin;
+        self.row = self.response.row(input, sample.deformation);
+        // The gain is on the input since the first sample, whatever the stretch.
+        let input = sample.motor_position - self.origin;
+        self.row[INPUT] = input;
         for i in 0..WIDTH {
             for j in i..WIDTH {
                 self.moments[i][j] += self.row[i] * self.row[j];
             }
         }
+        let measured = [1.0, input, sample.deformation];
+        for (sums, x) in self.still.iter_mut().zip(measured) {
+            for (sum, y) in sums.iter_mut().zip(measured) {
+                *sum += x * y;
+            }
+        }
         self.count += 1;
+    }
+
+    fn advance(&mut self, samples: &[Sample], sample: &Sample) {
+        let last = samples[self.count - 1];
+        let mut interval = Interval {
+            start: last.motor_position - self.stretch_origin,
+            end: sample.motor_position - self.stretch_origin,
+            step: sample.time - last.time,
+            ..Interval::default()
+        };
+        if self.count > 1 {
+            let before = samples[self.count - 2];
+            interval.before = before.motor_position - self.stretch_origin;
+            interval.step_before = last.time - before.time;
+        }
+        self.response.advance(&interval);
+    }
+
+    /// Ends a stretch: what it says is kept, the vibration from here on is free.
+    fn set_free(&mut self, sample: &Sample, folding: &Folding) {
+        if let Some(past) = fold(self, &folding.priors, folding.variance) {
+            self.past = past;
+        }
+        self.moments = [[0.0; WIDTH]; WIDTH];
+        self.response.restart();
+        self.stretch_origin = sample.motor_position;
+        self.stretch_from = sample.time;
+    }
+
+    /// Sum of squares that an offset and a gain alone leave of the deformation.
+    pub fn without_vibration(&self) -> f64 {
+        let [
+            [one, input, sum],
+            [_, input_square, product],
+            [_, _, square],
+        ] = self.still;
+        if one <= 0.0 {
+            return 0.0;
+        }
+        let spread = input_square - input * input / one;
+        let centred = square - sum * sum / one;
+        let slope = product - input * sum / one;
+        // An input that stands still is no column.
+        if spread > 1e-12 * input_square {
+            centred - slope * slope / spread
+        } else {
+            centred
+        }
     }
 }

@@ -30,92 +30,90 @@ pub struct Extremum {
     pub height: f64,
 }
 
-/// Successive extrema of a free decay of about this frequency (rad/s), one a half period, about a
-/// given offset; ends where one sinks below `floor`.
+/// Successive extrema of a free decay of about this frequency (rad/s) about a given offset, until
+/// one sinks below `floor`.
 ///
-/// Each is the vertex of the parabola that fits the samples within an eighth of a period, which
-/// averages the noise; its bias on a cosine is below 0.3 % of the height.
+/// An extremum is the greatest (least) sample of half a period around it, and on its own side of the
+/// offset. Each is refined by the vertex of the parabola that fits the samples within an eighth of a
+/// period, which averages the noise; its bias on a cosine is below 0.3 % of the height.
 pub fn extrema(samples: &[Sample], frequency: f64, offset: f64, floor: f64) -> Vec<Extremum> {
-    let half_period = PI / frequency;
-    let mut found: Vec<Extremum> = Vec::new();
-    let Some(first) = samples.first() else {
-        return found;
+    let quarter_period = 0.5 * PI / frequency;
+    let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
+        return Vec::new();
     };
-    // The largest of the first whole period begins; each next one is looked for half a period on.
-    let mut from = first.time;
-    let mut until = first.time + 2.0 * half_period;
-    let mut sign = 0.0;
-    loop {
-        let peak = samples
-            .iter()
-            .enumerate()
-            .filter(|(_, s)| s.time >= from && s.time < until)
-            .map(|(index, s)| (index, s.deformation - offset))
-            .map(|(index, x)| (index, if sign == 0.0 { x.abs() } else { sign * x }))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((index, height)) = peak else { break };
-        if until > samples[samples.len() - 1].time || height < floor {
-            break;
-        }
-        let Some(extremum) = vertex(samples, samples[index].time, half_period / 4.0, offset) else {
-            break;
-        };
-        if extremum.height.abs() < floor {
-            break;
-        }
-        sign = -extremum.height.signum();
-        found.push(extremum);
-        from = extremum.time + 0.5 * half_period;
-        until = extremum.time + 1.5 * half_period;
-    }
-    found
+    let inside =
+        |s: &Sample| s.time - first.time >= quarter_period && last.time - s.time >= quarter_period;
+    let greatest = |index: usize, sign: f64| {
+        let centre = samples[index];
+        let height = sign * (centre.deformation - offset);
+        let earlier = samples[..index].iter().rev();
+        let later = samples[index + 1..].iter();
+        let near = |s: &&Sample| (s.time - centre.time).abs() <= quarter_period;
+        // Of equal samples the first counts.
+        height > 0.0
+            && earlier
+                .take_while(near)
+                .all(|s| sign * (s.deformation - offset) < height)
+            && later
+                .take_while(near)
+                .all(|s| sign * (s.deformation - offset) <= height)
+    };
+    (0..samples.len())
+        .filter(|&k| inside(&samples[k]) && (greatest(k, 1.0) || greatest(k, -1.0)))
+        .map(|k| vertex(samples, samples[k], 0.5 * quarter_period, offset))
+        .take_while(|extremum| extremum.height.abs() >= floor)
+        .collect()
 }
 
-/// Vertex of the least-squares parabola through the samples within `reach` of `centre`.
-fn vertex(samples: &[Sample], centre: f64, reach: f64, offset: f64) -> Option<Extremum> {
+/// Vertex of the least-squares parabola through the samples within `reach` of a highest one; the
+/// sample itself where they are too few or bend the other way.
+fn vertex(samples: &[Sample], centre: Sample, reach: f64, offset: f64) -> Extremum {
     let mut normal = nalgebra::Matrix3::zeros();
     let mut rhs = nalgebra::Vector3::zeros();
-    let mut highest = 0.0_f64;
-    for sample in samples.iter().filter(|s| (s.time - centre).abs() <= reach) {
-        let t = (sample.time - centre) / reach;
-        let x = sample.deformation - offset;
+    let first = samples.partition_point(|s| s.time < centre.time - reach);
+    for sample in samples[first..]
+        .iter()
+        .take_while(|s| s.time <= centre.time + reach)
+    {
+        let t = (sample.time - centre.time) / reach;
         let row = nalgebra::Vector3::new(1.0, t, t * t);
         normal += row * row.transpose();
-        rhs += row * x;
-        highest = if x.abs() > highest.abs() { x } else { highest };
+        rhs += row * (sample.deformation - offset);
     }
-    let solution = normal.cholesky().map(|c| c.solve(&rhs));
-    match solution {
-        // A vertex outside of its samples is an end, not an extremum.
-        Some(c) if c[2] * highest < 0.0 && (c[1] / (2.0 * c[2])).abs() <= 1.0 => Some(Extremum {
-            time: centre - reach * c[1] / (2.0 * c[2]),
+    let height = centre.deformation - offset;
+    match normal.cholesky().map(|c| c.solve(&rhs)) {
+        Some(c) if c[2] * height < 0.0 && (c[1] / (2.0 * c[2])).abs() <= 1.0 => Extremum {
+            time: centre.time - reach * c[1] / (2.0 * c[2]),
             height: c[0] - c[1] * c[1] / (4.0 * c[2]),
-        }),
-        // Too few samples for a parabola: the highest one.
-        _ if highest != 0.0 => Some(Extremum {
-            time: centre,
-            height: highest,
-        }),
-        _ => None,
+        },
+        _ => Extremum {
+            time: centre.time,
+            height,
+        },
     }
 }
 
-/// Mode from extrema half a period apart: a line through `ln |height|` over the count.
+/// Mode from extrema half a period apart: a line through the logarithm of the amplitudes over their
+/// count.
 ///
-/// The decrement a half period is `pi xi / sqrt(1 - xi^2)`; `omega_d = pi / spacing`. `None` with
-/// fewer than two extrema or where the heights do not fall.
+/// An amplitude is half of the distance between neighbours, so no offset enters. The decrement a half
+/// period is `pi xi / sqrt(1 - xi^2)`; `omega_d = pi / spacing`. `None` with fewer than three extrema or
+/// where the amplitudes do not fall.
 pub fn mode_of_extrema(extrema: &[Extremum]) -> Option<Mode> {
     let count = extrema.len();
-    if count < 2 {
+    if count < 3 {
         return None;
     }
     let spacing = (extrema[count - 1].time - extrema[0].time) / (count - 1) as f64;
-    let centre = (count - 1) as f64 / 2.0;
-    let square: f64 = (0..count).map(|k| (k as f64 - centre).powi(2)).sum();
+    let centre = (count - 2) as f64 / 2.0;
+    let square: f64 = (0..count - 1).map(|k| (k as f64 - centre).powi(2)).sum();
     let slope: f64 = extrema
-        .iter()
+        .windows(2)
         .enumerate()
-        .map(|(k, extremum)| (k as f64 - centre) * extremum.height.abs().ln())
+        .map(|(k, pair)| {
+            let amplitude = 0.5 * (pair[1].height - pair[0].height).abs();
+            (k as f64 - centre) * amplitude.ln()
+        })
         .sum::<f64>()
         / square;
     let xi = log_decrement(1.0, (2.0 * slope).exp());

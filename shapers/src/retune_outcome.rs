@@ -1,0 +1,73 @@
+//! What a retune is asked for, and what it answers.
+
+use crate::{GridTrain, Mode, MotionLimits, PeakRatios, ShaperError};
+
+/// What a retune is to reach.
+#[derive(Clone, Copy, Debug)]
+pub struct Retune<'a> {
+    /// The train to go over to.
+    pub train: &'a GridTrain,
+    /// The modes whose vibration is cancelled, 1 to 3; the first sets the pace.
+    pub modes: &'a [Mode],
+    /// The limits of the move.
+    pub limits: MotionLimits,
+}
+
+/// What a retune did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RetuneOutcome {
+    /// Nothing had moved: the train is in force, or will be at rest.
+    Installed,
+    /// The command goes on as described; nothing of the modes will be left after it.
+    Corrected(Correction),
+    /// Nothing was changed.
+    Refused(Refusal),
+}
+
+/// How a command goes on after a retune.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// Length of the cross-fade, s; 0 where the old train is kept to the end of the move and the
+    /// new one takes over at rest.
+    pub cross_fade: f64,
+    /// From now to the start of the correction, s.
+    pub delay: f64,
+    /// Length of the correction, s.
+    pub duration: f64,
+    /// Number of its smooth steps.
+    pub steps: usize,
+    /// From now to the end of the whole command, s.
+    pub until_rest: f64,
+    /// Whether the slope over frequency and damping is cancelled too.
+    pub robust: bool,
+    /// Peaks of the command from now on, over the limits.
+    pub peaks: PeakRatios,
+}
+
+/// Why a retune was refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The train or a limit is not usable here.
+    #[error("{0}")]
+    Invalid(ShaperError),
+    /// The number of modes is not 1 to 3.
+    #[error("{0} modes to correct; 1 to 3 are possible")]
+    Modes(usize),
+    /// More ticks ahead than the filter looks.
+    #[error("{needed} ticks ahead; the filter looks {horizon} ahead")]
+    Horizon {
+        /// Ticks until the command is at rest.
+        needed: usize,
+        /// Ticks that the filter can look ahead.
+        horizon: usize,
+    },
+    /// The start of the move has been overwritten.
+    #[error("the start of the move is older than the filter remembers")]
+    HistoryLost,
+    /// No correction keeps the limits, however long or late.
+    #[error("no correction keeps the limits")]
+    Limits,
+    /// Too many steps of earlier corrections are under way.
+    #[error("too many steps of earlier corrections are under way")]
+    Busy,
+}

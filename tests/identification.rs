@@ -1,0 +1,275 @@
+//! Identification of whole recordings: simulated ones against the truth, real ones on-line against
+//! off-line.
+
+mod generator;
+
+use assert_cmd::Command;
+use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
+use quell::estimators::{ESTIMATORS, Sample};
+use quell::identification::{Identification, NominalModel, Prior, identify, prepare};
+use quell::recording::Recording;
+use quell_shapers::Mode;
+use std::path::{Path, PathBuf};
+
+/// The folder of shared recordings, or a word that it is not there.
+fn recordings(name: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("QUELL_RECORDINGS").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"),
+        PathBuf::from,
+    );
+    let file = folder.join(name);
+    if file.exists() {
+        return Some(file);
+    }
+    println!("skipped: {} is not there", file.display());
+    None
+}
+
+/// A recording of a CSV file and a manifest that says which columns are motor side and deformation.
+fn manifest(folder: &Path, file: &Path, motor: &str, deformation: &str, unit: &str) -> PathBuf {
+    let name = file
+        .file_name()
+        .expect("a file")
+        .to_string_lossy()
+        .into_owned();
+    std::fs::copy(file, folder.join(&name)).expect("a copy");
+    let channel = |role: &str, column: &str| {
+        format!(
+            "[[channel]]\nrole = \"{role}\"\nfile = \"{name}\"\ntime = \"t_s\"\n\
+             column = \"{column}\"\nunit = \"{unit}\"\n"
+        )
+    };
+    let text = format!(
+        "name = \"{name}\"\n{}{}",
+        channel("motor_position", motor),
+        channel("deformation", deformation)
+    );
+    let path = folder.join("recording.toml");
+    std::fs::write(&path, text).expect("a manifest");
+    path
+}
+
+fn found(path: &Path, model: Option<&NominalModel>) -> Identification {
+    let recording = Recording::from_path(path).expect("a recording");
+    let series = prepare(&recording, model).expect("a series");
+    let prior = Prior {
+        belief: model.map(|model| model.mode),
+        scale_is_open: series.scale_is_open,
+    };
+    identify(&series.samples, prior).expect("a vibration")
+}
+
+/// Every estimator that ran agrees with the batch fit of the stretch that it ran on.
+fn on_line_agrees(found: &Identification, tolerance: f64) {
+    for (index, line) in ESTIMATORS.iter().enumerate() {
+        let Some(run) = found.quoted(index) else {
+            continue;
+        };
+        let estimate = run.estimator(line.name).and_then(|result| result.estimate);
+        let on_line = estimate.expect("an estimate").mode.hertz();
+        let off_line = run.batch().expect("a fit").mode.hertz();
+        assert!(
+            (on_line / off_line - 1.0).abs() < tolerance,
+            "{}: {on_line} {off_line}",
+            line.name
+        );
+    }
+}
+
+#[test]
+fn val_flexible_link_with_a_hub_at_rest() {
+    let Some(file) = recordings("quanser_2dsfl/lqg_step_20deg_run01.csv.gz") else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = manifest(
+        folder.path(),
+        &file,
+        "hub_meas_rad",
+        "tip_defl_meas_rad",
+        "rad",
+    );
+    let found = found(&path, None);
+    // The strain signal is logged after a low-pass of 2 Hz: the hub's motion cannot explain it.
+    assert_eq!(found.known_input_holds, Some(false));
+    on_line_agrees(&found, 0.03);
+    let fit = found.reference().batch().expect("a fit").mode;
+    assert!((fit.hertz() / 1.84 - 1.0).abs() < 0.03, "{fit:?}");
+    let dependence = found.amplitude_dependence.expect("enough cycles");
+    assert!(dependence.falls_with_amplitude(), "{dependence:?}");
+}
+
+#[test]
+fn val_flexible_arm_that_never_rests() {
+    let Some(file) = recordings("flexarm_ist/square.csv.gz") else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = manifest(folder.path(), &file, "hub_angle_deg", "tip_defl_deg", "deg");
+    let found = found(&path, None);
+    assert!(found.free_decays.is_empty());
+    // A coarse potentiometer does not carry an undamped mode for a minute.
+    assert!(
+        found.memory.is_finite() && found.explained > 0.95,
+        "{}",
+        found.explained
+    );
+    on_line_agrees(&found, 0.03);
+}
+
+/// Two moves with rests between, seen from 0.3 s before the first on.
+fn two_moves(truth: &Truth, noise: f64, seed: u64) -> Vec<Sample> {
+    let times = stamps(1000.0 / 3.0, 3.6);
+    let mut samples = respond(truth, &jerk_limited_move(0.3, 0.4, 0.07, 0.4), &times);
+    let later = respond(truth, &jerk_limited_move(2.0, 0.5, 0.09, -0.3), &times);
+    for (sample, later) in samples.iter_mut().zip(&later) {
+        sample.motor_position += later.motor_position;
+        sample.deformation += later.deformation;
+    }
+    add_noise(&mut samples, noise, seed);
+    samples
+}
+
+#[test]
+fn val_simulated_moves() {
+    for across in [false, true] {
+        let truth = Truth {
+            frequency_hz: 8.12,
+            damping_ratio: 0.084,
+            across,
+        };
+        let samples = two_moves(&truth, 5e-6, 3);
+        let belief = Mode::from_hertz(9.5, 0.05).expect("a mode");
+        for belief in [None, Some(belief)] {
+            let found = identify(
+                &samples,
+                Prior {
+                    belief,
+                    scale_is_open: false,
+                },
+            );
+            let found = found.expect("a vibration");
+            assert_eq!(found.known_input_holds, Some(true));
+            assert!(found.memory.is_infinite() && found.explained > 0.999);
+            assert_eq!(found.free_decays.len(), 2, "{:?}", found.free_decays.len());
+            on_line_agrees(&found, 0.03);
+            let best = found.whole.estimator("likelihood").expect("a run");
+            let estimate = best.estimate.expect("an estimate");
+            assert!(
+                (estimate.mode.hertz() / 8.12 - 1.0).abs() < 1e-3,
+                "{estimate:?}"
+            );
+            assert!(
+                (estimate.mode.damping_ratio() - 0.084).abs() < 1e-3,
+                "{estimate:?}"
+            );
+            let converged = best.converged_at.expect("converged");
+            assert!(converged < 0.7, "after the first move: {converged}");
+        }
+    }
+}
+
+/// A linear joint shows no dependence on amplitude but by chance; one with quadratic damping does.
+#[test]
+fn val_amplitude_dependence_is_told_from_chance() {
+    let linear = Truth {
+        frequency_hz: 8.12,
+        damping_ratio: 0.03,
+        across: false,
+    };
+    let says = |samples: &[Sample]| {
+        let found = identify(samples, Prior::default()).expect("a vibration");
+        found
+            .amplitude_dependence
+            .is_some_and(|d| d.falls_with_amplitude())
+    };
+    let false_alarms = (0..30)
+        .filter(|&seed| says(&two_moves(&linear, 5e-6, seed)))
+        .count();
+    // 5 % by chance on one side at most: more than 4 of 30 would happen once in 60.
+    assert!(false_alarms <= 4, "{false_alarms} of 30");
+    let seen = (0..10).filter(|&seed| {
+        let mut samples = two_moves(&linear, 0.0, seed);
+        quadratic_decay(&mut samples, 0.7);
+        add_noise(&mut samples, 5e-6, seed);
+        says(&samples)
+    });
+    assert!(seen.count() >= 8);
+}
+
+/// Replaces the deformation from `from` on by a decay whose damping is 0.01 plus a part that is
+/// proportional to the amplitude: `A' = -w (0.01 A + k A^2)` has a closed form.
+fn quadratic_decay(samples: &mut [Sample], from: f64) {
+    let w = 8.12 * std::f64::consts::TAU;
+    let (linear, first) = (0.01 * w, 2e-3);
+    let quadratic = 0.04 * w / first;
+    for sample in samples
+        .iter_mut()
+        .filter(|s| s.time >= from && s.time < 2.0)
+    {
+        let t = sample.time - from;
+        let growth = (linear * t).exp();
+        let amplitude = first / (growth + quadratic * first / linear * (growth - 1.0));
+        sample.deformation = amplitude * (w * t).cos();
+    }
+}
+
+#[test]
+fn the_verb_prints_what_it_promises() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let truth = Truth {
+        frequency_hz: 8.12,
+        damping_ratio: 0.084,
+        across: false,
+    };
+    let mut csv = String::from("t_s,u,d\n");
+    for s in two_moves(&truth, 5e-6, 1) {
+        csv.push_str(&format!(
+            "{:.6},{:.9},{:.9}\n",
+            s.time, s.motor_position, s.deformation
+        ));
+    }
+    let file = folder.path().join("moves.csv");
+    std::fs::write(&file, csv).expect("a file");
+    let sub = folder.path().join("recording");
+    std::fs::create_dir(&sub).expect("a folder");
+    manifest(&sub, &file, "u", "d", "rad");
+    let quell = |more: &[&str]| {
+        let mut command = Command::cargo_bin("quell").expect("the binary");
+        command
+            .current_dir(folder.path())
+            .args(["identify", "recording"])
+            .args(more);
+        command.output().expect("it runs")
+    };
+    let output = quell(&["--json"]);
+    assert!(output.status.success());
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(
+        json["estimates"].as_array().map(Vec::len),
+        Some(ESTIMATORS.len())
+    );
+    for estimate in json["estimates"].as_array().into_iter().flatten() {
+        let frequency = estimate["frequency_hz"].as_f64().expect("a number");
+        assert!((frequency / 8.12 - 1.0).abs() < 0.03, "{estimate}");
+    }
+    assert_eq!(json["free_decay_from_s"].as_array().map(Vec::len), Some(2));
+    assert!(
+        json["offline"]
+            .as_array()
+            .is_some_and(|lines| lines.len() == 3)
+    );
+    assert!(folder.path().join("out/identify.html").exists());
+    std::fs::write(
+        folder.path().join("model.toml"),
+        "kind = \"flexible_joint\"\n",
+    )
+    .expect("a file");
+    let output = quell(&["--model", "model.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        words.contains("model.toml:1") && words.contains("natural_frequency_hz"),
+        "{words}"
+    );
+}
