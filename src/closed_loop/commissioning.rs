@@ -5,7 +5,9 @@ use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
 use super::ClosedLoopError;
 use crate::plant::{ArmSimulation, Command};
-use crate::signal::{ArcRegistration, CubicSpline, End, Measurement, register_arc};
+use crate::signal::{
+    ArcRegistration, CubicSpline, End, Measurement, SignalError, register_arc,
+};
 
 /// Rest before each of the two moves, s: the tracker sees the arm at rest too.
 const PAUSE: f64 = 0.5;
@@ -16,22 +18,33 @@ const RING_OUT: f64 = 3.0;
 const TIME_CONSTANTS: f64 = 7.0;
 /// And no longer than this, s: 0.1 % at 10 Hz has a time constant of 16 s.
 const LONGEST_REST: f64 = 120.0;
+/// Arcs above this are not doubled any more, rad: 20 degrees bulge by 14 mm at a radius of 1 m.
+const LONGEST_ARC: f64 = 0.35;
 
 /// Moves the joint there and back, unshaped, and registers frame and clock of the tracker from what
 /// encoder and tracker saw. The mode that comes out on the way is not handed on: the controller has
-/// to learn it by itself.
+/// to learn it by itself. An arc that is too short to be told from a line in the tracker's noise is
+/// doubled.
 ///
 /// # Errors
-/// [`ClosedLoopError::Plan`]; [`ClosedLoopError::Registration`] where the arc is too short.
+/// [`ClosedLoopError::Plan`]; [`ClosedLoopError::Registration`] where [`LONGEST_ARC`] is too short.
 pub fn commission(
     arm: &mut ArmSimulation,
     displacement: f64,
     limits: Limits,
 ) -> Result<ArcRegistration, ClosedLoopError> {
     let start = arm.true_motor_position();
-    let (encoder, tracker) = there_and_back(arm, displacement, limits)?;
-    let motor = CubicSpline::new(&encoder.0, &encoder.1, End::NotAKnot)?;
-    let registration = register_arc(arm.arc(), &motor, &tracker.0, &tracker.1, None)?;
+    let mut displacement = displacement;
+    let registration = loop {
+        let (encoder, tracker) = there_and_back(arm, start, displacement, limits)?;
+        let motor = CubicSpline::new(&encoder.0, &encoder.1, End::NotAKnot)?;
+        match register_arc(arm.arc(), &motor, &tracker.0, &tracker.1, None) {
+            Err(SignalError::Degenerate { .. }) if displacement.abs() < LONGEST_ARC => {
+                displacement *= 2.0;
+            }
+            other => break other?,
+        }
+    };
     if let Some(mode) = registration.mode {
         let rest = (TIME_CONSTANTS / mode.decay_rate()).min(LONGEST_REST) - RING_OUT;
         stay(arm, start, rest, &mut Seen::default());
@@ -46,10 +59,11 @@ type Seen = (Samples<f64>, Samples<Point3<f64>>);
 
 fn there_and_back(
     arm: &mut ArmSimulation,
+    start: f64,
     displacement: f64,
     limits: Limits,
 ) -> Result<Seen, ClosedLoopError> {
-    let start = AxisState::at_rest(arm.true_motor_position());
+    let start = AxisState::at_rest(start);
     let end = AxisState::at_rest(start.position + displacement);
     let planner = Planner::new(1)?;
     let mut seen = Seen::default();
