@@ -71,13 +71,14 @@ fn val_figures_are_the_closed_forms() {
 #[test]
 fn the_recommended_shaper_is_the_shortest_that_holds() {
     // Bands in which V <= 5 % at a damping ratio of 0.084: ZV +-3.6 %, MZV +-5.8 %, ZVD +-16 %,
-    // EI +-22 %, ZVDD +-26 %, two-hump EI +-36 %, three-hump EI +-48 %. Two deviations are to be in.
+    // EI +-22 %, ZVDD +-26 %, two-hump EI +-36 %, three-hump EI +-48 %; upwards the last
+    // two reach further. 1.96 deviations are to be in, 1.65 where only one side counts.
     for (frequency_std, expected) in [
         ("1.5", "zv"),
         ("2.5", "mzv"),
         ("9", "ei"),
         ("15", "ei2"),
-        ("20", "ei3"),
+        ("24", "ei3"),
     ] {
         let known = ["--frequency-std", frequency_std, "--damping-std", "0"];
         let document = compare_json(&[&["--rate", "1000"], &known[..]].concat());
@@ -101,7 +102,7 @@ fn doubt_about_the_damping_counts_and_the_user_says_what_is_enough() {
     let sure = compare_json(&[&known[..], &["0"]].concat());
     let unsure = compare_json(&[&known[..], &["0.02"]].concat());
     assert_eq!(sure["recommended"]["shaper"], "ei");
-    assert_eq!(unsure["recommended"]["shaper"], "zvdd");
+    assert_eq!(unsure["recommended"]["shaper"], "ei2");
     let enough = compare_json(&[&known[..], &["0.02", "--acceptable", "6"]].concat());
     assert_eq!(enough["recommended"]["shaper"], "ei");
     for document in [sure, unsure, enough] {
@@ -119,16 +120,17 @@ fn doubt_about_the_damping_counts_and_the_user_says_what_is_enough() {
 
 #[test]
 fn val_the_figures_are_those_of_the_joint_gaussian() {
-    // ZV near its mode, with the damping known: V = (pi / 2) |df / f| (2 sqrt K / (1 + K)), so that the
-    // 95 % quantile is 1.96 standard deviations. At 0.5 % the next order is 1 % of it, and the
-    // quadrature's 61 nodes over 6 standard deviations are 0.1 apart: 5 % of 1.96.
+    // ZV near its mode, a damped half period T after its first impulse: the two remainders K and
+    // K exp(j pi df / f), over 1 + K, leave V = pi K / (1 + K) |df / f|, of which the 95 % quantile is at
+    // 1.96 standard deviations. The quadrature's 61 nodes over 6 of them are 0.1 apart: 5 % of 1.96.
     let known = ["--frequency-std", "0.5", "--damping-std", "0"];
-    let document =
-        compare_json(&[&["--rate", "4000", "--mode", "8.12,0.084"], &known[..]].concat());
-    let k = (-0.084 * std::f64::consts::PI / (1.0 - 0.084_f64.powi(2)).sqrt()).exp();
-    let expected = std::f64::consts::FRAC_PI_2 * 0.005 * 1.96 * 2.0 * k.sqrt() / (1.0 + k);
+    let mode = ["--rate", "4000", "--mode", "8.12,0.084"];
+    let document = compare_json(&[&mode[..], &known[..]].concat());
+    let pi = std::f64::consts::PI;
+    let k = (-0.084 * pi / (1.0 - 0.084_f64.powi(2)).sqrt()).exp();
+    let expected = pi * k / (1.0 + k) * 0.005 * 1.96;
     let worst = shaper(&document, "zv")["worst_v"].as_f64().unwrap();
-    assert!((worst / expected - 1.0).abs() < 0.07, "{worst} {expected}");
+    assert!((worst / expected - 1.0).abs() < 0.05, "{worst} {expected}");
 }
 
 #[test]
@@ -163,7 +165,7 @@ fn the_grid_decides_whether_a_delay_is_kept() {
     let refused = compare_json(&["--max-delay", "0.062"]);
     assert_eq!(refused["recommended"], Value::Null);
     // One damped period is 123.6 ms for ZVD and 123.2 ms for EI: 128 and 124 ms on the grid.
-    let known = ["--frequency-std", "3", "--damping-std", "0", "--max-delay"];
+    let known = ["--frequency-std", "5", "--damping-std", "0", "--max-delay"];
     let other = compare_json(&[&known[..], &["0.1237"]].concat());
     assert_eq!(
         other["recommended"]["shaper"], "mzv",

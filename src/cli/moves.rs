@@ -89,7 +89,6 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let scenario = scenario::from(&args)?;
     let comparison = side_by_side(&scenario)?;
-    finished(&comparison)?;
     let report = files::write(&args.out, &scenario, &comparison)?;
     if args.json {
         return output::json(&document::document(&comparison));
@@ -101,12 +100,11 @@ pub fn run(args: Args) -> Result<(), CliError> {
 /// How far from its target a command that has ended may stand, rad: rounding.
 const AT_TARGET: f64 = 1e-9;
 
-/// Refuses a comparison of moves that were cut off; their residual would say nothing.
-fn finished(comparison: &Comparison) -> Result<(), CliError> {
-    let cut = |(_, trace): &&(MoveKind, MoveTrace)| trace.final_error() > AT_TARGET;
-    let Some((kind, trace)) = comparison.moves.iter().find(cut) else {
-        return Ok(());
-    };
+/// The move, unless it was cut off: its residual would say nothing.
+fn finished(kind: MoveKind, trace: MoveTrace) -> Result<MoveTrace, CliError> {
+    if trace.final_error() <= AT_TARGET {
+        return Ok(trace);
+    }
     let longest = trace.ticks.last().map_or(0.0, |tick| tick.time);
     let name = kind.name();
     let text = format!("the move {name} has not ended after {longest:.0} s, the longest simulated");
@@ -122,10 +120,15 @@ fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
         let unshaped = cell(&scenario, Scenario::unshaped);
         let wrong_belief = cell(&scenario, Scenario::wrong_belief);
         let adaptive = cell(&scenario, Scenario::adaptive);
+        let unshaped = finished(MoveKind::Unshaped, unshaped.await?)?;
+        let wrong_belief = finished(MoveKind::WrongBelief, wrong_belief.await?)?;
+        let (first, next, truth) = adaptive.await?;
+        let first = finished(MoveKind::AdaptiveFirst, first)?;
+        let next = finished(MoveKind::AdaptiveNext, next)?;
         Ok(Comparison::new(
-            unshaped.await?,
-            wrong_belief.await?,
-            adaptive.await?,
+            unshaped,
+            wrong_belief,
+            (first, next, truth),
         ))
     })
 }

@@ -154,7 +154,7 @@ fn shorter(found: &Recommendation) -> String {
     let shorter = found.candidates.iter().filter(is_shorter);
     let least = shorter.map(|one| one.worst_95).min_by(f64::total_cmp);
     least.map_or(String::new(), |left| {
-        format!("; the shorter ones leave up to {} or more", percent(left))
+        format!("; the shorter ones leave {} or more", percent(left))
     })
 }
 
