@@ -70,11 +70,10 @@ pub fn motion_from(samples: &[Sample]) -> f64 {
 /// period.
 ///
 /// What a sensor's own filter, or a motor side that still settles, adds after the motion's end dies
-/// out sooner than a lightly damped mode; while it lasts the extrema are unevenly spaced. Spacing
-/// counts as even within 15 % of half a period: noise of a tenth of the amplitude shifts an
-/// extremum by 3 %, and twice that on both ends of an interval is 13 %. Where all are even
-/// the decay begins with the rest. `None` where fewer than three extrema (a period) rise out of the
-/// noise.
+/// out sooner than a lightly damped mode. So the decay begins with an extremum, not with the rest, and
+/// while the extrema are unevenly spaced it has not begun. Spacing counts as even within 15 % of half
+/// a period: noise of a tenth of the amplitude shifts an extremum by 3 %, and twice that on both ends
+/// of an interval is 13 %. `None` where fewer than three extrema (a period) rise out of the noise.
 pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Option<FreeDecay> {
     let within = rest.of(samples);
     // The frequency from the rest's last two thirds, where only the mode is left.
@@ -93,12 +92,7 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     let [begin, _, .., last] = regular else {
         return None;
     };
-    let early = begin.time - rest.from < 1.2 * half_period;
-    let from = if begin.time == found[0].time && early {
-        rest.from
-    } else {
-        begin.time
-    };
+    let from = begin.time;
     // One more period after the last extremum that is seen: beyond there is only noise.
     let until = rest.until.min(last.time + 2.0 * half_period);
     Some(FreeDecay {
