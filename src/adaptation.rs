@@ -2,9 +2,10 @@
 //!
 //! Three questions, in this order. Is the estimate plausible? Is it certain enough, that is, would
 //! the train designed for it still hold its tolerance two standard deviations away? Does it matter,
-//! that is, does the present
-//! command leave more than the dead band at the estimated mode? A mode that
-//! jumps away from one learned before must in addition say the same for one period.
+//! that is, does the present command leave more than a new one would, by more than the dead band and
+//! by more than the estimate's own uncertainty explains? A mode that jumps away from one learned
+//! before must in addition say the same for half a period: as long as estimators look back before
+//! they call an estimate converged, so that two windows without overlap agree.
 
 use crate::estimators::Estimate;
 use quell_shapers::{ImpulseTrain, Mode, Shaper, residual_vibration};
@@ -22,7 +23,7 @@ pub struct AdaptationSettings {
     /// Residual vibration V of the train in force below which a new train is not worth a retune.
     pub dead_band: f64,
     /// Relative change of `omega_n` against the last learned mode that is believed at once; a
-    /// larger one must persist for one period of the new mode.
+    /// larger one must persist for half a period of the new mode.
     pub largest_step: f64,
 }
 
@@ -60,9 +61,12 @@ pub enum Reason {
     /// Within two standard deviations the new train would leave this fraction of the unshaped
     /// vibration, which is above the tolerance.
     Uncertain(f64),
-    /// The train in force leaves only this fraction at the estimated mode.
+    /// The present command leaves only this fraction more than a new one would.
     DeadBand(f64),
-    /// The mode has jumped by this relative step and has not yet persisted for one period.
+    /// What the present command leaves could as well be the estimate's error: three standard
+    /// deviations of it are this fraction.
+    NotSignificant(f64),
+    /// The mode has jumped by this relative step and has not yet persisted for half a period, twice the window over which estimates must agree.
     Unconfirmed(f64),
 }
 
@@ -84,19 +88,21 @@ impl Adaptation {
         }
     }
 
-    /// The last mode that was accepted from an estimate.
+    /// The last mode that was accepted, or that bore the present one out.
     pub fn learned(&self) -> Option<Mode> {
         self.learned
     }
 
-    /// Judges an estimate; `shaper` is the rule that would design the next train, and `left` tells
-    /// what the present command leaves of a mode, as a fraction of the unshaped vibration. Bounded
-    /// work, no allocation.
+    /// Judges an estimate.
+    ///
+    /// `shaper` is the rule that would design the next train; `excess` tells by how much what the
+    /// present command leaves of a mode exceeds what a new one would leave, as a fraction of the
+    /// unshaped vibration. Bounded work, at most five calls of `excess`, no allocation.
     pub fn consider(
         &mut self,
         estimate: &Estimate,
         shaper: &dyn Shaper,
-        left: impl FnOnce(Mode) -> f64,
+        mut excess: impl FnMut(Mode) -> f64,
     ) -> Decision {
         if !estimate.converged {
             return Decision::Keep(Reason::NotConverged);
@@ -114,10 +120,15 @@ impl Adaptation {
         if doubt > self.settings.tolerance {
             return Decision::Keep(Reason::Uncertain(doubt));
         }
-        let left = left(mode) - at_best;
-        if left < self.settings.dead_band {
+        let at_estimate = excess(mode);
+        if at_estimate < self.settings.dead_band {
+            (self.learned, self.jump) = (Some(mode), None);
+            return Decision::Keep(Reason::DeadBand(at_estimate));
+        }
+        let explained = doubt_of(estimate, at_estimate, excess);
+        if at_estimate < explained {
             self.jump = None;
-            return Decision::Keep(Reason::DeadBand(left));
+            return Decision::Keep(Reason::NotSignificant(explained));
         }
         if let Some(step) = self.unconfirmed_jump(mode, estimate.time) {
             return Decision::Keep(Reason::Unconfirmed(step));
@@ -133,7 +144,7 @@ impl Adaptation {
             && (least..=most).contains(&mode.damping_ratio())
     }
 
-    /// The relative step from the learned mode, if it is large and younger than one period.
+    /// The relative step from the learned mode, if it is large and younger than half a period.
     fn unconfirmed_jump(&mut self, mode: Mode, time: f64) -> Option<f64> {
         let step = relative_step(self.learned?, mode);
         if step <= self.settings.largest_step {
@@ -144,7 +155,7 @@ impl Adaptation {
             Some((candidate, since))
                 if relative_step(candidate, mode) <= self.settings.largest_step =>
             {
-                (time - since < mode.damped_period()).then_some(step)
+                (time - since < 0.5 * mode.damped_period()).then_some(step)
             }
             _ => {
                 self.jump = Some((mode, time));
@@ -161,6 +172,38 @@ fn residual(train: &ImpulseTrain, mode: Mode) -> f64 {
 
 fn relative_step(from: Mode, to: Mode) -> f64 {
     (to.natural_frequency() / from.natural_frequency() - 1.0).abs()
+}
+
+/// Standard deviations by which an excess counts as significant. As a complex number that is
+/// Gaussian in both parts it exceeds them by chance once in 90 times (`exp(-4.5)`), and it is judged
+/// some ten times a move.
+const SIGNIFICANT: f64 = 3.0;
+
+/// What the estimate's uncertainty alone may make of the vibration left, [`SIGNIFICANT`] standard
+/// deviations of it.
+///
+/// What is left is the magnitude of a complex number `r(omega, xi)` that is linear near the estimate,
+/// so that `|r' d|^2 = (|r(+d)|^2 + |r(-d)|^2) / 2 - |r(0)|^2` for a step `d` of either.
+fn doubt_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64) -> f64 {
+    let mode = estimate.mode;
+    let steps = [
+        (SIGNIFICANT * estimate.natural_frequency_std, 0.0),
+        (0.0, SIGNIFICANT * estimate.damping_ratio_std),
+    ];
+    let mut square = 0.0;
+    for (across, along) in steps {
+        let mut sum = 0.0;
+        for sign in [-1.0, 1.0] {
+            let omega = mode.natural_frequency() + sign * across;
+            let xi = (mode.damping_ratio() + sign * along).max(0.0);
+            match Mode::new(omega, xi) {
+                Ok(step) => sum += left(step).powi(2),
+                Err(_) => return f64::INFINITY,
+            }
+        }
+        square += (0.5 * sum - centre * centre).max(0.0);
+    }
+    square.sqrt()
 }
 
 /// The largest V of `train` over the corners of two standard deviations of frequency and damping.

@@ -228,7 +228,7 @@ fn bad_input_is_refused_with_its_place() {
     );
     refused(
         &mut with("250", &[&file, "--column", "time_s"]),
-        &["time is not to be shaped"],
+        &["it is the time"],
     );
     refused(&mut with("250", &[&file]), &["--column"]);
     refused(

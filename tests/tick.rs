@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 use quell::adaptation::AdaptationSettings;
-use quell::controller::{AxisMeasurement, AxisSettings, Controller, RetunePolicy, Setpoint};
+use quell::controller::{
+    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint,
+};
 use quell::estimators::{ESTIMATORS, EstimatorEntry, Settings};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::signal::{Measurement, RestRule};
@@ -64,7 +66,8 @@ impl Loop {
         let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default());
         let axes = vec![settings(&robot, shaper, estimator)];
         Self {
-            controller: Controller::new(axes, &[0.0]).expect("a controller"),
+            controller: Controller::new(axes, &[0.0], PathPolicy::Independent)
+                .expect("a controller"),
             arm: arm.expect("an arm"),
             inbox: Vec::with_capacity(64),
             moves: 0,
@@ -168,7 +171,7 @@ proptest! {
     ) {
         let robot = Robot::rx170();
         let axes = vec![settings(&robot, SHAPERS[0], &ESTIMATORS[estimator])];
-        let mut controller = Controller::new(axes, &[0.0]).expect("a controller");
+        let mut controller = Controller::new(axes, &[0.0], PathPolicy::Independent).expect("a controller");
         controller.load(plan(0.0, 0.5)).expect("a plan");
         let mut before = Setpoint::default();
         for measured in nonsense.iter().chain(std::iter::repeat_n(&Vec::new(), 2_000)) {

@@ -50,6 +50,7 @@ fn wanted(longest_delay: f64) -> Requirements {
     Requirements {
         longest_delay,
         criterion: Criterion::Worst95,
+        acceptable: 0.0,
         tolerance: 0.01,
         allow_negative: false,
     }
@@ -65,14 +66,14 @@ fn val_recommendation_follows_uncertainty_and_delay() {
     };
     let mut last = 0.0;
     for relative in [0.0, 0.002, 0.01, 0.02, 0.05, 0.1, 0.2] {
-        let found = recommend(&known(relative), &wanted(f64::INFINITY)).unwrap();
+        let found = recommend(&[known(relative)], &wanted(f64::INFINITY)).unwrap();
         println!("{relative}: {:?} because {:?}", found.best, found.reason);
         // Shapers of the same nominal length differ by a few percent with damping.
         assert!(found.best.delay >= 0.97 * last, "less certain, yet shorter");
         last = found.best.delay;
     }
     // Less than a period allowed: ZV and MZV are left, whatever they leave.
-    let found = recommend(&known(0.05), &wanted(0.8 / 8.12)).unwrap();
+    let found = recommend(&[known(0.05)], &wanted(0.8 / 8.12)).unwrap();
     assert_eq!(found.best.shaper.name(), "mzv");
     assert!(matches!(found.reason, Reason::LeavesLeast));
     let zvd = found
@@ -81,7 +82,7 @@ fn val_recommendation_follows_uncertainty_and_delay() {
         .find(|c| c.shaper.name() == "zvd")
         .unwrap();
     assert_eq!(zvd.standing, Standing::TooLong);
-    let none = recommend(&known(0.05), &wanted(0.01));
+    let none = recommend(&[known(0.05)], &wanted(0.01));
     assert!(matches!(none, Err(ShaperError::NoneFits { .. })));
 }
 
@@ -96,7 +97,7 @@ fn val_expected_residual_in_closed_form() {
         natural_frequency_std: s * mode.natural_frequency(),
         damping_ratio_std: 0.0,
     };
-    let found = recommend(&estimate, &wanted(f64::INFINITY)).unwrap();
+    let found = recommend(&[estimate], &wanted(f64::INFINITY)).unwrap();
     let zv = found
         .candidates
         .iter()

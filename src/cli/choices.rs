@@ -1,36 +1,33 @@
 //! Tables of the library as choices on the command line.
 
-use clap::builder::{PossibleValue, PossibleValuesParser};
-use quell_shapers::{SHAPERS, Shaper};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use quell_shapers::{SHAPERS, Shaper, shaper_by_name};
 
-use crate::estimators::ESTIMATORS;
+use crate::estimators::{ESTIMATORS, EstimatorEntry, estimator};
 use crate::plant::Damping;
 
 /// The table of shapers, with what each does.
-pub fn shapers() -> PossibleValuesParser {
+pub fn shapers() -> impl TypedValueParser<Value = &'static dyn Shaper> {
     let choice = |shaper: &&dyn Shaper| PossibleValue::new(shaper.name()).help(shaper.summary());
     PossibleValuesParser::new(SHAPERS.iter().map(choice))
+        .try_map(|name| shaper_by_name(&name).ok_or("there is no such shaper"))
 }
 
 /// The table of estimators, with what each does.
-pub fn estimators() -> PossibleValuesParser {
-    PossibleValuesParser::new(
-        ESTIMATORS
-            .iter()
-            .map(|entry| PossibleValue::new(entry.name).help(entry.summary)),
-    )
+pub fn estimators() -> impl TypedValueParser<Value = &'static EstimatorEntry> {
+    let choice = |entry: &EstimatorEntry| PossibleValue::new(entry.name).help(entry.summary);
+    PossibleValuesParser::new(ESTIMATORS.iter().map(choice))
+        .try_map(|name| estimator(&name).ok_or("there is no such estimator"))
 }
 
 /// Where a damper can sit.
-pub fn dampings() -> PossibleValuesParser {
-    PossibleValuesParser::new(["across_joint", "to_ground"])
-}
-
-/// The damping convention of that name.
-pub fn damping(name: &str) -> Option<Damping> {
-    match name {
-        "across_joint" => Some(Damping::AcrossJoint),
-        "to_ground" => Some(Damping::ToGround),
-        _ => None,
-    }
+pub fn dampings() -> impl TypedValueParser<Value = Damping> {
+    let choices = [
+        PossibleValue::new("across_joint").help("between motor side and link"),
+        PossibleValue::new("to_ground").help("between link and ground"),
+    ];
+    PossibleValuesParser::new(choices).map(|name| match name.as_str() {
+        "to_ground" => Damping::ToGround,
+        _ => Damping::AcrossJoint,
+    })
 }

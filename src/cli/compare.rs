@@ -7,14 +7,16 @@ mod page;
 mod print;
 mod trial;
 
-use super::{CliError, output, shape};
+use super::robot_args::{RobotArgs, robot};
+use super::{CliError, output, shaping, values};
 use crate::plant::Robot;
 use candidate::{Candidate, Design};
-use choice::{Choice, Wish};
+use choice::{Advice, Choice, Wish};
+use indicatif::ProgressBar;
 use quell_shapers::{GridTrain, Mode, Shaper};
 use serde_json::json;
 use std::path::PathBuf;
-use trial::Trial;
+use trial::{Simulated, Trial};
 
 /// Frequency errors of the table.
 const ERRORS: [f64; 5] = [-0.25, -0.10, 0.0, 0.10, 0.25];
@@ -22,7 +24,7 @@ const ERRORS: [f64; 5] = [-0.25, -0.10, 0.0, 0.10, 0.25];
 const POINTS: usize = 60;
 
 /// Compares all shapers over a spread of frequency errors and recommends one.
-#[derive(Debug, clap::Args)]
+#[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   quell compare                              the embedded arm
@@ -31,58 +33,67 @@ Examples:
 
 V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
 one leaves, each at its own end; the columns give it for a machine whose frequency is that much
-above (+) or below (-) the believed one. Insensitivity: width of the band with V <= 5 %, over the
-frequency. Delay: what the shaper adds to the end of a move. The millimetres are simulated: the
-greatest tip deformation after the robot's own move. Writes compare.html into --out.")]
+above (+) or below (-) the believed one, and for one that is known only so well (--frequency-std,
+--damping-std): V 95 % stays below that value with 95 % probability. Insensitivity: width of the
+band with V <= 5 %, over the frequency. Delay: what the shaper adds to the end of a move. The
+millimetres are simulated: the greatest tip deformation after the robot's own move.
+
+Recommended is the shortest shaper within --max-delay whose V 95 % is --acceptable; where none is,
+the one that leaves least. umzv never is: its negative impulses can exceed the limits of a move.
+Several modes are shaped for by one shaper, one train after the other, and the worst mode counts. Writes
+compare.html into --out.")]
 pub struct Args {
-    /// The robot's description; the embedded arm where none is given.
-    pub robot: Option<PathBuf>,
-    /// The joint, counted from 1 [default: the one that the description moves].
-    #[arg(long, value_name = "N")]
-    pub joint: Option<usize>,
+    /// The robot's description, as --robot; the embedded arm where none is given.
+    #[arg(value_name = "ROBOT", conflicts_with = "robot")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Natural frequency in Hz and damping ratio, instead of the robot's; may be repeated.
-    #[arg(long, value_name = "F,XI", value_parser = shape::mode)]
-    pub mode: Vec<Mode>,
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, conflicts_with = "joint")]
+    mode: Vec<Mode>,
     /// Commands a second [default: the robot's].
-    #[arg(long, value_name = "HZ", value_parser = shape::rate)]
-    pub rate: Option<f64>,
-    /// How well the frequency is known: one standard deviation, percent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = deviation)]
-    pub frequency_std: f64,
-    /// The longest delay that the recommended shaper may add, s.
-    #[arg(long, value_name = "S", value_parser = seconds)]
-    pub max_delay: Option<f64>,
+    #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// How well the frequency is known: one standard deviation, percent of it.
+    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = deviation,
+          allow_negative_numbers = true)]
+    frequency_std: f64,
+    /// How well the damping ratio is known: one standard deviation, as a ratio such as 0.02.
+    #[arg(long, value_name = "RATIO", default_value_t = 0.02, value_parser = damping_deviation,
+          allow_negative_numbers = true)]
+    damping_std: f64,
+    /// The residual vibration that is small enough, percent of the unshaped one.
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0,
+          value_parser = values::below_100_percent, allow_negative_numbers = true)]
+    acceptable: f64,
+    /// The longest delay that the recommended shaper may add, s [default: any].
+    #[arg(long, value_name = "S", value_parser = values::not_negative,
+          allow_negative_numbers = true)]
+    max_delay: Option<f64>,
     /// How far the curves reach on either side, percent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 30.0, value_parser = percent)]
-    pub spread: f64,
+    #[arg(long, value_name = "PERCENT", default_value_t = 30.0,
+          value_parser = values::below_100_percent, allow_negative_numbers = true)]
+    spread: f64,
     /// The folder for the report.
     #[arg(long, value_name = "DIR", default_value = "out")]
-    pub out: PathBuf,
+    out: PathBuf,
     /// Prints JSON instead of tables.
     #[arg(long)]
-    pub json: bool,
-}
-
-fn percent(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(percent) if (0.0..100.0).contains(&percent) => Ok(percent),
-        _ => Err(format!("{text:?} is not a percentage from 0 to below 100")),
-    }
+    json: bool,
 }
 
 /// Two standard deviations below the frequency there must be a frequency left.
 fn deviation(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(percent) if (0.0..50.0).contains(&percent) => Ok(percent),
-        _ => Err(format!("{text:?} is not a percentage from 0 to below 50")),
-    }
+    let percent = values::below_100_percent(text).ok();
+    let percent = percent.filter(|percent| *percent < 50.0);
+    percent.ok_or_else(|| "it is not a percentage from 0 to below 50".into())
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
-        _ => Err(format!("{text:?} is not a time of 0 s or more")),
-    }
+/// A damping ratio lies between 0 and 1, so its standard deviation is below 1.
+fn damping_deviation(text: &str) -> Result<f64, String> {
+    let ratio = values::not_negative(text).ok();
+    let ratio = ratio.filter(|ratio| *ratio < 1.0);
+    ratio.ok_or_else(|| "it is not a ratio from 0 to below 1".into())
 }
 
 /// What is compared, for whom.
@@ -92,9 +103,12 @@ struct Comparison {
     rate: f64,
     spread: f64,
     candidates: Vec<Candidate>,
-    choice: Option<Choice>,
-    /// Simulated tip deformation after the unshaped move at [`ERRORS`], mm.
-    unshaped_mm: Option<Vec<f64>>,
+    wish: Wish,
+    advice: Advice,
+    /// The unshaped move, where the robot was simulated.
+    unshaped: Option<Simulated>,
+    /// What the user should know of the simulated moves.
+    remarks: Vec<String>,
 }
 
 impl Comparison {
@@ -102,6 +116,17 @@ impl Comparison {
         self.candidates
             .iter()
             .filter_map(|candidate| Some((candidate.shaper, candidate.design.as_ref().ok()?)))
+    }
+
+    fn choice(&self) -> Option<&Choice> {
+        self.advice.choice.as_ref()
+    }
+
+    /// Residual vibration that 95 % of the uncertainty stays below, and its mean.
+    fn uncertain(&self, shaper: &dyn Shaper) -> Option<(f64, f64)> {
+        let same = |one: &&choice::Figures| one.shaper.name() == shaper.name();
+        let found = self.advice.figures.iter().find(same);
+        found.map(|one| (one.worst_95, one.expected))
     }
 }
 
@@ -130,42 +155,43 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 fn compare(args: &Args) -> Result<Comparison, CliError> {
-    let mut robot = match &args.robot {
-        Some(file) => Robot::from_file(file).map_err(CliError::input)?,
-        None => Robot::rx170(),
-    };
+    let mut robot = robot(args.file.as_deref().or(args.robot.robot.as_deref()))?;
     let (joint, modes) = modes(args, &robot)?;
-    let rate = args.rate.unwrap_or(robot.control_rate);
+    robot.control_rate = args.rate.unwrap_or(robot.control_rate);
+    let rate = robot.control_rate;
     let mut candidates = candidate::all(&modes, 1.0 / rate);
     if let Some(Err(reason)) = candidates.first().map(|candidate| &candidate.design)
         && candidates.iter().all(|candidate| candidate.design.is_err())
     {
-        let text = format!("no shaper can be designed at {rate} Hz: {reason}");
+        let text = format!("no shaper can be designed at {rate:e} Hz: {reason}");
         return Err(CliError::input(text));
     }
-    let mut unshaped_mm = None;
-    if let Some(joint) = joint {
-        robot.control_rate = rate;
-        unshaped_mm = Some(simulate(&robot, joint, &mut candidates)?);
-    }
-    let machine = match joint {
-        Some(joint) => format!("{}, joint {}", robot.name, joint + 1),
-        None => "the given mode".into(),
-    };
     let wish = Wish {
         frequency_std: args.frequency_std / 100.0,
-        max_delay: args.max_delay,
+        damping_std: args.damping_std,
+        acceptable: args.acceptable / 100.0,
+        max_delay: args.max_delay.unwrap_or(f64::INFINITY),
     };
-    let choice = choice::choose(&candidates, wish);
-    let spread = args.spread / 100.0;
+    let advice = choice::choose(&candidates, &modes, wish)?;
+    let mut remarks = Vec::new();
+    let mut unshaped = None;
+    if let Some(joint) = joint {
+        unshaped = Some(simulate(&robot, joint, &mut candidates, &mut remarks)?);
+    }
     Ok(Comparison {
-        machine,
+        machine: match joint {
+            Some(joint) => format!("{}, joint {}", robot.name, joint + 1),
+            None if modes.len() == 1 => "the given mode".into(),
+            None => "the given modes".into(),
+        },
         modes,
         rate,
-        spread,
+        spread: args.spread / 100.0,
         candidates,
-        choice,
-        unshaped_mm,
+        wish,
+        advice,
+        unshaped,
+        remarks,
     })
 }
 
@@ -174,50 +200,45 @@ fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliEr
     if !args.mode.is_empty() {
         return Ok((None, args.mode.clone()));
     }
-    let joint = args.joint.unwrap_or(robot.default_move.joint + 1);
-    let entry = joint
-        .checked_sub(1)
-        .and_then(|index| robot.joints.get(index))
-        .ok_or_else(|| {
-            let count = robot.joints.len();
-            CliError::input(format!(
-                "--joint {joint}: {} has joints 1 to {count}",
-                robot.name
-            ))
-        })?;
-    if entry.modes.is_empty() {
-        let text = format!(
-            "joint {joint} of {} has no mode in its description",
-            robot.name
-        );
+    let joint = args.robot.joint_of(robot)?;
+    let modes = robot.joints[joint].modes.iter().map(|entry| entry.mode);
+    let modes: Vec<Mode> = modes.collect();
+    if modes.is_empty() {
+        let (number, name) = (joint + 1, &robot.name);
+        let text = format!("joint {number} of {name} has no mode in its description");
         return Err(CliError::input(text).with_help("give one: --mode 8.12,0.084"));
     }
-    Ok((
-        Some(joint - 1),
-        entry.modes.iter().map(|mode| mode.mode).collect(),
-    ))
+    Ok((Some(joint), modes))
 }
 
-/// Makes the robot's move with each shaper at each of [`ERRORS`]; gives the unshaped one's mm.
+/// Makes the robot's move with each shaper at each of [`ERRORS`], and gives the unshaped one.
 fn simulate(
     robot: &Robot,
     joint: usize,
     candidates: &mut [Candidate],
-) -> Result<Vec<f64>, CliError> {
-    let trial = Trial::new(robot, joint)?;
-    let residual_mm = |train: &GridTrain| -> Result<Vec<f64>, CliError> {
-        ERRORS
-            .iter()
-            .map(|error| Ok(1e3 * trial.residual(train, *error)?))
-            .collect()
-    };
-    for candidate in candidates {
-        if let Ok(design) = &mut candidate.design {
-            design.residual_mm = Some(residual_mm(&design.train)?);
+    remarks: &mut Vec<String>,
+) -> Result<Simulated, CliError> {
+    let trial = Trial::new(robot, joint);
+    let progress = ProgressBar::new(1 + candidates.len() as u64);
+    let unshaped = GridTrain::identity(1.0 / robot.control_rate).map_err(CliError::input)?;
+    let unshaped = trial.run(&unshaped, &ERRORS)?;
+    for candidate in progress.wrap_iter(candidates.iter_mut()) {
+        let name = candidate.shaper.name();
+        let Ok(design) = &mut candidate.design else {
+            continue;
+        };
+        match trial.run(&design.train, &ERRORS) {
+            Ok(simulated) => {
+                if simulated.speed < 1.0 {
+                    remarks.push(shaping::slowed(name, simulated.speed));
+                }
+                design.simulated = Some(simulated);
+            }
+            Err(CliError::Input(refusal)) => remarks.push(format!("{name}: {refusal}")),
+            Err(other) => return Err(other),
         }
     }
-    let unshaped = GridTrain::identity(1.0 / robot.control_rate).map_err(CliError::input)?;
-    residual_mm(&unshaped)
+    Ok(unshaped)
 }
 
 /// Frequency errors of the curves, from minus to plus the spread.

@@ -136,7 +136,11 @@ impl Message {
         let mut text = format!("error: {}\n", self.text);
         let mut source = Error::source(self);
         while let Some(error) = source {
-            text.push_str(&format!("  caused by: {error}\n"));
+            // Some errors say what their source says already.
+            let cause = error.to_string();
+            if !text.contains(&cause) {
+                text.push_str(&format!("  caused by: {cause}\n"));
+            }
             source = error.source();
         }
         if let Some(help) = &self.help {

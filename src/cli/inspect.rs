@@ -6,16 +6,17 @@ use crate::recording::{Channel, Recording};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Tells what a recording holds: channels, rates, gaps, clock jitter, noise, quantisation, and
-/// what looks wrong.
-#[derive(Debug, clap::Args)]
+/// Tells what a recording holds, and what looks wrong with it.
+///
+/// Channels, rates, gaps, clock jitter, noise, quantisation, flat stretches, jumps and spikes.
+#[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   quell inspect arm7/recording.toml
   quell inspect arm7 --json        (the folder of a recording.toml)
 
 Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
-jitter the root mean square of interval minus period. All values are in SI.")]
+jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.")]
 pub struct Args {
     /// The manifest, or the folder that holds its recording.toml.
     pub recording: PathBuf,
@@ -80,10 +81,10 @@ fn clock_row(channel: &Channel, health: &Health) -> [String; 7] {
         channel.role.to_string(),
         clock.samples.to_string(),
         clock.rate().map_or("-".into(), |rate| format!("{rate:.2}")),
-        format!("{:.4}", clock.start),
-        format!("{:.4}", clock.duration),
+        plain(clock.start),
+        plain(clock.duration),
         clock.missing.to_string(),
-        format!("{:.2}", 1e6 * clock.jitter),
+        plain(1e6 * clock.jitter),
     ]
 }
 
@@ -97,12 +98,20 @@ fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Ite
             [
                 name,
                 channel.unit.clone(),
-                format!("{:.6}", column.minimum),
-                format!("{:.6}", column.maximum),
+                plain(column.minimum),
+                plain(column.maximum),
                 figure(column.noise_std),
                 figure(column.quantum),
             ]
         })
+}
+
+/// Six decimals, or the power of ten where those would fill the line.
+fn plain(value: f64) -> String {
+    match value.abs() < 1e9 {
+        true => format!("{value:.6}"),
+        false => format!("{value:.6e}"),
+    }
 }
 
 fn column_names(channel: &Channel) -> Vec<String> {
@@ -126,7 +135,7 @@ fn overlap(recording: &Recording) -> Option<String> {
         .filter_map(|channel| channel.time.last());
     let start = starts.copied().fold(f64::NEG_INFINITY, f64::max);
     let end = ends.copied().fold(f64::INFINITY, f64::min);
-    (recording.channels.len() > 1 && end <= start).then(|| {
+    (end < start).then(|| {
         format!("the channels have no time in common: one begins at {start} s, one ends at {end} s")
     })
 }

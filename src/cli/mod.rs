@@ -6,6 +6,7 @@
 
 pub mod choices;
 pub mod compare;
+pub mod effort;
 pub mod error;
 pub mod identify;
 pub mod inspect;
@@ -13,8 +14,12 @@ pub mod log;
 pub mod model_file;
 pub mod moves;
 pub mod output;
+pub mod robot_args;
 pub mod shape;
+pub mod shaping;
 pub mod simulate;
+pub mod time_column;
+pub mod values;
 
 pub use error::CliError;
 
@@ -22,7 +27,7 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Adaptive input shaping for flexible robot joints.
-#[derive(Debug, Parser)]
+#[derive(Parser)]
 #[command(
     name = "quell",
     version,
@@ -32,14 +37,14 @@ use std::process::ExitCode;
 )]
 struct Cli {
     /// Tells more on stderr: -v what is done, -vv the details (or set QUELL_LOG).
-    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    #[arg(short, long, global = true, display_order = 1000, action = clap::ArgAction::Count)]
     verbose: u8,
     #[command(subcommand)]
     verb: Verb,
 }
 
 /// What `quell` can be asked to do.
-#[derive(Debug, Subcommand)]
+#[derive(Subcommand)]
 enum Verb {
     Compare(compare::Args),
     Identify(identify::Args),

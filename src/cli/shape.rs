@@ -2,10 +2,9 @@
 
 mod command_file;
 
-use super::{CliError, output};
+use super::{CliError, choices, output, shaping, values};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, Shaper, ShaperError, insensitivity, residual_vibration,
-    shaper_by_name,
+    Band, GridTrain, ImpulseTrain, Mode, Shaper, insensitivity, residual_vibration,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -14,7 +13,7 @@ use std::path::PathBuf;
 const TOLERANCE: f64 = 0.05;
 
 /// Designs a shaper for one mode or several, and shapes a command file with it.
-#[derive(Debug, clap::Args)]
+#[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250
@@ -26,13 +25,14 @@ one leaves, each at its own end. The insensitivity is the width of the band of f
 the design frequency, in which V stays at or below 5 %.")]
 pub struct Args {
     /// The shaper.
-    #[arg(long, value_parser = super::choices::shapers())]
-    pub shaper: String,
+    #[arg(long, value_parser = choices::shapers())]
+    pub shaper: &'static dyn Shaper,
     /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
-    #[arg(long, value_name = "F,XI", value_parser = mode, required = true)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, required = true)]
     pub mode: Vec<Mode>,
     /// Samples of the command a second.
-    #[arg(long, value_name = "HZ", value_parser = rate)]
+    #[arg(long, value_name = "HZ", value_parser = values::positive,
+          allow_negative_numbers = true)]
     pub rate: f64,
     /// A command file to shape, .csv or .csv.gz; its name with `_shaped` is written to --out.
     #[arg(requires = "column")]
@@ -49,36 +49,6 @@ pub struct Args {
     /// Prints JSON instead of tables.
     #[arg(long)]
     pub json: bool,
-}
-
-/// `F,XI` as a mode.
-pub(super) fn mode(text: &str) -> Result<Mode, String> {
-    let form = || format!("{text:?} is not F,XI, such as 8.12,0.084 (Hz and a damping ratio)");
-    let (frequency, damping_ratio) = text.split_once(',').ok_or_else(form)?;
-    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
-    Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
-}
-
-/// The longest train that is run, ticks: 24 MB of delay line, 17 minutes at 1 kHz.
-const LONGEST_TRAIN: usize = 1_000_000;
-
-/// The train, unless it is longer than anything that a filter is made for.
-pub(super) fn of_sane_length(train: GridTrain) -> Result<GridTrain, ShaperError> {
-    match train.duration_in_ticks() {
-        ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {
-            ticks,
-            capacity: LONGEST_TRAIN,
-        }),
-        _ => Ok(train),
-    }
-}
-
-/// A rate in Hz.
-pub(super) fn rate(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(rate) if rate.is_finite() && rate > 0.0 => Ok(rate),
-        _ => Err(format!("{text:?} is not a rate above 0 Hz")),
-    }
 }
 
 /// What was designed.
@@ -115,22 +85,17 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 fn design(args: &Args) -> Result<Design, CliError> {
-    let shaper = shaper_by_name(&args.shaper)
-        .ok_or_else(|| CliError::input(format!("there is no shaper {:?}", args.shaper)))?;
-    let sample_time = 1.0 / args.rate;
     let mut train = ImpulseTrain::identity();
-    let mut grid = GridTrain::identity(sample_time).map_err(CliError::input)?;
     for &mode in &args.mode {
-        train = train
-            .convolve(&shaper.design(mode).map_err(CliError::input)?)
-            .map_err(CliError::input)?;
-        grid = grid
-            .convolve(&shaper.on_grid(mode, sample_time).map_err(CliError::input)?)
+        train = args
+            .shaper
+            .design(mode)
+            .and_then(|next| train.convolve(&next))
             .map_err(CliError::input)?;
     }
-    let grid = of_sane_length(grid).map_err(CliError::input)?;
+    let grid = shaping::train(args.shaper, &args.mode, 1.0 / args.rate).map_err(CliError::input)?;
     Ok(Design {
-        shaper,
+        shaper: args.shaper,
         modes: args.mode.clone(),
         train,
         grid,

@@ -11,16 +11,18 @@ mod trace;
 
 use std::path::{Path, PathBuf};
 
-use quell_shapers::Mode;
+use quell_shapers::{Mode, Shaper};
 
-use super::{CliError, choices, model_file, output, shape};
+use super::robot_args::{RobotArgs, SimulationArgs};
+use super::{CliError, choices, model_file, output, values};
 use crate::plant::ArmSimulation;
 use setup::Setup;
 use trace::Trace;
 
-/// Sends moves, or a recorded command, through a joint of a robot and writes what its sensors see
-/// as a recording. Without arguments: the embedded arm and its own move, 30 degrees, unshaped.
-#[derive(Debug, clap::Args)]
+/// Simulates moves, or a recorded command, and writes what the sensors see as a recording.
+///
+/// Without arguments: the embedded arm and its own move, 30 degrees, unshaped.
+#[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   quell simulate
@@ -34,30 +36,28 @@ own clock, and model.toml with what is believed of the joint; `quell identify` a
 read them. Residual: peak of the true deformation at the tip from where the motor side has come to
 rest, to one encoder step, until the next move begins.")]
 pub struct Args {
-    /// The robot's description; the embedded arm where none is given.
-    #[arg(long, value_name = "FILE")]
-    pub robot: Option<PathBuf>,
-    /// The joint, counted from 1 [default: the one that the description moves].
-    #[arg(long, value_name = "N")]
-    pub joint: Option<usize>,
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Where to move, deg from where the joint stands at the start; may be repeated [default: as
     /// the description says, 30].
     #[arg(
         long,
         visible_alias = "target-deg",
         value_name = "DEG",
+        value_parser = values::finite,
         allow_negative_numbers = true
     )]
     pub target: Vec<f64>,
     /// Rest after each move, s [default: 12 periods of the slowest mode, at least 1 s].
-    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = values::not_negative,
+           allow_negative_numbers = true)]
     pub dwell: Option<f64>,
     /// The shaper of the moves [default: none].
     #[arg(long, value_parser = choices::shapers())]
-    pub shaper: Option<String>,
+    pub shaper: Option<&'static dyn Shaper>,
     /// The believed mode, natural frequency in Hz and damping ratio; several are shaped for at once
     /// [default: the joint's own without payload, in its home pose].
-    #[arg(long, value_name = "F,XI", value_parser = shape::mode)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode)]
     pub belief: Vec<Mode>,
     /// A recorded command instead of moves: a recording with a command_position, or a CSV file.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["target", "shaper"])]
@@ -72,11 +72,9 @@ pub struct Args {
     #[arg(long, value_name = "NAME", requires = "column")]
     pub time: Option<String>,
     /// Rows a second of the CSV file, checked against the column with seconds where there is one.
-    #[arg(long, value_name = "HZ", value_parser = shape::rate, requires = "column")]
+    #[arg(long, value_name = "HZ", value_parser = values::positive,
+          allow_negative_numbers = true, requires = "column")]
     pub rate: Option<f64>,
-    /// Load at the tip, kg.
-    #[arg(long, value_name = "KG", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
-    pub payload: f64,
     /// Where the joints stand at the start, deg, or m for joints that slide [default: home].
     #[arg(
         long,
@@ -85,31 +83,17 @@ pub struct Args {
         allow_hyphen_values = true
     )]
     pub pose: Vec<f64>,
-    /// Where the damper sits [default: as the description says].
-    #[arg(long, value_parser = choices::dampings())]
-    pub damping: Option<String>,
     /// The joint's first mode in its home pose without payload, instead of the description's.
-    #[arg(long, value_name = "F,XI", value_parser = shape::mode)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode)]
     pub mode: Option<Mode>,
-    /// Noise of the tracker, one standard deviation, um [default: the robot's].
-    #[arg(long, visible_alias = "noise-um", value_name = "UM", value_parser = not_negative, allow_negative_numbers = true)]
-    pub noise: Option<f64>,
-    /// Seed of the simulated noise.
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
+    #[command(flatten)]
+    simulation: SimulationArgs,
     /// The folder for the recording.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     /// Prints JSON instead of a table.
     #[arg(long)]
     pub json: bool,
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err(format!("{text:?} is not a finite number, 0 or more")),
-    }
 }
 
 /// Runs the verb.

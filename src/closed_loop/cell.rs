@@ -7,7 +7,7 @@ use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::adaptation::AdaptationSettings;
 use crate::controller::{
-    AxisMeasurement, AxisSettings, Controller, RetunePolicy, Setpoint, plan_shaped,
+    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint, plan_shaped,
 };
 use crate::estimators::{EstimatorEntry, Settings};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
@@ -18,6 +18,9 @@ const WATCHED_PERIODS: f64 = 12.0;
 /// No move lasts longer than this, s; sizes the buffers.
 const LONGEST_MOVE: f64 = 20.0;
 
+/// Distance of the tip from its target below which the motor side has followed, m: a tenth of the
+/// tracker's noise. What is still to come of its motion forces a deformation of that size.
+const FOLLOWED: f64 = 1e-6;
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
 
@@ -53,7 +56,6 @@ pub struct Cell {
     planner: Planner,
     limits: Limits,
     registration: ArcRegistration,
-    encoder_step: f64,
     watch: f64,
     inbox: Vec<AxisMeasurement>,
 }
@@ -71,6 +73,8 @@ impl Cell {
         let robot = &settings.robot;
         let sample_time = 1.0 / robot.control_rate;
         let belief = settings.belief;
+        let adaptation = AdaptationSettings::around(belief);
+        let [low, high] = adaptation.natural_frequency;
         let axis = AxisSettings {
             sample_time,
             limits: settings.limits,
@@ -79,19 +83,26 @@ impl Cell {
             adaptive: settings.adaptive,
             retune: settings.retune,
             estimator: settings.estimator,
-            estimation: Settings::around(belief, 1.0 / robot.tracker.rate),
-            adaptation: AdaptationSettings::around(belief),
+            estimation: Settings {
+                // What may be accepted must be looked for.
+                frequency_range: (low, high),
+                ..Settings::around(belief, 1.0 / robot.tracker.rate)
+            },
+            adaptation,
             rest: RestRule::new(0.0, robot.encoder.resolution),
             sensor,
             longest_train: 4.0 * belief.damped_period(),
             longest_move: LONGEST_MOVE,
         };
         Ok(Self {
-            controller: Controller::new(vec![axis], &[arm.true_motor_position()])?,
+            controller: Controller::new(
+                vec![axis],
+                &[arm.true_motor_position()],
+                PathPolicy::Independent,
+            )?,
             planner: Planner::new(1)?,
             limits: settings.limits,
             registration,
-            encoder_step: robot.encoder.resolution,
             watch: WATCHED_PERIODS * belief.damped_period(),
             inbox: Vec::with_capacity(256),
             arm,
@@ -141,7 +152,7 @@ impl Cell {
             target,
             planned_end,
             command_end: command_end(&ticks),
-            motor_end: motor_end(&ticks, target, self.encoder_step),
+            motor_end: motor_end(&ticks, target, FOLLOWED / self.arm.arc().radius()),
             arc: *self.arm.arc(),
             registration: self.registration.clone(),
             train: axis.train(),
@@ -149,6 +160,7 @@ impl Cell {
             mode: after.mode,
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,
+            corrections: after.corrections - before.corrections,
             ticks,
             recording: log.into_recording(&self.arm.robot().name),
         })
@@ -210,9 +222,9 @@ fn command_end(ticks: &[Tick]) -> f64 {
         .map_or(0.0, |last| ticks[last + 1].time)
 }
 
-/// From when on the motor side stays within one encoder step of the target.
-fn motor_end(ticks: &[Tick], target: f64, encoder_step: f64) -> f64 {
-    let away = |tick: &Tick| (tick.motor_position - target).abs() > encoder_step;
+/// From when on the motor side stays within `tolerance` of the target.
+fn motor_end(ticks: &[Tick], target: f64, tolerance: f64) -> f64 {
+    let away = |tick: &Tick| (tick.motor_position - target).abs() > tolerance;
     let last = ticks.iter().rposition(away);
     last.map_or(0.0, |last| ticks.get(last + 1).unwrap_or(&ticks[last]).time)
 }

@@ -44,7 +44,8 @@ pub struct MoveTrace {
     pub planned_end: f64,
     /// Last change of the command, s after the start.
     pub command_end: f64,
-    /// The motor side stays within one encoder step of the target from here on, s.
+    /// The motor side has followed: its distance from the target is below 1 um at the tip from here
+    /// on, s.
     pub motor_end: f64,
     /// The tip's arc in the robot's base frame.
     pub arc: JointArc,
@@ -62,11 +63,13 @@ pub struct MoveTrace {
     pub retunes: u32,
     /// Corrections refused during the move.
     pub refused: u32,
+    /// Corrections sent during the move.
+    pub corrections: u32,
 }
 
 impl MoveTrace {
     /// Peak of the true deformation at the tip once the command has ended and the motor side has
-    /// followed (to one encoder step), m. Counted from there because until then the deformation is
+    /// followed (to 1 um), m. Counted from there because until then the deformation is
     /// still being forced, not left over.
     pub fn residual(&self) -> f64 {
         self.ticks

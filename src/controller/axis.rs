@@ -1,12 +1,12 @@
 //! One axis at the tick: measurements to estimate, estimate to train, plan to setpoint.
 
 use quell_shapers::{
-    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Retune, RetuneOutcome, Setpoint,
-    Shaper, ShaperError, residual_vibration,
+    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError,
 };
 
 use super::ahead::Ahead;
-use super::settings::{AxisSettings, RetunePolicy, motion_limits};
+use super::path::Lane;
+use super::settings::AxisSettings;
 use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
 use crate::signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
@@ -24,6 +24,8 @@ pub struct AxisStatus {
     pub retunes: u32,
     /// Corrections that were refused because no limit-keeping one was found.
     pub refused: u32,
+    /// Corrections sent; a correction need not change the train.
+    pub corrections: u32,
     /// The last correction in motion.
     pub correction: Option<Correction>,
     /// The last deformation sample.
@@ -32,15 +34,21 @@ pub struct AxisStatus {
 
 /// One axis of the controller.
 pub struct Axis {
-    settings: AxisSettings,
+    pub(super) settings: AxisSettings,
     sensor: DeformationSensor,
     rest: RestDetector,
     estimator: Box<dyn Estimator>,
-    adaptation: Adaptation,
-    filter: AdaptiveFilter,
-    since_plan_end: f64,
-    last_forecast: f64,
-    status: AxisStatus,
+    pub(super) adaptation: Adaptation,
+    /// Changes nothing where there is a lane.
+    pub(super) filter: AdaptiveFilter,
+    /// The trains of all axes, where the path in space is kept.
+    pub(super) lane: Option<Lane>,
+    pub(super) time: f64,
+    pub(super) since_plan_end: f64,
+    pub(super) last_forecast: f64,
+    /// The mode that the last correction was for.
+    pub(super) corrected: Mode,
+    pub(super) status: AxisStatus,
     fresh: bool,
 }
 
@@ -62,6 +70,9 @@ impl Axis {
             estimator: (settings.estimator.build)(&settings.estimation),
             adaptation: Adaptation::new(settings.adaptation),
             filter,
+            lane: None,
+            corrected: settings.belief,
+            time: 0.0,
             since_plan_end: f64::INFINITY,
             last_forecast: f64::NEG_INFINITY,
             status: AxisStatus {
@@ -70,6 +81,7 @@ impl Axis {
                 mode: settings.belief,
                 retunes: 0,
                 refused: 0,
+                corrections: 0,
                 correction: None,
                 deformation: None,
             },
@@ -85,7 +97,15 @@ impl Axis {
 
     /// Whether the command is constant and the train has run out.
     pub fn is_settled(&self) -> bool {
-        self.filter.is_settled()
+        self.lane.as_ref().is_none_or(Lane::is_settled) && self.filter.is_settled()
+    }
+
+    /// From now on the axis runs the trains of all axes, its own among them.
+    pub(super) fn enter(&mut self, lane: Lane) -> Result<(), ShaperError> {
+        self.filter
+            .install(&GridTrain::identity(self.settings.sample_time)?)?;
+        self.lane = Some(lane);
+        Ok(())
     }
 
     /// A move from rest begins: the mode may have changed since the last one.
@@ -140,118 +160,28 @@ impl Axis {
             0 => self.since_plan_end + self.settings.sample_time,
             _ => 0.0,
         };
-        self.filter.step(ahead.setpoint(0))
+        self.time += self.settings.sample_time;
+        let planned = ahead.setpoint(0);
+        let shaped = match &mut self.lane {
+            Some(lane) => lane.step(planned),
+            None => planned,
+        };
+        self.filter.step(shaped)
     }
-}
 
-impl Axis {
-    /// The train in force, or the one that is fading in.
+    /// The train in force for this axis' mode, or the one that is fading in.
     pub fn train(&self) -> ImpulseTrain {
-        self.filter.train().to_impulses()
+        let filter = || self.filter.train();
+        self.lane
+            .as_ref()
+            .map_or_else(filter, Lane::own)
+            .to_impulses()
     }
 
-    /// The train that the next move from rest will meet.
+    /// The train for this axis' mode that the next move from rest will meet.
     pub fn next_train(&self) -> &GridTrain {
-        self.filter.pending().unwrap_or(self.filter.train())
-    }
-
-    fn adapt(&mut self, ahead: &Ahead<'_>) {
-        let (Some(estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper) else {
-            return;
-        };
-        let decision = match self.settings.retune {
-            RetunePolicy::InMotion if self.is_ringing(estimate.mode) => {
-                // The steps of a correction are a quarter period apart: more often gains nothing.
-                let pause = 0.25 * estimate.mode.damped_period();
-                if (estimate.time - self.last_forecast).abs() < pause {
-                    return;
-                }
-                self.last_forecast = estimate.time;
-                self.consider_in_motion(&estimate, shaper, ahead)
-            }
-            _ => self.consider_at_rest(&estimate, shaper),
-        };
-        self.status.decision = Some(decision);
-    }
-
-    /// Whether anything is moving, or may still ring: five time constants of the envelope leave
-    /// less than the dead band of 1 %.
-    fn is_ringing(&self, mode: Mode) -> bool {
-        !self.filter.is_settled() || self.since_plan_end * mode.decay_rate() < 5.0
-    }
-
-    fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
-        let waiting = self.next_train().to_impulses();
-        let left = |mode: Mode| {
-            residual_vibration(&waiting, mode.natural_frequency(), mode.damping_ratio())
-        };
-        let decision = self.adaptation.consider(estimate, shaper, left);
-        if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
-        {
-            self.install(&train, mode);
-        }
-        decision
-    }
-
-    fn consider_in_motion(
-        &mut self,
-        estimate: &Estimate,
-        shaper: &dyn Shaper,
-        ahead: &Ahead<'_>,
-    ) -> Decision {
-        let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
-        let (filter, since) = (&mut self.filter, self.since_plan_end);
-        // The share of what the plan itself would leave, seen at the end of the plan.
-        let left = |mode: Mode| match filter.forecast(mode, remaining, planned) {
-            Ok(residual) => residual.ratio() * (-mode.decay_rate() * since).exp(),
-            Err(_) => f64::INFINITY,
-        };
-        let decision = self.adaptation.consider(estimate, shaper, left);
-        if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, self.settings.sample_time)
-        {
-            self.correct(&train, mode, remaining, planned);
-        }
-        decision
-    }
-
-    /// Fades the train in and cancels what the old one would leave; where no correction keeps the
-    /// limits, the train waits for rest.
-    fn correct(
-        &mut self,
-        train: &GridTrain,
-        mode: Mode,
-        remaining: usize,
-        planned: impl Fn(usize) -> Setpoint,
-    ) {
-        let request = Retune {
-            train,
-            modes: &[mode],
-            limits: motion_limits(self.settings.limits),
-        };
-        match self.filter.retune(&request, remaining, planned) {
-            RetuneOutcome::Refused(_) => {
-                self.status.refused += 1;
-                self.install(train, mode);
-            }
-            RetuneOutcome::Corrected(correction) => {
-                self.status.correction = Some(correction);
-                self.changed(mode);
-            }
-            RetuneOutcome::Installed => self.changed(mode),
-        }
-    }
-
-    fn install(&mut self, train: &GridTrain, mode: Mode) {
-        if self.filter.install(train).is_ok() {
-            self.changed(mode);
-        }
-    }
-
-    fn changed(&mut self, mode: Mode) {
-        self.status.mode = mode;
-        self.status.retunes += 1;
+        let filter = || self.filter.pending().unwrap_or(self.filter.train());
+        self.lane.as_ref().map_or_else(filter, Lane::next_own)
     }
 }
 

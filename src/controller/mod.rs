@@ -3,20 +3,24 @@
 //! [`Controller::tick`] composes everything. It does no I/O, does not allocate, block or fail; what
 //! allocates (planning, building an axis) happens off the tick and is handed over.
 
+mod adapting;
 mod ahead;
 mod axis;
+mod path;
 mod settings;
 mod slow_down;
 
 pub use axis::{Axis, AxisStatus};
+pub use path::PathPolicy;
 pub use quell_shapers::Setpoint;
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
 pub use slow_down::{SlowedPlan, plan_shaped};
 
-use quell_shapers::ShaperError;
+use quell_shapers::{Refusal, ShaperError};
 use quell_trajectories::SampledTrajectory;
 
 use self::ahead::Ahead;
+use self::path::Lane;
 use crate::signal::Measurement;
 
 /// A measurement and the axis, counted from 0, that it belongs to.
@@ -57,6 +61,29 @@ pub enum LoadError {
         /// First position of the plan, rad.
         found: f64,
     },
+    /// The plan does not begin with the motion that the axis is in.
+    #[error(
+        "axis {axis}: the plan begins with a {quantity} of {found}, the command has {expected}"
+    )]
+    Motion {
+        /// Axis, counted from 0.
+        axis: usize,
+        /// Velocity (rad/s) or acceleration (rad/s^2).
+        quantity: &'static str,
+        /// The present planned one.
+        expected: f64,
+        /// The plan's first one.
+        found: f64,
+    },
+    /// A correction is under way, and with the plan the command would exceed the limits: try again
+    /// at the next tick, or plan with lower limits.
+    #[error("axis {axis}: a correction is under way: {reason}")]
+    Correction {
+        /// Axis, counted from 0.
+        axis: usize,
+        /// Why it cannot go on with the plan.
+        reason: Refusal,
+    },
 }
 
 /// The controller of one or more axes.
@@ -67,6 +94,8 @@ pub struct Controller {
     setpoints: Vec<Setpoint>,
     plan: Option<SampledTrajectory>,
     cursor: usize,
+    /// Ticks for which every command has stood still.
+    rested: usize,
 }
 
 impl Controller {
@@ -74,18 +103,26 @@ impl Controller {
     /// allocates all that it will ever need. The control period is that of the first axis.
     ///
     /// # Errors
-    /// [`ShaperError`] where a belief cannot be shaped for at the control rate.
-    pub fn new(settings: Vec<AxisSettings>, positions: &[f64]) -> Result<Self, ShaperError> {
+    /// [`ShaperError`] where a belief cannot be shaped for at the control rate, or where the path
+    /// shall be kept by axes of different control periods.
+    pub fn new(
+        settings: Vec<AxisSettings>,
+        positions: &[f64],
+        path: PathPolicy,
+    ) -> Result<Self, ShaperError> {
         let sample_time = settings.first().map_or(1.0, |axis| axis.sample_time);
         let start = |axis: usize| positions.get(axis).copied().unwrap_or(0.0);
         let rest: Vec<_> = (0..settings.len())
             .map(|i| Setpoint::at_rest(start(i)))
             .collect();
-        let axes = settings
+        let mut axes = settings
             .into_iter()
             .enumerate()
             .map(|(index, settings)| Axis::new(settings, start(index)))
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
+        if path == PathPolicy::Kept {
+            keep_path(&mut axes, start)?;
+        }
         Ok(Self {
             sample_time,
             axes,
@@ -93,11 +130,16 @@ impl Controller {
             setpoints: rest,
             plan: None,
             cursor: 0,
+            rested: 0,
         })
     }
 
     /// Takes a plan that begins at the present planned state, and gives the last one back, to be
     /// dropped off the tick. No allocation.
+    ///
+    /// In motion, as for a new target or a stop, the plan begins at [`Controller::planned`], which was
+    /// sent with the last tick, and the next tick sends the plan's second sample. A correction that is
+    /// under way is made anew, for the new plan.
     ///
     /// # Errors
     /// The plan itself with a [`LoadError`]; nothing has changed then.
@@ -108,11 +150,33 @@ impl Controller {
         if let Err(error) = self.check(&plan) {
             return Err((plan, error));
         }
+        // From rest the first sample is sent too: the same position for a tick more.
+        let cursor = usize::from(self.planned.iter().any(is_moving));
+        if let Err((axis, reason)) = self.follow(Some(&plan), cursor) {
+            let present = self.plan.take();
+            // The present plan's corrections, which were possible a tick ago, are restored.
+            let _ = self.follow(present.as_ref(), self.cursor);
+            self.plan = present;
+            return Err((plan, LoadError::Correction { axis, reason }));
+        }
         if self.is_settled() {
             self.axes.iter_mut().for_each(Axis::begin_move);
         }
-        self.cursor = 0;
+        self.cursor = cursor;
         Ok(self.plan.replace(plan))
+    }
+
+    /// Makes the corrections that are under way anew for a plan.
+    fn follow(
+        &mut self,
+        plan: Option<&SampledTrajectory>,
+        cursor: usize,
+    ) -> Result<(), (usize, Refusal)> {
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let ahead = Ahead::new(plan, index, cursor, self.planned[index]);
+            axis.follow(&ahead).map_err(|refusal| (index, refusal))?;
+        }
+        Ok(())
     }
 
     /// One control period: takes what was measured since the last tick, returns one setpoint an
@@ -121,6 +185,7 @@ impl Controller {
     /// Does not allocate, block, print or fail. Cost: a few hundred nanoseconds an axis; a retune
     /// in motion once costs in proportion to the length of the move.
     pub fn tick(&mut self, measurements: &[AxisMeasurement]) -> &[Setpoint] {
+        self.exchange_trains();
         for measured in measurements {
             if let Some(axis) = self.axes.get_mut(measured.axis) {
                 axis.observe(measured.measurement);
@@ -133,6 +198,22 @@ impl Controller {
         }
         self.cursor = self.cursor.saturating_add(1);
         &self.setpoints
+    }
+
+    /// Puts trains that wait in force, with the same tick on all axes that keep a path.
+    fn exchange_trains(&mut self) {
+        self.rested = match self.is_settled() {
+            true => self.rested.saturating_add(1),
+            false => 0,
+        };
+        for index in 0..self.axes.len() {
+            let lane = self.axes[index].lane.as_mut();
+            if let Some(train) = lane.and_then(|lane| lane.take_waiting(self.rested)) {
+                for lane in self.axes.iter_mut().filter_map(|axis| axis.lane.as_mut()) {
+                    lane.install(index, &train);
+                }
+            }
+        }
     }
 
     /// The axes.
@@ -169,17 +250,54 @@ impl Controller {
             return Err(LoadError::Period { expected, found });
         }
         for (axis, planned) in self.planned.iter().enumerate() {
-            let (expected, found) = (planned.position, plan.positions(axis)[0]);
-            if (expected - found).abs() > START_TOLERANCE {
-                return Err(LoadError::Start {
-                    axis,
-                    expected,
-                    found,
-                });
-            }
+            check_start(axis, planned, plan)?;
         }
         Ok(())
     }
+}
+
+/// Gives every axis the trains of all.
+fn keep_path(axes: &mut [Axis], start: impl Fn(usize) -> f64) -> Result<(), ShaperError> {
+    let trains: Vec<_> = axes.iter().map(|axis| axis.next_train().clone()).collect();
+    let capacities: Vec<_> = axes.iter().map(|axis| axis.filter.capacity()).collect();
+    for (index, axis) in axes.iter_mut().enumerate() {
+        let lane = Lane::new(index, start(index), &trains, &capacities)?;
+        axis.enter(lane)?;
+    }
+    Ok(())
+}
+
+fn is_moving(planned: &Setpoint) -> bool {
+    planned.velocity != 0.0 || planned.acceleration != 0.0
+}
+
+fn check_start(axis: usize, planned: &Setpoint, plan: &SampledTrajectory) -> Result<(), LoadError> {
+    let Some(first) = plan.state(axis, 0) else {
+        return Ok(());
+    };
+    let (expected, found) = (planned.position, first.position);
+    if (expected - found).abs() > START_TOLERANCE {
+        return Err(LoadError::Start {
+            axis,
+            expected,
+            found,
+        });
+    }
+    let motion = [
+        ("velocity", planned.velocity, first.velocity),
+        ("acceleration", planned.acceleration, first.acceleration),
+    ];
+    for (quantity, expected, found) in motion {
+        if (expected - found).abs() > START_TOLERANCE * (1.0 + expected.abs()) {
+            return Err(LoadError::Motion {
+                axis,
+                quantity,
+                expected,
+                found,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// How far a plan may begin from the present planned position, rad: the planner's own end is exact,

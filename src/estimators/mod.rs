@@ -93,6 +93,9 @@ pub struct EstimatorEntry {
     /// Whether its model holds while the motor side moves; where not, feed it from the start of
     /// the free decay on.
     pub uses_motion: bool,
+    /// Whether its standard deviations are those of its error, so that they can be acted on before
+    /// it has settled; else they are the spread of its recent estimates.
+    pub states_error: bool,
     /// Makes one; allocates all that it will ever need.
     pub build: fn(&Settings) -> Box<dyn Estimator>,
 }
@@ -103,30 +106,35 @@ pub const ESTIMATORS: &[EstimatorEntry] = &[
         name: "likelihood",
         summary: "maximum likelihood of the output error, the motion included",
         uses_motion: true,
+        states_error: true,
         build: |settings| Box::new(Likelihood::new(settings)),
     },
     EstimatorEntry {
         name: "algebraic",
         summary: "algebraic method on the equation that holds in motion and at rest",
         uses_motion: true,
+        states_error: false,
         build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Energetic)),
     },
     EstimatorEntry {
         name: "algebraic_integrated",
         summary: "the same with one more integration",
         uses_motion: true,
+        states_error: false,
         build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Integrated)),
     },
     EstimatorEntry {
         name: "algebraic_paper",
         summary: "algebraic method with the three unknowns of the paper, free decay only",
         uses_motion: false,
+        states_error: false,
         build: |settings| Box::new(Algebraic::new(settings, AlgebraicForm::Paper)),
     },
     EstimatorEntry {
         name: "super_twisting",
         summary: "super-twisting observer and regression, free decay only",
         uses_motion: false,
+        states_error: false,
         build: |settings| Box::new(SuperTwisting::new(settings)),
     },
 ];

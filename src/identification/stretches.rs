@@ -70,10 +70,11 @@ pub fn motion_from(samples: &[Sample]) -> f64 {
 /// period.
 ///
 /// What a sensor's own filter, or a motor side that still settles, adds after the motion's end dies
-/// out sooner than a lightly damped mode. So the decay begins with an extremum, not with the rest, and
-/// while the extrema are unevenly spaced it has not begun. Spacing counts as even within 15 % of half
-/// a period: noise of a tenth of the amplitude shifts an extremum by 3 %, and twice that on both ends
-/// of an interval is 13 %. `None` where fewer than three extrema (a period) rise out of the noise.
+/// out sooner than a lightly damped mode; while it lasts the extrema are unevenly spaced. Spacing
+/// counts as even within 15 % of half a period: noise of a tenth of the amplitude shifts an
+/// extremum by 3 %, and twice that on both ends of an interval is 13 %. Where all are even
+/// the decay begins with the rest. `None` where fewer than three extrema (a period) rise out of the
+/// noise.
 pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Option<FreeDecay> {
     let within = rest.of(samples);
     // The frequency from the rest's last two thirds, where only the mode is left.
@@ -92,13 +93,32 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     let [begin, _, .., last] = regular else {
         return None;
     };
-    let from = begin.time;
+    let early = begin.time - rest.from < 1.2 * half_period;
+    let from = if begin.time == found[0].time && early {
+        let amplitude = 0.5 * (regular[1].height - regular[0].height).abs();
+        standstill(within, rest.from + half_period, STANDSTILL * amplitude)
+    } else {
+        begin.time
+    };
     // One more period after the last extremum that is seen: beyond there is only noise.
     let until = rest.until.min(last.time + 2.0 * half_period);
     Some(FreeDecay {
         stretch: Stretch { from, until },
         extrema: regular.to_vec(),
     })
+}
+
+/// The motor side stands still once what is left of its motion is this part of the vibration: a step
+/// by `e` adds a vibration of amplitude `e`, which turns its phase by 0.01 rad at most.
+const STANDSTILL: f64 = 0.01;
+
+/// From when on, before `latest`, the motor side stays within `tolerance` (rad) of where it is then.
+fn standstill(within: &[Sample], latest: f64, tolerance: f64) -> f64 {
+    let last = within.partition_point(|s| s.time <= latest).max(1);
+    let end = within[last - 1].motor_position;
+    let away = |s: &Sample| (s.motor_position - end).abs() > tolerance;
+    let still = within[..last].iter().rposition(away);
+    within[still.map_or(0, |moving| (moving + 1).min(last - 1))].time
 }
 
 /// Leaves out first cycles whose logarithmic decrement stands out from the others': more than the mode

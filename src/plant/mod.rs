@@ -10,6 +10,4 @@ mod robot_file;
 pub use arm::{ArmSimulation, Command, SimulationOptions};
 pub use error::{RobotError, SimulationError};
 pub use log::MeasurementLog;
-pub use robot::{
-    Damping, DefaultMove, Encoder, JointLimits, ModeOfJoint, Robot, RobotJoint, Servo, Tracker,
-};
+pub use robot::{Damping, DefaultMove, Encoder, ModeOfJoint, Robot, RobotJoint, Servo, Tracker};

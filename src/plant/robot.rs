@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::{Isometry3, Point3};
 use quell_shapers::{Mode, ModeError};
+use quell_trajectories::Limits;
 use serde::Deserialize;
 
 use super::error::RobotError;
@@ -31,24 +32,13 @@ pub struct ModeOfJoint {
     pub participation: f64,
 }
 
-/// Limits of a joint, with m for rad where it slides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointLimits {
-    /// rad/s.
-    pub velocity: f64,
-    /// rad/s^2.
-    pub acceleration: f64,
-    /// rad/s^3.
-    pub jerk: f64,
-}
-
 /// What the description says of one joint beside its kinematics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotJoint {
     /// Position in the reference pose, rad, or m for a joint that slides.
     pub home: f64,
-    /// Limits.
-    pub limits: JointLimits,
+    /// Limits of the command, with m for rad where it slides.
+    pub limits: Limits,
     /// Modes in the reference condition, the dominating one first; empty for a stiff joint.
     pub modes: Vec<ModeOfJoint>,
 }

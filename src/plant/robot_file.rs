@@ -7,11 +7,10 @@ mod kinematics;
 use std::path::Path;
 
 use quell_shapers::Mode;
+use quell_trajectories::Limits;
 
 use super::error::RobotError;
-use super::robot::{
-    DefaultMove, Encoder, JointLimits, ModeOfJoint, Robot, RobotJoint, Servo, Tracker,
-};
+use super::robot::{DefaultMove, Encoder, ModeOfJoint, Robot, RobotJoint, Servo, Tracker};
 use crate::signal::{Chain, Clock, JointKind};
 use check::Check;
 use keys::{
@@ -40,7 +39,7 @@ pub(super) fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
         servo: servo(&keys.servo, &check)?,
         encoder: encoder(&keys.encoder, &check)?,
         tracker: tracker(&keys.tracker, &check)?,
-        control_rate: check.positive("controller.rate_hz", keys.controller.rate_hz)?,
+        control_rate: check.rate("controller.rate_hz", keys.controller.rate_hz)?,
     })
 }
 
@@ -118,7 +117,7 @@ fn limits(
     at: &str,
     kind: JointKind,
     check: &Check,
-) -> Result<JointLimits, RobotError> {
+) -> Result<Limits, RobotError> {
     let turns = [
         ("velocity_deg_s", keys.velocity_deg_s),
         ("acceleration_deg_s2", keys.acceleration_deg_s2),
@@ -146,7 +145,7 @@ fn limits(
         }
     };
     let [velocity, acceleration, jerk] = own;
-    Ok(JointLimits {
+    Ok(Limits {
         velocity: limit(velocity)?,
         acceleration: limit(acceleration)?,
         jerk: limit(jerk)?,
@@ -154,7 +153,7 @@ fn limits(
 }
 
 fn mode_of_joint(keys: &ModeKeys, at: &str, check: &Check) -> Result<ModeOfJoint, RobotError> {
-    let frequency = check.positive(&format!("{at}.frequency_hz"), keys.frequency_hz)?;
+    let frequency = check.rate(&format!("{at}.frequency_hz"), keys.frequency_hz)?;
     let mode = Mode::from_hertz(frequency, keys.damping_ratio).map_err(|_| {
         check.refuse(
             &format!("{at}.damping_ratio"),
@@ -172,7 +171,7 @@ fn mode_of_joint(keys: &ModeKeys, at: &str, check: &Check) -> Result<ModeOfJoint
 fn servo(keys: &ServoKeys, check: &Check) -> Result<Servo, RobotError> {
     let key = "servo.velocity_feed_forward";
     Ok(Servo {
-        bandwidth: check.positive("servo.bandwidth_hz", keys.bandwidth_hz)? * std::f64::consts::TAU,
+        bandwidth: check.rate("servo.bandwidth_hz", keys.bandwidth_hz)? * std::f64::consts::TAU,
         damping_ratio: check.positive("servo.damping_ratio", keys.damping_ratio)?,
         velocity_feed_forward: check.finite(key, keys.velocity_feed_forward)?,
     })
@@ -180,7 +179,7 @@ fn servo(keys: &ServoKeys, check: &Check) -> Result<Servo, RobotError> {
 
 fn encoder(keys: &EncoderKeys, check: &Check) -> Result<Encoder, RobotError> {
     Ok(Encoder {
-        rate: check.positive("encoder.rate_hz", keys.rate_hz)?,
+        rate: check.rate("encoder.rate_hz", keys.rate_hz)?,
         resolution: check.not_negative("encoder.resolution_rad", keys.resolution_rad)?,
     })
 }
@@ -192,7 +191,7 @@ fn tracker(keys: &TrackerKeys, check: &Check) -> Result<Tracker, RobotError> {
         return Err(check.refuse("tracker.clock_skew_ppm", value, "above -1e6"));
     }
     Ok(Tracker {
-        rate: check.positive("tracker.rate_hz", keys.rate_hz)?,
+        rate: check.rate("tracker.rate_hz", keys.rate_hz)?,
         noise: check.not_negative("tracker.noise_um", keys.noise_um)? * 1e-6,
         pose: check.pose("tracker", keys.position_m, keys.rpy_deg)?,
         clock: Clock {

@@ -201,7 +201,7 @@ fn bad_input_is_refused() {
         &(manifest.to_owned() + &manifest[manifest.find("[[").unwrap()..]),
     );
     for (arguments, words) in [
-        ("--target nan", "--target NaN"),
+        ("--target nan", "--target"),
         (
             "--target 30 --target 30",
             "--target 30: the joint stands there already",
@@ -216,7 +216,9 @@ fn bad_input_is_refused() {
         ("--joint 7", "joints 1 to 6"),
         ("--joint 0", "joints 1 to 6"),
         ("--joint 2 --shaper zv", "no mode to shape for"),
-        ("--shaper zv --belief 1e-6,0.1", "samples"),
+        ("--shaper zv --belief 1e-6,0.1", "ticks"),
+        ("--mode 1e9,0.1", "steps of integration"),
+        ("--command short.csv --column time_s", "it is the time"),
         ("--mode 8.12,1.5", "--mode"),
         ("--pose 1,2", "2 values for the 6 joints"),
         ("--pose 0,inf,0,0,0,0", "inf is not a finite number"),

@@ -1,6 +1,7 @@
 //! A shaper designed for modes on a grid, and what it leaves of them.
 
-use crate::cli::shape::of_sane_length;
+use super::trial::Simulated;
+use crate::cli::shaping;
 use quell_shapers::{
     GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
 };
@@ -22,8 +23,8 @@ pub struct Design {
     pub train: GridTrain,
     /// Width of the band with `V <= 0.05` around the first mode, over its frequency.
     pub insensitivity: Option<f64>,
-    /// Simulated tip deformation after the robot's move at the errors of the table, mm.
-    pub residual_mm: Option<Vec<f64>>,
+    /// The robot's move with it, where the robot is simulated.
+    pub simulated: Option<Simulated>,
     impulses: ImpulseTrain,
     modes: Vec<Mode>,
 }
@@ -39,11 +40,7 @@ pub fn all(modes: &[Mode], sample_time: f64) -> Vec<Candidate> {
 
 impl Design {
     fn new(shaper: &dyn Shaper, modes: &[Mode], sample_time: f64) -> Result<Self, ShaperError> {
-        let mut train = GridTrain::identity(sample_time)?;
-        for &mode in modes {
-            train = train.convolve(&shaper.on_grid(mode, sample_time)?)?;
-        }
-        let train = of_sane_length(train)?;
+        let train = shaping::train(shaper, modes, sample_time)?;
         let impulses = train.to_impulses();
         let mut insensitive = None;
         if let Some(mode) = modes.first() {
@@ -54,7 +51,7 @@ impl Design {
         Ok(Self {
             train,
             insensitivity,
-            residual_mm: None,
+            simulated: None,
             impulses,
             modes: modes.to_vec(),
         })
@@ -68,12 +65,5 @@ impl Design {
             residual_vibration(&self.impulses, frequency, mode.damping_ratio())
         };
         self.modes.iter().map(residual).fold(0.0, f64::max)
-    }
-
-    /// The greatest residual vibration over the errors from `-spread` to `spread`.
-    pub fn worst(&self, spread: f64) -> f64 {
-        super::errors(spread)
-            .map(|error| self.residual(error))
-            .fold(0.0, f64::max)
     }
 }

@@ -1,116 +1,171 @@
 //! The recommended shaper, with the reason in a sentence.
 
-use super::candidate::{Candidate, Design, TOLERANCE};
-use quell_shapers::Shaper;
-use std::cmp::Ordering;
+use super::candidate::Candidate;
+use crate::cli::CliError;
+use quell_shapers::{
+    Criterion, Mode, Reason, Recommendation, Requirements, Shaper, ShaperError, Standing,
+    UncertainMode, recommend,
+};
 
-/// Errors up to this many standard deviations are to be covered: 95 % of a Gaussian's.
-const DEVIATIONS: f64 = 2.0;
-/// A worst value this little above the tolerance is rounding: shapers touch it by design.
-const TOUCHING: f64 = 1e-9;
-
-/// What is asked of the shaper.
+/// How well the modes are known, and what is asked of the shaper.
 #[derive(Clone, Copy)]
 pub struct Wish {
-    /// One standard deviation of the frequency over the frequency.
+    /// One standard deviation of each frequency over that frequency.
     pub frequency_std: f64,
-    /// The longest delay, s.
-    pub max_delay: Option<f64>,
+    /// One standard deviation of each damping ratio.
+    pub damping_std: f64,
+    /// Residual vibration that is small enough.
+    pub acceptable: f64,
+    /// The longest delay, s; infinity for any.
+    pub max_delay: f64,
 }
+
+/// A shaper's figures over the uncertainty, as the crate gives them.
+pub type Figures = quell_shapers::Candidate;
 
 /// The recommended shaper.
 pub struct Choice {
-    /// The shaper.
-    pub shaper: &'static dyn Shaper,
+    /// The shaper and its figures.
+    pub figures: Figures,
     /// Why, in a sentence.
     pub reason: String,
-    /// What it adds to the end of a move, s.
+    /// What it adds to the end of a move on the controller's grid, s.
     pub delay: f64,
-    /// Its greatest residual vibration over the errors to be covered.
-    pub worst: f64,
 }
 
-/// One candidate that may be chosen.
-struct Entry<'a> {
-    shaper: &'static dyn Shaper,
-    design: &'a Design,
-    worst: f64,
+/// What came of the recommendation.
+pub struct Advice {
+    /// Every shaper's figures.
+    pub figures: Vec<Figures>,
+    /// The one to take; none where no shaper is within the delay.
+    pub choice: Option<Choice>,
 }
 
-/// The shortest shaper that leaves at most 5 % over two standard deviations of frequency; where
-/// none does, the one that leaves least. Shapers with negative amplitudes are left out, since they
-/// can exceed the limits of the move, and so are those above the delay that is allowed.
-pub fn choose(candidates: &[Candidate], wish: Wish) -> Option<Choice> {
-    let entries = entries(candidates, wish);
-    let holds = |entry: &&Entry| entry.worst <= TOLERANCE + TOUCHING;
-    let within = match wish.max_delay {
-        Some(delay) => format!(" within {delay} s of delay"),
-        None => String::new(),
-    };
-    let range = format!(
-        "frequency errors of +-{}",
-        percent(DEVIATIONS * wish.frequency_std)
-    );
-    let (best, reason) = match entries.iter().filter(holds).min_by(|a, b| a.order(b)) {
-        Some(best) => {
-            let shorter = entries.iter().filter(|entry| entry.order(best).is_lt());
-            let left = shorter.map(|entry| entry.worst).min_by(f64::total_cmp);
-            let left =
-                left.map(|left| format!("; the shorter ones leave {} or more", percent(left)));
-            let reason = format!("the shortest{within} that leaves at most 5.0 % over {range}");
-            (
-                best,
-                format!(
-                    "{reason} ({}{})",
-                    percent(best.worst),
-                    left.unwrap_or_default()
-                ),
-            )
-        }
-        None => {
-            let best = entries.iter().min_by(|a, b| a.worst.total_cmp(&b.worst))?;
-            let left = percent(best.worst);
-            let reason = format!("none leaves at most 5.0 %{within} over {range}; it leaves least");
-            (best, format!("{reason}, up to {left}"))
-        }
-    };
-    let delay = best.design.train.duration();
-    let reason = format!("{}, which adds {delay:.3} s: {reason}.", best.shaper.name());
-    Some(Choice {
-        shaper: best.shaper,
-        reason,
-        delay,
-        worst: best.worst,
+/// Recommends one shaper for all the modes by [`recommend`]: the shortest that leaves no more than is
+/// acceptable for 95 % of the uncertainty; where none does, the one that leaves least.
+///
+/// [`recommend`] judges exact impulse times. Where the controller's grid makes the recommended train
+/// longer than allowed, or cannot hold it, the one of the others that leaves least is taken.
+///
+/// # Errors
+/// [`CliError::Input`] where a standard deviation is refused.
+pub fn choose(candidates: &[Candidate], modes: &[Mode], wish: Wish) -> Result<Advice, CliError> {
+    let max_delay = f64::INFINITY;
+    let all = ask(modes, Wish { max_delay, ..wish })?;
+    let found = ask(modes, wish)?;
+    Ok(Advice {
+        figures: all.map_or(Vec::new(), |all| all.candidates.to_vec()),
+        choice: found.and_then(|found| pick(candidates, &found, wish)),
     })
 }
 
-/// The candidates that may be chosen.
-fn entries(candidates: &[Candidate], wish: Wish) -> Vec<Entry<'_>> {
-    let allowed = wish.max_delay.unwrap_or(f64::INFINITY);
-    let mut entries = Vec::new();
-    for Candidate { shaper, design } in candidates {
-        if let (true, Ok(design)) = (shaper.is_convex(), design)
-            && design.train.duration() <= allowed
-        {
-            let worst = design.worst(DEVIATIONS * wish.frequency_std);
-            entries.push(Entry {
-                shaper: *shaper,
-                design,
-                worst,
-            });
-        }
+/// The crate's recommendation; nothing where no shaper is within the delay.
+fn ask(modes: &[Mode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
+    let estimate = |&mode: &Mode| UncertainMode {
+        mode,
+        natural_frequency_std: wish.frequency_std * mode.natural_frequency(),
+        damping_ratio_std: wish.damping_std,
+    };
+    let estimates: Vec<UncertainMode> = modes.iter().map(estimate).collect();
+    let requirements = Requirements {
+        longest_delay: wish.max_delay,
+        criterion: Criterion::Worst95,
+        acceptable: wish.acceptable,
+        tolerance: 0.0,
+        allow_negative: false,
+    };
+    match recommend(&estimates, &requirements) {
+        Ok(found) => Ok(Some(found)),
+        Err(ShaperError::NoneFits { .. }) => Ok(None),
+        Err(error) => Err(CliError::input(error)),
     }
-    entries
 }
 
-impl Entry<'_> {
-    /// By duration; of equally long ones the one that leaves less comes first.
-    fn order(&self, other: &Self) -> Ordering {
-        let ticks = |entry: &Self| entry.design.train.duration_in_ticks();
-        ticks(self)
-            .cmp(&ticks(other))
-            .then(self.worst.total_cmp(&other.worst))
+/// The recommended one, or where the grid has not enough room for it, the best of the others.
+fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<Choice> {
+    let on_grid = |one: &Figures| delay_on_grid(candidates, one.shaper, wish.max_delay);
+    let (figures, delay, why) = match on_grid(&found.best) {
+        Ok(delay) => (found.best, delay, reason(found, wish)),
+        Err(refusal) => {
+            let eligible = found.candidates.iter();
+            let eligible = eligible.filter(|one| one.standing == Standing::Eligible);
+            let others = eligible.filter_map(|one| Some((*one, on_grid(one).ok()?)));
+            let (least, delay) = others.min_by(|a, b| a.0.worst_95.total_cmp(&b.0.worst_95))?;
+            let name = found.best.shaper.name();
+            let left = percent(least.worst_95);
+            let why =
+                format!("{name} would be taken, but {refusal}; of the others it leaves least");
+            (least, delay, format!("{why}, up to {left}"))
+        }
+    };
+    let name = figures.shaper.name();
+    let known = known(wish);
+    Some(Choice {
+        figures,
+        reason: format!("{name}, which adds {delay:.3} s: {why}, {known}."),
+        delay,
+    })
+}
+
+/// What the shaper's train adds on the controller's grid, s; in words why it cannot be taken.
+fn delay_on_grid(
+    candidates: &[Candidate],
+    shaper: &dyn Shaper,
+    max_delay: f64,
+) -> Result<f64, String> {
+    let same = |candidate: &&Candidate| candidate.shaper.name() == shaper.name();
+    let candidate = candidates.iter().find(same).ok_or("it is not compared")?;
+    let design = candidate.design.as_ref().map_err(String::clone)?;
+    match design.train.duration() {
+        delay if delay <= max_delay => Ok(delay),
+        delay => Err(format!("on the controller's grid it adds {delay:.4} s")),
     }
+}
+
+/// Why the best one was taken, as a clause.
+fn reason(found: &Recommendation, wish: Wish) -> String {
+    let best = &found.best;
+    let (left, acceptable) = (percent(best.worst_95), percent(wish.acceptable));
+    let within = match wish.max_delay {
+        delay if delay.is_finite() => format!(" within {delay} s of delay"),
+        _ => String::new(),
+    };
+    let holds = best.worst_95 <= wish.acceptable;
+    match found.reason {
+        Reason::OnlyOne => format!("the only one{within}; it leaves up to {left}"),
+        Reason::LeavesLeast if !holds => {
+            format!("none{within} leaves at most {acceptable}; it leaves least, up to {left}")
+        }
+        Reason::ShorterAndAsGood(least) => {
+            let name = least.shaper.name();
+            format!("up to {left}, as little as {name}, which is longer")
+        }
+        Reason::LeavesLeast | Reason::ShortestAcceptable => {
+            let shorter = shorter(found);
+            format!("the shortest{within} that leaves at most {acceptable} ({left}{shorter})")
+        }
+    }
+}
+
+/// What the shorter ones leave, of those that could have been chosen.
+fn shorter(found: &Recommendation) -> String {
+    let is_shorter =
+        |one: &&Figures| one.standing == Standing::Eligible && one.delay < found.best.delay;
+    let shorter = found.candidates.iter().filter(is_shorter);
+    let least = shorter.map(|one| one.worst_95).min_by(f64::total_cmp);
+    least.map_or(String::new(), |left| {
+        format!("; the shorter ones leave {} or more", percent(left))
+    })
+}
+
+/// For whom the residuals hold, in words.
+fn known(wish: Wish) -> String {
+    format!(
+        "for 95 % of the machines whose frequency is known to {} and damping ratio to {} \
+         (one standard deviation)",
+        percent(wish.frequency_std),
+        wish.damping_std,
+    )
 }
 
 fn percent(share: f64) -> String {

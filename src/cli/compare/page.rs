@@ -12,14 +12,14 @@ pub fn page(comparison: &Comparison) -> Page {
         modes.join(" and "),
         comparison.rate
     ));
-    page = match &comparison.choice {
+    page = match comparison.choice() {
         Some(choice) => page
             .verdict(Verdict::Good, format!("Recommended: {}", choice.reason))
-            .figure(Figure::text("recommended", choice.shaper.title()))
+            .figure(Figure::text("recommended", choice.figures.shaper.title()))
             .figure(Figure::new("delay", choice.delay, "s").note("added to the end of a move"))
             .figure(
-                Figure::new("worst residual vibration", 100.0 * choice.worst, "%")
-                    .note("of the unshaped, over the errors to be covered"),
+                Figure::new("residual vibration", 100.0 * choice.figures.worst_95, "%")
+                    .note("of the unshaped; below that with 95 % probability"),
             ),
         None => page.verdict(Verdict::Bad, super::NO_CHOICE),
     };
@@ -27,10 +27,11 @@ pub fn page(comparison: &Comparison) -> Page {
     if let Some(chart) = train(comparison) {
         page = page.chart(chart);
     }
-    if comparison.unshaped_mm.is_some() {
+    if comparison.unshaped.is_some() {
         page = page.table(simulated(comparison));
     }
-    page
+    let note = |page: Page, remark: &String| page.text(format!("{remark}."));
+    comparison.remarks.iter().fold(page, note)
 }
 
 /// A share in percent, without the rounding errors that stand for an exact zero.
@@ -49,7 +50,8 @@ fn figures(comparison: &Comparison) -> Table {
         .text_column("shaper")
         .column("delay", "s")
         .column("insensitivity", "")
-        .column("gain", "");
+        .column("gain", "")
+        .column("95 %", "% of unshaped");
     let mut table = percent_header(table, "% of unshaped");
     for (shaper, design) in comparison.designs() {
         let mut cells: Vec<Cell> = vec![
@@ -57,13 +59,16 @@ fn figures(comparison: &Comparison) -> Table {
             design.train.duration().into(),
             design.insensitivity.into(),
             design.train.gain().into(),
+            comparison
+                .uncertain(shaper)
+                .map(|(worst, _)| percent(worst))
+                .into(),
         ];
         cells.extend(ERRORS.map(|error| percent(design.residual(error)).into()));
         table = table.row(cells);
         let chosen = comparison
-            .choice
-            .as_ref()
-            .map(|choice| choice.shaper.name());
+            .choice()
+            .map(|choice| choice.figures.shaper.name());
         if chosen == Some(shaper.name()) {
             table = table.marked();
         }
@@ -71,7 +76,7 @@ fn figures(comparison: &Comparison) -> Table {
     table.note(
         "Amplitude that the shaped command leaves over what the unshaped one leaves, each at its \
          own end, where the machine's frequency is that much above or below the believed one. \
-         Insensitivity: width of the band with at most 5 %, over the frequency. Gain: sum of the \
+         95 %: below that with 95 % probability, as well as the modes are known. Insensitivity: width of the band with at most 5 %, over the frequency. Gain: sum of the \
          amplitudes' absolute values; above 1, velocity and acceleration can exceed the command's.",
     )
 }
@@ -85,12 +90,12 @@ fn simulated(comparison: &Comparison) -> Table {
             .chain(values.iter().map(|value| (*value).into()));
         cells.collect::<Vec<Cell>>()
     };
-    if let Some(values) = &comparison.unshaped_mm {
-        table = table.row(row("unshaped", values));
+    if let Some(unshaped) = &comparison.unshaped {
+        table = table.row(row("unshaped", &unshaped.residual_mm));
     }
     for (shaper, design) in comparison.designs() {
-        if let Some(values) = &design.residual_mm {
-            table = table.row(row(shaper.name(), values));
+        if let Some(simulated) = &design.simulated {
+            table = table.row(row(shaper.name(), &simulated.residual_mm));
         }
     }
     table.note("Counted from where the motor side has followed to one encoder step.")
@@ -118,7 +123,7 @@ fn curves(comparison: &Comparison) -> Chart {
 
 /// The recommended shaper's taps.
 fn train(comparison: &Comparison) -> Option<Chart> {
-    let chosen = comparison.choice.as_ref()?.shaper.name();
+    let chosen = comparison.choice()?.figures.shaper.name();
     let (shaper, design) = comparison
         .designs()
         .find(|(shaper, _)| shaper.name() == chosen)?;

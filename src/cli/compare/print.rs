@@ -12,10 +12,10 @@ pub fn text(comparison: &Comparison) -> String {
     let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
     let first = format!("V at {e1}");
     let header = [
-        "shaper", "delay_s", "I(5 %)", &first, &e2, &e3, &e4, &e5, "gain",
+        "shaper", "delay_s", "I(5 %)", &first, &e2, &e3, &e4, &e5, "V 95 %", "gain",
     ];
-    let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
-    let rows = comparison.candidates.iter().map(row);
+    let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
+    let rows = comparison.candidates.iter().map(|one| row(comparison, one));
     let table = output::table(header, std::iter::once(unshaped).chain(rows));
     let mut refused = String::new();
     for candidate in &comparison.candidates {
@@ -24,29 +24,32 @@ pub fn text(comparison: &Comparison) -> String {
         }
     }
     let simulated = simulated(comparison).unwrap_or_default();
+    let remarks = comparison.remarks.iter();
+    let remarks: String = remarks.map(|remark| format!("Note: {remark}.\n")).collect();
     let advice = comparison
-        .choice
-        .as_ref()
+        .choice()
         .map_or(NO_CHOICE, |choice| &choice.reason);
     let (machine, rate) = (&comparison.machine, comparison.rate);
     let modes = modes.join(" and ");
-    format!("{machine}: {modes}, {rate} Hz\n\n{table}{refused}{simulated}\nRecommended: {advice}\n")
+    format!(
+        "{machine}: {modes}, {rate} Hz\n\n{table}{refused}{simulated}{remarks}\nRecommended: {advice}\n"
+    )
 }
 
 /// The table of the simulated moves, where the robot was simulated.
 fn simulated(comparison: &Comparison) -> Option<String> {
     let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
-    let unshaped = comparison.unshaped_mm.as_ref()?;
+    let unshaped = comparison.unshaped.as_ref()?;
     let rows = comparison
         .designs()
-        .filter_map(|(shaper, design)| Some((shaper.name(), design.residual_mm.as_ref()?)));
+        .filter_map(|(shaper, design)| Some((shaper.name(), design.simulated.as_ref()?)));
     let rows = std::iter::once(("unshaped", unshaped))
         .chain(rows)
-        .map(|(name, values)| {
+        .map(|(name, simulated)| {
             let mut cells = std::array::from_fn(|_| name.to_owned());
             cells[1..]
                 .iter_mut()
-                .zip(values)
+                .zip(&simulated.residual_mm)
                 .for_each(|(cell, mm)| *cell = format!("{mm:.4}"));
             cells
         });
@@ -77,7 +80,7 @@ pub fn describe(mode: &Mode) -> String {
 }
 
 /// A line of the table.
-fn row(candidate: &Candidate) -> [String; 9] {
+fn row(comparison: &Comparison, candidate: &Candidate) -> [String; 10] {
     let mut cells = std::array::from_fn(|_| "-".to_owned());
     cells[0] = candidate.shaper.name().into();
     if let Ok(design) = &candidate.design {
@@ -88,7 +91,10 @@ fn row(candidate: &Candidate) -> [String; 9] {
         for (cell, error) in cells[3..].iter_mut().zip(ERRORS) {
             *cell = format!("{:.4}", design.residual(error));
         }
-        cells[8] = format!("{:.2}", design.train.gain());
+        if let Some((worst, _)) = comparison.uncertain(candidate.shaper) {
+            cells[8] = format!("{worst:.4}");
+        }
+        cells[9] = format!("{:.2}", design.train.gain());
     }
     cells
 }
@@ -109,8 +115,11 @@ pub fn document(comparison: &Comparison) -> Value {
                     "frequency_error": error,
                     "v": design.residual(error),
                 })),
-                "simulated_mm": design.residual_mm,
-            "curve": {
+                "worst_v": comparison.uncertain(candidate.shaper).map(|(worst, _)| worst),
+                "expected_v": comparison.uncertain(candidate.shaper).map(|(_, mean)| mean),
+                "simulated_mm": design.simulated.as_ref().map(|moved| &moved.residual_mm),
+                "simulated_speed": design.simulated.as_ref().map(|moved| moved.speed),
+                "curve": {
                     "frequency_error": errors(comparison.spread).collect::<Vec<_>>(),
                     "v": errors(comparison.spread).map(|e| design.residual(e)).collect::<Vec<_>>(),
                 },
@@ -124,12 +133,19 @@ pub fn document(comparison: &Comparison) -> Value {
         "machine": comparison.machine,
         "rate_hz": comparison.rate,
         "modes": modes.collect::<Vec<_>>(),
-        "unshaped_simulated_mm": comparison.unshaped_mm,
+        "frequency_std_percent": 100.0 * comparison.wish.frequency_std,
+        "damping_std": comparison.wish.damping_std,
+        "acceptable_v": comparison.wish.acceptable,
+        "max_delay_s": Some(comparison.wish.max_delay).filter(|delay| delay.is_finite()),
+        "unshaped_simulated_mm": comparison.unshaped.as_ref().map(|moved| &moved.residual_mm),
         "shapers": shapers.collect::<Vec<_>>(),
-        "recommended": comparison.choice.as_ref().map(|choice| json!({
-            "shaper": choice.shaper.name(),
+        "remarks": comparison.remarks,
+        "recommended": comparison.choice().map(|choice| json!({
+            "shaper": choice.figures.shaper.name(),
             "reason": choice.reason,
-            "worst_v": choice.worst,
+            "delay_s": choice.delay,
+            "worst_v": choice.figures.worst_95,
+            "expected_v": choice.figures.expected,
         })),
     })
 }

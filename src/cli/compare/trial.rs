@@ -1,9 +1,9 @@
 //! The robot's own move, simulated with the machine's frequency beside the believed one.
 
-use crate::cli::CliError;
+use crate::cli::{CliError, effort::affordable, shaping};
 use crate::plant::{ArmSimulation, Command, ModeOfJoint, Robot, SimulationOptions};
-use quell_shapers::{GridTrain, Mode, Setpoint, ShapingFilter};
-use quell_trajectories::{AxisState, Limits, Planner};
+use quell_shapers::{GridTrain, Mode, ShapingFilter};
+use quell_trajectories::{AxisState, SampledTrajectory};
 
 /// The arm is watched for this many periods of its first mode after it has arrived: the greatest
 /// deflection of a decaying oscillation lies within the first half.
@@ -11,94 +11,90 @@ const WATCHED_PERIODS: f64 = 2.0;
 /// The longest that the servo may take to follow the command, s.
 const FOLLOWING: f64 = 2.0;
 
-/// A move to make with each shaper.
+/// The robot's move, made by one of its joints with each shaper.
 pub struct Trial<'a> {
     robot: &'a Robot,
     joint: usize,
-    plan: Vec<Setpoint>,
+}
+
+/// What came of the move with one shaper.
+pub struct Simulated {
+    /// Greatest tip deformation after the move, mm, one for each frequency error.
+    pub residual_mm: Vec<f64>,
+    /// Speed of the plan, below 1 where the shaper's negative impulses would exceed the limits.
+    pub speed: f64,
 }
 
 impl<'a> Trial<'a> {
     /// The displacement of the robot's default move, made by joint `joint` (counted from 0) from
     /// the home pose, within its limits.
-    pub fn new(robot: &'a Robot, joint: usize) -> Result<Self, CliError> {
-        let limits = robot.joints[joint].limits;
-        let limits = Limits {
-            velocity: limits.velocity,
-            acceleration: limits.acceleration,
-            jerk: limits.jerk,
-        };
-        let home = robot.joints[joint].home;
-        let (from, to) = (home, home + robot.default_move.target);
-        let plan = Planner::new(1)
-            .and_then(|planner| {
-                planner.plan(
-                    &[AxisState::at_rest(from)],
-                    &[AxisState::at_rest(to)],
-                    &[limits],
-                )
-            })
-            .and_then(|trajectory| trajectory.sample(1.0 / robot.control_rate))
-            .map_err(CliError::input)?;
-        let setpoint = |tick| {
-            let state = plan.state(0, tick).unwrap_or(AxisState::at_rest(to));
-            let AxisState {
-                position,
-                velocity,
-                acceleration,
-            } = state;
-            Setpoint {
-                position,
-                velocity,
-                acceleration,
-            }
-        };
-        Ok(Self {
-            robot,
-            joint,
-            plan: (0..plan.samples()).map(setpoint).collect(),
+    pub fn new(robot: &'a Robot, joint: usize) -> Self {
+        Self { robot, joint }
+    }
+
+    /// Makes the move shaped by `train`, once for each of the frequency errors.
+    ///
+    /// # Errors
+    /// [`CliError::Input`] where the move cannot be planned within the limits, or takes too long to
+    /// simulate.
+    pub fn run(&self, train: &GridTrain, errors: &[f64]) -> Result<Simulated, CliError> {
+        let joint = &self.robot.joints[self.joint];
+        let ends = [joint.home, joint.home + self.robot.default_move.target];
+        let planned = shaping::plan(ends, joint.limits, train)?;
+        let residual = |error: &f64| Ok(1e3 * self.residual(&planned.plan, train, *error)?);
+        Ok(Simulated {
+            residual_mm: errors
+                .iter()
+                .map(residual)
+                .collect::<Result<_, CliError>>()?,
+            speed: planned.speed,
         })
     }
 
     /// The greatest deformation at the tip, m, once the command has ended and the motor side has
     /// come to within one encoder step of it; the frequencies of all modes are `1 + error` times
     /// those of the description.
-    pub fn residual(&self, train: &GridTrain, error: f64) -> Result<f64, CliError> {
+    fn residual(
+        &self,
+        plan: &SampledTrajectory,
+        train: &GridTrain,
+        error: f64,
+    ) -> Result<f64, CliError> {
         let modes = self.scaled(error)?;
-        let first = modes.first().map_or(0.0, |mode| mode.mode.damped_period());
+        let period = train.sample_time();
+        let watched = WATCHED_PERIODS * modes.first().map_or(0.0, |mode| mode.mode.damped_period());
+        let moving = plan.samples() + train.duration_in_ticks();
+        let last = moving + ((FOLLOWING + watched) / period) as usize;
+        affordable(last as f64 * period, self.robot, &modes)?;
         let options = SimulationOptions {
             modes: Some(modes),
             ..SimulationOptions::default()
         };
         let mut arm =
             ArmSimulation::new(self.robot, self.joint, &options).map_err(CliError::input)?;
-        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
+        let mut filter = ShapingFilter::new(period, train.duration_in_ticks());
         filter.install(train).map_err(CliError::input)?;
-        filter.reset(self.plan[0].position);
+        let target = plan.positions(0)[plan.samples() - 1];
+        filter.reset(plan.positions(0)[0]);
 
-        let target = self.plan[self.plan.len() - 1];
-        let moving = self.plan.len() + train.duration_in_ticks();
-        let watched = (FOLLOWING + WATCHED_PERIODS * first) / train.sample_time();
-        let (mut peak, mut left) = (0.0_f64, WATCHED_PERIODS * first);
-        for tick in 0..moving + watched as usize {
-            let Setpoint {
-                position, velocity, ..
-            } = filter.step(self.plan.get(tick).copied().unwrap_or(target));
-            arm.step(
-                Command {
-                    position,
-                    velocity: Some(velocity),
-                },
-                train.sample_time(),
-            );
-            let follows = (arm.true_motor_position() - target.position).abs();
-            if tick < moving || (left == WATCHED_PERIODS * first && follows > self.tolerance()) {
-                continue;
+        let (mut peak, mut arrived) = (0.0_f64, None);
+        for tick in 0..last {
+            let planned = plan.state(0, tick).unwrap_or(AxisState::at_rest(target));
+            let shaped = filter.step(shaping::setpoint(planned));
+            let command = Command {
+                position: shaped.position,
+                velocity: Some(shaped.velocity),
+            };
+            arm.step(command, period);
+            let follows = (arm.true_motor_position() - target).abs() <= self.tolerance();
+            if tick >= moving && follows && arrived.is_none() {
+                arrived = Some(arm.time());
             }
-            peak = peak.max(arm.true_tip_deformation().abs());
-            left -= train.sample_time();
-            if left <= 0.0 {
-                break;
+            if let Some(arrived) = arrived {
+                peak = peak.max(arm.true_tip_deformation().abs());
+                if arm.time() - arrived >= watched {
+                    break;
+                }
             }
         }
         Ok(peak)

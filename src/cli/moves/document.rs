@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::cli::output;
+use crate::cli::{output, shaping};
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
 use crate::report::number;
@@ -159,12 +159,8 @@ pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
     let mut words = String::new();
     for (kind, trace) in &comparison.moves {
         if let Some(speed) = trace.slowed_to {
-            words.push_str(&format!(
-                "{}: the negative impulses of {} would exceed the limits; slowed to {:.1} % speed.\n",
-                kind.name(),
-                scenario.shaper.name(),
-                speed * 100.0
-            ));
+            let slowed = shaping::slowed(scenario.shaper.name(), speed);
+            words.push_str(&format!("{}: {slowed}.\n", kind.name()));
         }
         if trace.refused > 0 {
             words.push_str(&format!(

@@ -1,15 +1,12 @@
 //! A shaped copy of a command file: every column kept, the named ones shaped.
 
 use super::Args;
-use crate::cli::{CliError, output};
+use crate::cli::{CliError, output, time_column::time_column};
 use crate::recording::Table;
 use flate2::{Compression, write::GzEncoder};
 use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Names of a column with seconds that are recognised without being told.
-const TIME_NAMES: [&str; 4] = ["time_s", "t_s", "time", "t"];
 
 /// What was written.
 pub struct ShapedFile {
@@ -46,20 +43,10 @@ pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, 
 
 /// The file's clock, checked against the rate.
 fn clock(table: &Table, args: &Args) -> Result<Clock, CliError> {
-    let is_held = |name: &&str| table.header().iter().any(|held| held == name);
-    let name = match &args.time {
-        Some(name) => Some(name.as_str()),
-        None => TIME_NAMES.into_iter().find(is_held),
-    };
     let rate = args.rate;
-    let Some(name) = name else {
+    let Some(name) = time_column(table, args.time.as_deref(), &args.column)? else {
         return Ok(Clock { time: None, rate });
     };
-    if args.column.iter().any(|column| column == name) {
-        return Err(CliError::input(format!(
-            "--column {name}: time is not to be shaped"
-        )));
-    }
     let end = table.stamps_at_rate(name, rate)?.last().copied();
     Ok(Clock {
         time: Some((table.index(name)?, end.unwrap_or(0.0))),

@@ -47,7 +47,7 @@ pub fn document(run: &Run) -> Value {
         "joint": run.setup.joint + 1,
         "modes": modes.collect::<Vec<_>>(),
         "belief": run.setup.belief.iter().map(mode_document).collect::<Vec<_>>(),
-        "shaper": run.args.shaper,
+        "shaper": run.args.shaper.map(|shaper| shaper.name()),
         "added_delay_s": run.motion.added_delay,
         "command": run.args.command,
         "command_starts_at_s": run.motion.stamp,
@@ -72,7 +72,7 @@ pub fn text(run: &Run) -> String {
     };
     let command = match (&run.args.command, &run.args.shaper) {
         (Some(file), _) => format!("command of {}", file.display()),
-        (None, Some(shaper)) => format!("{shaper} shaper"),
+        (None, Some(shaper)) => format!("{} shaper", shaper.name()),
         (None, None) => "unshaped".to_owned(),
     };
     let (robot, joint) = (&run.setup.robot.name, run.setup.joint + 1);

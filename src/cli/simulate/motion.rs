@@ -1,11 +1,5 @@
 //! What the joint is commanded to do, instant by instant.
 
-use crate::cli::CliError;
-use crate::plant::Robot;
-
-/// The most samples that any channel of a simulation may have: 5 hours at 250 Hz, 80 MB a column.
-const MOST_SAMPLES: f64 = 5e6;
-
 /// Where the command is at an instant; a cubic leads from one to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Knot {
@@ -60,20 +54,4 @@ impl Motion {
         let end = self.knots.last().map_or(0.0, |knot| knot.time);
         self.legs.get(leg + 1).map_or(end, |next| next.from)
     }
-}
-
-/// Refuses what would fill the memory.
-///
-/// # Errors
-/// [`CliError::Input`] where a channel would have more than five million samples.
-pub fn affordable(duration: f64, robot: &Robot) -> Result<(), CliError> {
-    let rates = [robot.control_rate, robot.encoder.rate, robot.tracker.rate];
-    let rate = rates.into_iter().fold(0.0, f64::max);
-    if duration * rate <= MOST_SAMPLES {
-        return Ok(());
-    }
-    Err(CliError::input(format!(
-        "{duration} s at {rate} Hz are {:.0} samples; at most {MOST_SAMPLES:.0} are simulated",
-        duration * rate
-    )))
 }

@@ -1,12 +1,12 @@
 //! Jerk-limited moves from rest to rest, shaped or not.
 
-use quell_shapers::{GridTrain, Setpoint, ShapingFilter, shaper_by_name};
-use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
+use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
+use quell_trajectories::SampledTrajectory;
 
 use super::Args;
-use super::motion::{Knot, Leg, Motion, affordable, rounding};
+use super::motion::{Knot, Leg, Motion, rounding};
 use super::setup::Setup;
-use crate::cli::CliError;
+use crate::cli::{CliError, effort::affordable, shaping};
 
 /// Rest before the first move, s: what the sensors say of a joint that stands.
 const REST: f64 = 0.5;
@@ -15,22 +15,26 @@ const REST: f64 = 0.5;
 pub fn plan(args: &Args, setup: &Setup) -> Result<Motion, CliError> {
     let start = setup.pose[setup.joint];
     let train = train(args, setup)?;
+    let limits = setup.robot.joints[setup.joint].limits;
     let mut writer = Writer::new(start, &train, setup)?;
     writer.rest(REST)?;
-    let mut at = start;
+    let (mut at, mut speed) = (start, 1.0_f64);
     for target in targets(args, setup)? {
         let target = start + target;
-        writer.leg(&move_between(at, target, setup)?)?;
+        let planned = shaping::plan([at, target], limits, &train)?;
+        writer.leg(&planned.plan)?;
         writer.rest(setup.dwell(args))?;
-        at = target;
+        (at, speed) = (target, speed.min(planned.speed));
     }
+    let slowed = args.shaper.filter(|_| speed < 1.0);
+    let slowed = slowed.map(|shaper| shaping::slowed(shaper.name(), speed));
     Ok(Motion {
         resolution: rounding(&writer.knots),
         knots: writer.knots,
         legs: writer.legs,
         added_delay: train.duration(),
         stamp: 0.0,
-        remarks: Vec::new(),
+        remarks: slowed.into_iter().collect(),
     })
 }
 
@@ -41,11 +45,6 @@ fn targets(args: &Args, setup: &Setup) -> Result<Vec<f64>, CliError> {
     }
     let mut at = 0.0;
     for &target in &args.target {
-        if !target.is_finite() {
-            return Err(CliError::input(format!(
-                "--target {target}: a finite number of deg is needed"
-            )));
-        }
         if target == at {
             return Err(CliError::input(format!(
                 "--target {target}: the joint stands there already"
@@ -59,41 +58,15 @@ fn targets(args: &Args, setup: &Setup) -> Result<Vec<f64>, CliError> {
 /// The shaper's taps for all believed modes.
 fn train(args: &Args, setup: &Setup) -> Result<GridTrain, CliError> {
     let sample_time = 1.0 / setup.robot.control_rate;
-    let mut train = GridTrain::identity(sample_time).map_err(CliError::input)?;
-    let Some(name) = &args.shaper else {
-        return Ok(train);
+    let Some(shaper) = args.shaper else {
+        return GridTrain::identity(sample_time).map_err(CliError::input);
     };
-    let shaper = shaper_by_name(name)
-        .ok_or_else(|| CliError::input(format!("there is no shaper {name:?}")))?;
     if setup.belief.is_empty() {
-        let (joint, robot) = (setup.joint + 1, &setup.robot.name);
+        let (name, joint, robot) = (shaper.name(), setup.joint + 1, &setup.robot.name);
         let text = format!("--shaper {name}: joint {joint} of {robot} has no mode to shape for");
         return Err(CliError::input(text).with_help("give one: --belief 8.12,0.084"));
     }
-    for &mode in &setup.belief {
-        train = shaper
-            .on_grid(mode, sample_time)
-            .and_then(|next| train.convolve(&next))
-            .map_err(CliError::input)?;
-    }
-    affordable(train.duration(), &setup.robot)?;
-    Ok(train)
-}
-
-fn move_between(from: f64, to: f64, setup: &Setup) -> Result<SampledTrajectory, CliError> {
-    let own = setup.robot.joints[setup.joint].limits;
-    let limits = Limits {
-        velocity: own.velocity,
-        acceleration: own.acceleration,
-        jerk: own.jerk,
-    };
-    Planner::new(1)
-        .and_then(|planner| {
-            let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
-            planner.plan(&ends[..1], &ends[1..], &[limits])
-        })
-        .and_then(|trajectory| trajectory.sample(1.0 / setup.robot.control_rate))
-        .map_err(CliError::input)
+    shaping::train(shaper, &setup.belief, sample_time).map_err(CliError::input)
 }
 
 /// Sends setpoints through the shaper and notes what comes out, tick by tick.
@@ -136,8 +109,14 @@ impl<'a> Writer<'a> {
         self.knots[self.knots.len() - 1]
     }
 
+    /// Refuses a command that would become too long by `duration` (s).
+    fn affordable(&self, duration: f64) -> Result<(), CliError> {
+        let Setup { robot, modes, .. } = self.setup;
+        affordable(self.last().time + duration, robot, modes)
+    }
+
     fn rest(&mut self, duration: f64) -> Result<(), CliError> {
-        affordable(self.last().time + duration, &self.setup.robot)?;
+        self.affordable(duration)?;
         let at = Setpoint::at_rest(self.last().position);
         let ticks = (duration * self.setup.robot.control_rate).ceil() as usize;
         (0..ticks).for_each(|_| self.tick(at));
@@ -150,14 +129,10 @@ impl<'a> Writer<'a> {
         let Knot { time, position, .. } = self.last();
         let ticks = plan.samples() + self.train_ticks;
         let duration = ticks as f64 * plan.period();
-        affordable(time + duration, &self.setup.robot)?;
+        self.affordable(duration)?;
         for tick in 1..ticks {
             if let Some(state) = plan.state(0, tick) {
-                self.tick(Setpoint {
-                    position: state.position,
-                    velocity: state.velocity,
-                    acceleration: state.acceleration,
-                });
+                self.tick(shaping::setpoint(state));
             }
         }
         self.legs.push(Leg {

@@ -3,15 +3,12 @@
 use std::path::Path;
 
 use super::Args;
-use super::motion::{Knot, Leg, Motion, affordable, rounding};
+use super::motion::{Knot, Leg, Motion, rounding};
 use super::setup::Setup;
 use super::slopes::slopes;
-use crate::cli::CliError;
+use crate::cli::{CliError, effort::affordable, time_column::time_column};
 use crate::recording::health::quantum;
 use crate::recording::{Dimension, Recording, Role, Table, Unit};
-
-/// Names of a column with seconds that are recognised without being told.
-const TIME_NAMES: [&str; 4] = ["time_s", "t_s", "time", "t"];
 
 /// Stamps, s, and positions, rad.
 type Series = (Vec<f64>, Vec<f64>);
@@ -37,7 +34,7 @@ pub fn read(file: &Path, args: &Args, setup: &Setup) -> Result<Motion, CliError>
         )));
     }
     let duration = time[time.len() - 1] - time[0];
-    affordable(duration + setup.dwell(args), &setup.robot)?;
+    affordable(duration + setup.dwell(args), &setup.robot, &setup.modes)?;
     let mut knots = knots(&time, &position);
     let resolution = quantum(&position).unwrap_or(0.0).max(rounding(&knots));
     let limit = setup.robot.joints[setup.joint].limits.acceleration;
@@ -52,13 +49,27 @@ pub fn read(file: &Path, args: &Args, setup: &Setup) -> Result<Motion, CliError>
     let moved = legs.last().map_or(0.0, |leg| leg.until);
     let missing = setup.dwell(args) - (knots[last].time - moved);
     hold(&mut knots, missing, setup.robot.control_rate);
+    let remarks = [at_end.map(ends_in_motion), sparse(&time, setup)];
     Ok(Motion {
         knots,
         legs,
         resolution,
         added_delay: 0.0,
         stamp: time[0],
-        remarks: at_end.map(ends_in_motion).into_iter().collect(),
+        remarks: remarks.into_iter().flatten().collect(),
+    })
+}
+
+/// A word where the samples are further apart than a period of the joint's slowest mode: such a
+/// command cannot excite it as a controller's would, and most often its time is not in seconds.
+fn sparse(time: &[f64], setup: &Setup) -> Option<String> {
+    let interval = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+    let period = 2.0 * setup.half_period();
+    (interval > period).then(|| {
+        format!(
+            "the command's samples are {interval:.3} s apart, longer than a period of the joint \
+             ({period:.3} s); its time may not be in seconds"
+        )
     })
 }
 
@@ -101,11 +112,7 @@ fn from_csv(file: &Path, column: &str, args: &Args) -> Result<Series, CliError> 
                 .with_help("units of angle: rad, mrad, urad, deg, arcmin, arcsec, rev")
         })?;
     let table = Table::open(file)?;
-    let known = |name: &&str| table.header().iter().any(|held| held == name);
-    let time = args
-        .time
-        .as_deref()
-        .or_else(|| TIME_NAMES.into_iter().find(known));
+    let time = time_column(&table, args.time.as_deref(), args.column.as_slice())?;
     let mut values = table.numbers(&[column])?.swap_remove(0);
     values
         .iter_mut()

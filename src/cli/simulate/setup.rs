@@ -3,7 +3,7 @@
 use quell_shapers::Mode;
 
 use super::Args;
-use crate::cli::{CliError, choices};
+use crate::cli::CliError;
 use crate::plant::{Damping, ModeOfJoint, Robot, SimulationOptions};
 use crate::signal::JointKind;
 
@@ -29,22 +29,15 @@ impl Setup {
     /// # Errors
     /// [`CliError::Input`] that names the argument or the key of the robot's description.
     pub fn from(args: &Args) -> Result<Self, CliError> {
-        let robot = match &args.robot {
-            Some(file) => Robot::from_file(file).map_err(CliError::input)?,
-            None => Robot::rx170(),
-        };
-        let joint = joint(args, &robot)?;
+        let (robot, joint) = args.robot.resolve()?;
         let modes = modes(args, &robot, joint);
         let belief = match args.belief.as_slice() {
             [] => modes.iter().map(|entry| entry.mode).collect(),
             given => given.to_vec(),
         };
         let options = SimulationOptions {
-            seed: args.seed,
-            payload: args.payload,
-            tracker_noise: args.noise.map(|um| um * 1e-6),
             modes: Some(modes.clone()),
-            ..SimulationOptions::default()
+            ..args.simulation.options()
         };
         Ok(Self {
             pose: pose(args, &robot)?,
@@ -74,25 +67,7 @@ impl Setup {
     }
 }
 
-fn joint(args: &Args, robot: &Robot) -> Result<usize, CliError> {
-    let joint = args.joint.unwrap_or(robot.default_move.joint + 1);
-    let joints = robot.joints.len();
-    let index = joint.checked_sub(1).filter(|index| *index < joints);
-    let index = index.ok_or_else(|| {
-        CliError::input(format!(
-            "--joint {joint}: {} has joints 1 to {joints}",
-            robot.name
-        ))
-    })?;
-    match robot.chain.joints()[index].kind {
-        JointKind::Revolute => Ok(index),
-        JointKind::Prismatic => Err(CliError::input(format!(
-            "--joint {joint}: it slides; a joint that turns is needed"
-        ))),
-    }
-}
-
-/// The joint's modes with what the arguments change of them; --mode gives a stiff joint its first.
+/// The joint's modes, the first one as --mode says; it gives a stiff joint its first.
 fn modes(args: &Args, robot: &Robot, joint: usize) -> Vec<ModeOfJoint> {
     let mut modes = robot.joints[joint].modes.clone();
     match (args.mode, modes.first_mut()) {
@@ -103,9 +78,6 @@ fn modes(args: &Args, robot: &Robot, joint: usize) -> Vec<ModeOfJoint> {
             participation: 1.0,
         }),
         (None, _) => {}
-    }
-    if let Some(damping) = args.damping.as_deref().and_then(choices::damping) {
-        modes.iter_mut().for_each(|entry| entry.damping = damping);
     }
     modes
 }

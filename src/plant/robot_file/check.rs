@@ -6,6 +6,9 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::plant::RobotError;
 
+/// No controller, sensor or joint of a robot is faster than this, Hz; a simulation would not end.
+const HIGHEST_RATE: f64 = 1e6;
+
 /// Checks values; `file` names the description in errors.
 pub struct Check<'a> {
     pub file: &'a Path,
@@ -41,6 +44,15 @@ impl Check<'_> {
             Ok(value)
         } else {
             Err(self.refuse(key, value, "a finite number above 0"))
+        }
+    }
+
+    /// A rate or a frequency, Hz.
+    pub fn rate(&self, key: &str, value: f64) -> Result<f64, RobotError> {
+        if value > 0.0 && value <= HIGHEST_RATE {
+            Ok(value)
+        } else {
+            Err(self.refuse(key, value, "above 0 Hz and at most 1e6 Hz"))
         }
     }
 

@@ -66,13 +66,14 @@ pub fn clock(time: &[f64]) -> Clock {
             });
             clock.missing = clock.missing.saturating_add(missing);
         } else {
-            let deviation = interval - period;
-            clock.jitter += deviation * deviation;
-            clock.worst_jitter = clock.worst_jitter.max(deviation.abs());
+            let deviation = (interval - period).abs();
+            // Over the period, so that the square of no period overflows.
+            clock.jitter += (deviation / period).powi(2);
+            clock.worst_jitter = clock.worst_jitter.max(deviation);
         }
     }
     let regular = intervals.len() - clock.gaps.len();
-    clock.jitter = (clock.jitter / regular.max(1) as f64).sqrt();
+    clock.jitter = period * (clock.jitter / regular.max(1) as f64).sqrt();
     clock
 }
 

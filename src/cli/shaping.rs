@@ -1,0 +1,77 @@
+//! Trains and moves as every verb makes them.
+
+use quell_shapers::{GridTrain, Mode, Setpoint, Shaper, ShaperError};
+use quell_trajectories::{AxisState, Limits, Planner};
+
+use super::CliError;
+use crate::closed_loop::ClosedLoopError;
+use crate::controller::{SlowedPlan, plan_shaped};
+
+/// The longest train that is run, ticks: 24 MB of delay line, 17 minutes at 1 kHz.
+const LONGEST_TRAIN: usize = 1_000_000;
+
+/// Share of a limit by which a command at its limit may seem to exceed it: rounding of velocities and
+/// accelerations by the planner, and of differences over one tick.
+const ROUNDING: f64 = 1e-9;
+
+/// The shaper's train for all the modes at once, its taps on the controller's grid (period in s).
+///
+/// # Errors
+/// [`ShaperError`] where it cannot be designed for one of the modes, or is longer than anything that
+/// a filter is made for.
+pub fn train(
+    shaper: &dyn Shaper,
+    modes: &[Mode],
+    sample_time: f64,
+) -> Result<GridTrain, ShaperError> {
+    let mut train = GridTrain::identity(sample_time)?;
+    for &mode in modes {
+        train = train.convolve(&shaper.on_grid(mode, sample_time)?)?;
+    }
+    match train.duration_in_ticks() {
+        ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {
+            ticks,
+            capacity: LONGEST_TRAIN,
+        }),
+        _ => Ok(train),
+    }
+}
+
+/// Plans a move from rest to rest (rad) whose shaped command keeps the limits; a train with negative
+/// impulses slows it down.
+///
+/// # Errors
+/// [`CliError::Input`] where the move cannot be planned, or exceeds the limits however slow it is.
+pub fn plan(ends: [f64; 2], limits: Limits, train: &GridTrain) -> Result<SlowedPlan, CliError> {
+    let planner = Planner::new(1).map_err(CliError::input)?;
+    let slowed = plan_shaped(&planner, ends, limits, train).map_err(CliError::input)?;
+    match slowed.peaks.worst() {
+        ratio if ratio > 1.0 + ROUNDING => Err(CliError::input(ClosedLoopError::Limits {
+            ratio,
+            percent: 100.0 * slowed.speed,
+        })),
+        _ => Ok(slowed),
+    }
+}
+
+/// What is said of a move that was slowed down to `speed` (1 is full speed).
+pub fn slowed(shaper: &str, speed: f64) -> String {
+    format!(
+        "the negative impulses of {shaper} would exceed the limits; slowed to {:.2} % speed",
+        100.0 * speed
+    )
+}
+
+/// The planner's state as the shapers' crate names it; the two crates do not know each other.
+pub fn setpoint(state: AxisState) -> Setpoint {
+    let AxisState {
+        position,
+        velocity,
+        acceleration,
+    } = state;
+    Setpoint {
+        position,
+        velocity,
+        acceleration,
+    }
+}

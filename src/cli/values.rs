@@ -1,0 +1,40 @@
+//! Numbers as they are typed on a command line, with their ranges.
+
+use quell_shapers::Mode;
+
+/// `F,XI`: a mode by its natural frequency in Hz and its damping ratio.
+pub fn mode(text: &str) -> Result<Mode, String> {
+    let form = || format!("{text:?} is not F,XI, such as 8.12,0.084 (Hz and a damping ratio)");
+    let (frequency, damping_ratio) = text.split_once(',').ok_or_else(form)?;
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
+    Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
+}
+
+/// A finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    checked(text, f64::is_finite, "a finite number")
+}
+
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let holds = |value: f64| value.is_finite() && value > 0.0;
+    checked(text, holds, "a finite number above 0")
+}
+
+/// A finite number, 0 or more.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let holds = |value: f64| value.is_finite() && value >= 0.0;
+    checked(text, holds, "a finite number, 0 or more")
+}
+
+/// A percentage that leaves something of what it is taken from.
+pub fn below_100_percent(text: &str) -> Result<f64, String> {
+    let holds = |value: f64| (0.0..100.0).contains(&value);
+    checked(text, holds, "a percentage from 0 to below 100")
+}
+
+fn checked(text: &str, holds: impl Fn(f64) -> bool, rule: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>();
+    let value = value.ok().filter(|value| holds(*value));
+    value.ok_or_else(|| format!("it is not {rule}"))
+}

@@ -1,0 +1,192 @@
+//! From an estimate to a train, at rest or in motion.
+
+use quell_shapers::{
+    GridTrain, ImpulseTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, Shaper,
+    residual_vibration,
+};
+
+use super::ahead::Ahead;
+use super::axis::Axis;
+use super::settings::{RetunePolicy, motion_limits};
+use crate::adaptation::Decision;
+use crate::estimators::Estimate;
+
+/// Length of the shortest correction, periods: five smooth steps of a quarter period.
+const SHORTEST_CORRECTION: f64 = 1.25;
+
+impl Axis {
+    /// Acts on the present estimate, if it is worth it.
+    pub(super) fn adapt(&mut self, ahead: &Ahead<'_>) {
+        let (Some(mut estimate), Some(shaper)) = (self.status.estimate, self.settings.shaper)
+        else {
+            return;
+        };
+        // Once the plan has ended there is little more to learn: what is certain enough for the
+        // adaptation is used then, settled or not.
+        estimate.converged |= self.settings.estimator.states_error && ahead.remaining() == 0;
+        let decision = match self.settings.retune {
+            RetunePolicy::InMotion if self.lane.is_none() && self.is_ringing(estimate.mode) => {
+                // The steps of a correction are a quarter period apart: more often gains nothing.
+                // Counted by the axis' own time, since a frozen estimate does not advance.
+                let pause = 0.25 * estimate.mode.damped_period();
+                if estimate.converged && self.time - self.last_forecast < pause {
+                    return;
+                }
+                if estimate.converged {
+                    self.last_forecast = self.time;
+                }
+                self.consider_in_motion(&estimate, shaper, ahead)
+            }
+            _ => self.consider_at_rest(&estimate, shaper),
+        };
+        self.status.decision = Some(decision);
+    }
+
+    /// Whether anything is moving, or may still ring: five time constants of the envelope leave
+    /// less than the dead band of 1 %.
+    fn is_ringing(&self, mode: Mode) -> bool {
+        !self.filter.is_settled() || self.since_plan_end * mode.decay_rate() < 5.0
+    }
+
+    fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
+        let (waiting, tick) = (self.next_train().to_impulses(), self.settings.sample_time);
+        let excess = |mode| excess_of(&waiting, shaper, mode, tick);
+        let decision = self.adaptation.consider(estimate, shaper, excess);
+        if let Decision::Accept(mode) = decision
+            && let Ok(train) = shaper.on_grid(mode, tick)
+        {
+            self.install(&train, mode);
+        }
+        decision
+    }
+
+    fn consider_in_motion(
+        &mut self,
+        estimate: &Estimate,
+        shaper: &dyn Shaper,
+        ahead: &Ahead<'_>,
+    ) -> Decision {
+        let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
+        let tick = self.settings.sample_time;
+        let train = self.filter.train().duration();
+        let since_end = match remaining {
+            0 => self.since_plan_end,
+            ticks => -(ticks as f64) * tick,
+        };
+        // Rounding of the encoder: a vibration below it cannot be told from none.
+        let rounding = self.settings.rest.quantisation / 12f64.sqrt();
+        let filter = &mut self.filter;
+        // A correction can leave nothing, but not before it is over: what is left is seen there.
+        let excess = |mode: Mode| match filter.forecast(mode, remaining, planned) {
+            Ok(residual) => {
+                let soonest = since_end + SHORTEST_CORRECTION * mode.damped_period();
+                let seen = train.max(soonest);
+                let decayed = |time: f64| (-mode.decay_rate() * time).exp();
+                match residual.shaped * decayed(seen - since_end) > rounding {
+                    true => residual.ratio() * decayed(seen),
+                    false => 0.0,
+                }
+            }
+            Err(_) => f64::INFINITY,
+        };
+        let decision = self.adaptation.consider(estimate, shaper, excess);
+        if let Decision::Accept(mode) = decision
+            && let Ok(train) = shaper.on_grid(mode, tick)
+        {
+            self.correct(&train, mode, shaper, remaining, planned);
+        }
+        decision
+    }
+
+    /// Cancels what the present command would leave, and goes over to a train for the mode if the
+    /// one in force is worse by more than the dead band. Where no correction keeps the limits, the
+    /// train waits for rest.
+    fn correct(
+        &mut self,
+        designed: &GridTrain,
+        mode: Mode,
+        shaper: &dyn Shaper,
+        remaining: usize,
+        planned: impl Fn(usize) -> Setpoint,
+    ) {
+        let present = self.next_train();
+        let tick = self.settings.sample_time;
+        let excess = excess_of(&present.to_impulses(), shaper, mode, tick);
+        let changes = excess >= self.settings.adaptation.dead_band;
+        let train = if changes {
+            designed.clone()
+        } else {
+            present.clone()
+        };
+        match self.cancel(&train, mode, remaining, planned) {
+            Ok(()) if changes => self.changed(mode),
+            Err(_) if changes => self.install(&train, mode),
+            _ => {}
+        }
+    }
+
+    /// Cancels what the present command would leave of a mode.
+    fn cancel(
+        &mut self,
+        train: &GridTrain,
+        mode: Mode,
+        remaining: usize,
+        planned: impl Fn(usize) -> Setpoint,
+    ) -> Result<(), Refusal> {
+        let request = Retune {
+            train,
+            modes: &[mode],
+            limits: motion_limits(self.settings.limits),
+        };
+        match self.filter.retune(&request, remaining, planned) {
+            RetuneOutcome::Refused(refusal) => {
+                self.status.refused += 1;
+                return Err(refusal);
+            }
+            RetuneOutcome::Corrected(correction) => {
+                self.status.correction = Some(correction);
+                self.status.corrections += 1;
+                self.corrected = mode;
+            }
+            RetuneOutcome::Installed => {}
+        }
+        Ok(())
+    }
+
+    /// A correction was made for another plan: with the new one it would leave the wrong vibration,
+    /// and could exceed the limits. Where no other keeps them either, nothing is changed.
+    pub(super) fn follow(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {
+        if !self.filter.is_correcting() {
+            return Ok(());
+        }
+        let train = self.next_train().clone();
+        let planned = |k: usize| ahead.setpoint(k - 1);
+        self.cancel(&train, self.corrected, ahead.remaining(), planned)
+    }
+
+    fn install(&mut self, train: &GridTrain, mode: Mode) {
+        let taken = match &mut self.lane {
+            Some(lane) => lane.wait_with(train),
+            None => self.filter.install(train).is_ok(),
+        };
+        if taken {
+            self.changed(mode);
+        }
+    }
+
+    fn changed(&mut self, mode: Mode) {
+        self.status.mode = mode;
+        self.status.retunes += 1;
+    }
+}
+
+/// V of a train at a mode beyond that of the train designed for it.
+fn excess_of(train: &ImpulseTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f64) -> f64 {
+    let left = |train: &ImpulseTrain| {
+        residual_vibration(train, mode.natural_frequency(), mode.damping_ratio())
+    };
+    match shaper.on_grid(mode, sample_time) {
+        Ok(best) => left(train) - left(&best.to_impulses()),
+        Err(_) => f64::INFINITY,
+    }
+}
