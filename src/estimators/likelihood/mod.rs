@@ -19,7 +19,9 @@
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
 
+mod correlation;
 mod fit;
+mod region;
 mod track;
 
 use quell_shapers::Mode;
@@ -27,19 +29,16 @@ use quell_shapers::Mode;
 pub(super) use self::fit::{Priors, fit};
 pub(super) use self::track::{Folding, Track};
 
+use self::correlation::Correlation;
 use self::fit::{Fit, profile};
+use self::region::{DAMPING_RANGE, TRUST, bounded, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// Samples that replays may take in one tick.
 const REPLAY_BUDGET: usize = 128;
-/// Largest step of `ln w` and of `xi` before the track is moved: a tenth of the ratio between two
-/// grid points less would never reach from one to the next, more would leave its linear range.
-const TRUST: [f64; 2] = [0.15, 0.08];
 /// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.
 const GRID_RATIO: f64 = 1.25;
-/// Damping ratios a linearisation may take.
-const DAMPING_RANGE: (f64, f64) = (1e-4, 0.7);
 /// Weight of a given noise level in samples, against the residual's own.
 const NOISE_SAMPLES: f64 = 10.0;
 /// Window, in periods, over which the estimates must agree before they count as converged.
@@ -73,39 +72,6 @@ pub struct Likelihood {
     convergence: Convergence,
     converged: bool,
     estimate: Option<Estimate>,
-}
-
-/// Running first autocorrelation of the residual, which widens the standard deviations where the
-/// model leaves more than white noise.
-#[derive(Clone, Copy, Debug, Default)]
-struct Correlation {
-    last: f64,
-    square: f64,
-    product: f64,
-    count: f64,
-}
-
-impl Correlation {
-    fn observe(&mut self, residual: f64) {
-        self.square += residual * residual;
-        self.product += residual * self.last;
-        self.last = residual;
-        self.count += 1.0;
-    }
-
-    /// `(1 + rho) / (1 - rho)`, the variance inflation of a mean of AR(1) noise; 1 where `rho` is
-    /// within two standard deviations (`1 / sqrt n`) of 0.
-    fn inflation(&self) -> f64 {
-        if self.count < 16.0 || self.square <= 0.0 {
-            return 1.0;
-        }
-        let rho = (self.product / self.square).min(0.999);
-        if rho < 2.0 / self.count.sqrt() {
-            1.0
-        } else {
-            (1.0 + rho) / (1.0 - rho)
-        }
-    }
 }
 
 impl Likelihood {
@@ -366,27 +332,6 @@ impl Likelihood {
             converged: self.converged,
         });
     }
-}
-
-fn log_point(mode: Mode) -> [f64; 2] {
-    [mode.natural_frequency().ln(), mode.damping_ratio()]
-}
-
-/// The end of a step cut to the trusted length.
-fn trusted(mode: Mode, step: [f64; 2], shrink: f64) -> [f64; 2] {
-    let excess = (step[0].abs() / TRUST[0])
-        .max(step[1].abs() / TRUST[1])
-        .max(1.0);
-    let point = log_point(mode);
-    [0, 1].map(|k| point[k] + shrink * step[k] / excess)
-}
-
-/// The mode at a point, moved into the allowed ranges.
-fn bounded(settings: &Settings, point: [f64; 2]) -> Option<Mode> {
-    let (low, high) = settings.frequency_range;
-    let w = point[0].exp().max(low).min(high);
-    let xi = point[1].max(DAMPING_RANGE.0).min(DAMPING_RANGE.1);
-    Mode::new(w, xi).ok()
 }
 
 impl Estimator for Likelihood {
