@@ -5,9 +5,7 @@ use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
 use super::ClosedLoopError;
 use crate::plant::{ArmSimulation, Command};
-use crate::signal::{
-    ArcRegistration, CubicSpline, End, Measurement, SignalError, register_arc,
-};
+use crate::signal::{ArcRegistration, CubicSpline, End, Measurement, SignalError, register_arc};
 
 /// Rest before each of the two moves, s: the tracker sees the arm at rest too.
 const PAUSE: f64 = 0.5;
