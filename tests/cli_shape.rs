@@ -235,7 +235,7 @@ fn bad_input_is_refused_with_its_place() {
         &mut with("250", &["none.csv", "--column", "x"]),
         &["none.csv: no such file"],
     );
-    refused(&mut with("0", &[]), &["not a rate above 0 Hz"]);
+    refused(&mut with("0", &[]), &["above 0"]);
     refused(&mut with("10", &[]), &["error: "]);
     refused(&mut with("1e8", &[]), &["holds 1000000"]);
     refused(

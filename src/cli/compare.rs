@@ -10,6 +10,7 @@ mod trial;
 use super::robot_args::{RobotArgs, robot};
 use super::{CliError, output, shaping, values};
 use crate::plant::Robot;
+use crate::report::number;
 use candidate::{Candidate, Design};
 use choice::{Advice, Choice, Wish};
 use indicatif::ProgressBar;
@@ -163,7 +164,7 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
     if let Some(Err(reason)) = candidates.first().map(|candidate| &candidate.design)
         && candidates.iter().all(|candidate| candidate.design.is_err())
     {
-        let text = format!("no shaper can be designed at {rate:e} Hz: {reason}");
+        let text = format!("no shaper can be designed at {} Hz: {reason}", number(rate));
         return Err(CliError::input(text));
     }
     let wish = Wish {

@@ -1,8 +1,8 @@
 //! The command line: `quell <verb>`, one file a verb.
 //!
 //! A verb is a file with `#[derive(clap::Args)] pub struct Args` and
-//! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of [`Verb`] and
-//! [`Verb::run`]. What it prints goes through [`output`], so that a closed pipe ends it quietly.
+//! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of `Verb` and
+//! `Verb::run`. What it prints goes through [`output`], so that a closed pipe ends it quietly.
 
 pub mod choices;
 pub mod compare;

@@ -152,7 +152,7 @@ fn refused(error: ClosedLoopError) -> CliError {
     match unregistered {
         true => error.with_help(
             "a move of its own first tells where the tracker stands: it takes a longer --target, \
-             less --noise or less --payload",
+             less --noise, less --payload or a faster tracker",
         ),
         false => error,
     }

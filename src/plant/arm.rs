@@ -6,35 +6,15 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::axis::{Axis, Oscillator};
+use super::axis::{Axis, MAX_MODES};
 use super::error::SimulationError;
-use super::robot::{Damping, ModeOfJoint, Robot};
+use super::options::{SimulationOptions, not_negative, oscillators};
+use super::robot::Robot;
 use crate::signal::{JointArc, Measurement};
 
 /// A sensor sample due within this time after the end of a period still belongs to it: rates that
 /// divide one another keep their order in spite of rounding.
 const SAME_INSTANT: f64 = 1e-9;
-
-/// What a simulation may have otherwise than the robot's description.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SimulationOptions {
-    /// Seed of the tracker's noise and phase.
-    pub seed: u64,
-    /// Point mass at the tip, kg.
-    pub payload: f64,
-    /// Pose to start from, rad; home if absent.
-    pub pose: Option<Vec<f64>>,
-    /// Standard deviation of each tracker coordinate, m.
-    pub tracker_noise: Option<f64>,
-    /// Instant of the tracker's first sample, s, from 0 to its period; drawn by the seed if absent.
-    pub tracker_phase: Option<f64>,
-    /// Damping convention of all modes.
-    pub damping: Option<Damping>,
-    /// First mode in the reference condition (home pose, no payload).
-    pub mode: Option<Mode>,
-    /// All modes in the reference condition; `mode` and `damping` apply to them too.
-    pub modes: Option<Vec<ModeOfJoint>>,
-}
 
 /// Where the joint shall be at the end of a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +35,7 @@ pub struct ArmSimulation {
     joint: usize,
     pose: Vec<f64>,
     payload: f64,
-    reference: ArrayVec<Mode, { super::axis::MAX_MODES }>,
+    reference: ArrayVec<Mode, MAX_MODES>,
     axis: Axis,
     arc: JointArc,
     time: f64,
@@ -217,7 +197,7 @@ impl ArmSimulation {
     }
 
     fn update_modes(&mut self) -> Result<(), SimulationError> {
-        let mut modes = ArrayVec::<Mode, { super::axis::MAX_MODES }>::new();
+        let mut modes = ArrayVec::<Mode, MAX_MODES>::new();
         for &reference in &self.reference {
             modes.push(
                 self.robot
@@ -291,44 +271,4 @@ impl ArmSimulation {
     fn tip(&self) -> nalgebra::Point3<f64> {
         self.arc.tip(self.true_link_position())
     }
-}
-
-fn oscillators(
-    robot: &Robot,
-    joint: usize,
-    options: &SimulationOptions,
-) -> Result<ArrayVec<Oscillator, { super::axis::MAX_MODES }>, SimulationError> {
-    let described = robot
-        .joints
-        .get(joint)
-        .map_or(&[][..], |entry| &entry.modes);
-    let modes = options.modes.as_deref().unwrap_or(described);
-    let mut oscillators = ArrayVec::new();
-    for (index, entry) in modes.iter().enumerate() {
-        let overridden = options.mode.filter(|_| index == 0);
-        let oscillator = Oscillator {
-            mode: overridden.unwrap_or(entry.mode),
-            damping: options.damping.unwrap_or(entry.damping),
-            participation: entry.participation,
-        };
-        oscillators
-            .try_push(oscillator)
-            .map_err(|_| SimulationError::Option {
-                name: "modes",
-                value: modes.len() as f64,
-                expected: "at most 4",
-            })?;
-    }
-    Ok(oscillators)
-}
-
-fn not_negative(name: &'static str, value: f64) -> Result<f64, SimulationError> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(value);
-    }
-    Err(SimulationError::Option {
-        name,
-        value,
-        expected: "a finite number, 0 or more",
-    })
 }

@@ -4,10 +4,12 @@ pub mod arm;
 mod axis;
 pub mod error;
 pub mod log;
+pub mod options;
 pub mod robot;
 mod robot_file;
 
-pub use arm::{ArmSimulation, Command, SimulationOptions};
+pub use arm::{ArmSimulation, Command};
 pub use error::{RobotError, SimulationError};
 pub use log::MeasurementLog;
+pub use options::SimulationOptions;
 pub use robot::{Damping, DefaultMove, Encoder, ModeOfJoint, Robot, RobotJoint, Servo, Tracker};

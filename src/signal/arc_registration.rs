@@ -41,7 +41,7 @@ pub struct ArcRegistration {
 /// `arc` is the tip's circle in the base frame. Plane and circle (of the arc's radius) are fitted to
 /// the points; the deformation, which is along the arc, does not disturb them. Clock offset and angle
 /// of the frame then follow from the motor position by
-/// [`fit_clock_offset`](super::fit_clock_offset), under the model's zero static gain.
+/// [`fit_clock_offset`], under the model's zero static gain.
 ///
 /// # Errors
 /// [`SignalError`] for bad series, [`SignalError::Degenerate`] where the arc is too short to be told

@@ -1,12 +1,14 @@
 //! Offset between two clocks from one recorded move of a flexible joint.
 
+mod quasi_static;
+
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DVector, Dyn, Matrix6, OMatrix, Owned, U6, Vector6};
 use quell_shapers::Mode;
 
-use super::spectrum::{Window, spectrum};
 use super::spline::check_series;
 use super::{CubicSpline, ForcedResponse, SignalError};
+use quasi_static::QuasiStatic;
 
 /// Result of [`fit_clock_offset`].
 #[derive(Clone, Debug, PartialEq)]
@@ -32,9 +34,10 @@ pub struct ClockFit {
 /// The vibration cannot be left out: a clock that is late by `tau` looks like `tau u'`, and a joint
 /// that gives way like `u'' / w^2` plus the ringing it leaves, which on a short record is not
 /// orthogonal to `u'`. So offset, constant, mode and initial vibration are fitted together; no mode
-/// has to be known, `belief` only adds a starting point. Offsets up to 0.2 s are found. With a damper to ground the joint itself lags
-/// by `2 xi / w` (3.3 ms at 8.12 Hz and 0.084), and only the ringing tells that from the clock: that
-/// form is taken only where its likelihood is higher by a factor of e^5.
+/// has to be known, `belief` only adds a starting point. Offsets up to 0.2 s are found. With a damper
+/// to ground the joint itself lags by `2 xi / w` (3.3 ms at 8.12 Hz and 0.084), and only the ringing
+/// tells that from the clock: that form is taken only where its likelihood is higher by a factor of
+/// e^5.
 ///
 /// The standard deviation counts correlated residuals as fewer samples: with lag-one correlation `r`,
 /// `n (1 - r) / (1 + r)` of them. At 10 um, 333 Hz and a lever arm of 1.8 m a move of 30 deg gives a few
@@ -51,24 +54,7 @@ pub fn fit_clock_offset(
 ) -> Result<ClockFit, SignalError> {
     check_series("measured angle", time, angle)?;
     let coarse = coarse_offset(motor, time, angle);
-    // Fine offsets up to this keep every sample within the encoder's span.
-    let margin = 0.02;
-    let (first, last) = motor.span();
-    let samples: Vec<(f64, f64)> = time
-        .iter()
-        .copied()
-        .map(|t| t - coarse)
-        .zip(angle.iter().copied())
-        .filter(|(t, _)| (first + margin..=last - margin).contains(t))
-        .collect();
-    if samples.len() < 20 {
-        let what = "samples of the angle within the encoder's span";
-        return Err(SignalError::TooFew {
-            what,
-            found: samples.len(),
-            needed: 20,
-        });
-    }
+    let samples = within(motor, time.iter().map(|t| t - coarse), angle)?;
     let start = QuasiStatic::fit(motor, &samples)?;
     let mut frequencies: Vec<f64> = belief
         .map(|mode| mode.natural_frequency())
@@ -76,22 +62,52 @@ pub fn fit_clock_offset(
         .collect();
     frequencies.extend(start.frequencies(&samples));
     let best = |ground| {
-        let fits = frequencies.iter().filter_map(|&frequency| {
-            Candidate::fit(motor, &samples, &start, frequency, ground, margin)
-        });
+        let fits = frequencies
+            .iter()
+            .filter_map(|&frequency| Candidate::fit(motor, &samples, &start, frequency, ground));
         fits.min_by(|a, b| a.sum.total_cmp(&b.sum))
     };
     let chosen = match (best(false), best(true)) {
         (Some(across), Some(ground)) => {
             let samples = across.effective.min(ground.effective);
             let gain = 0.5 * samples * (across.sum / ground.sum).ln();
-            Some(if gain > 5.0 { ground } else { across })
+            Some(if gain > LIKELIHOOD_GAIN {
+                ground
+            } else {
+                across
+            })
         }
         (across, ground) => across.or(ground),
     };
     let mut fit = chosen.map_or_else(|| start.result(), |candidate| candidate.result());
     fit.offset += coarse;
     Ok(fit)
+}
+
+/// Fine offsets up to this, s, are fitted; they keep every sample within the encoder's span.
+const MARGIN: f64 = 0.02;
+/// Gain in log-likelihood from which a damper to ground is believed.
+const LIKELIHOOD_GAIN: f64 = 5.0;
+
+/// Instants and angles that lie within the encoder's span whatever the fine offset.
+fn within(
+    motor: &CubicSpline,
+    time: impl Iterator<Item = f64>,
+    angle: &[f64],
+) -> Result<Vec<(f64, f64)>, SignalError> {
+    let (first, last) = motor.span();
+    let samples: Vec<(f64, f64)> = time
+        .zip(angle.iter().copied())
+        .filter(|(t, _)| (first + MARGIN..=last - MARGIN).contains(t))
+        .collect();
+    if samples.len() < 20 {
+        return Err(SignalError::TooFew {
+            what: "samples of the angle within the encoder's span",
+            found: samples.len(),
+            needed: 20,
+        });
+    }
+    Ok(samples)
 }
 
 /// The offset within 0.2 s, on a grid of 10 ms, at which angle and motor position differ least but for
@@ -115,100 +131,11 @@ fn coarse_offset(motor: &CubicSpline, time: &[f64], angle: &[f64]) -> f64 {
     best.map_or(0.0, |(_, offset)| offset)
 }
 
-/// `angle - u = theta_0 - tau u' - kappa u''`: the joint as a spring without ringing.
-struct QuasiStatic {
-    angle_offset: f64,
-    offset: f64,
-    compliance: f64,
-    residual: Vec<f64>,
-    rms: f64,
-    offset_std: f64,
-}
-
-impl QuasiStatic {
-    fn fit(motor: &CubicSpline, samples: &[(f64, f64)]) -> Result<Self, SignalError> {
-        let rows: Vec<[f64; 3]> = samples
-            .iter()
-            .map(|&(t, _)| [1.0, -motor.derivative(t), -motor.second_derivative(t)])
-            .collect();
-        let rest: Vec<f64> = samples.iter().map(|&(t, y)| y - motor.value(t)).collect();
-        let n = samples.len() as f64;
-        let speed = (rows.iter().map(|row| row[1] * row[1]).sum::<f64>() / n).sqrt();
-        let mut normal = nalgebra::Matrix3::zeros();
-        let mut right = nalgebra::Vector3::zeros();
-        for (row, r) in rows.iter().zip(&rest) {
-            let row = nalgebra::Vector3::from(*row);
-            normal += row * row.transpose();
-            right += row * *r;
-        }
-        let inverse =
-            normal
-                .try_inverse()
-                .filter(|_| speed > 0.0)
-                .ok_or(SignalError::NotExcited {
-                    what: "motor speed, rad/s rms",
-                    found: speed,
-                    needed: 1e-6,
-                })?;
-        let solution = inverse * right;
-        let residual: Vec<f64> = rows
-            .iter()
-            .zip(&rest)
-            .map(|(row, r)| r - nalgebra::Vector3::from(*row).dot(&solution))
-            .collect();
-        let rms = (residual.iter().map(|r| r * r).sum::<f64>() / n).sqrt();
-        let offset_std = rms * (inverse[(1, 1)] * n / effective_samples(&residual)).sqrt();
-        Ok(Self {
-            angle_offset: solution[0],
-            offset: solution[1],
-            compliance: solution[2],
-            residual,
-            rms,
-            offset_std,
-        })
-    }
-
-    /// Starting values of the natural frequency, rad/s: `1 / sqrt(kappa)` and the highest peak of
-    /// the residual's spectrum.
-    fn frequencies(&self, samples: &[(f64, f64)]) -> Vec<f64> {
-        let n = samples.len();
-        let duration = samples[n - 1].0 - samples[0].0;
-        let period = duration / (n - 1) as f64;
-        // Between two periods in the record and a fifth of the sampling rate.
-        let range = (
-            2.0 * std::f64::consts::TAU / duration,
-            std::f64::consts::TAU / (5.0 * period),
-        );
-        let spring = (self.compliance > 0.0).then(|| 1.0 / self.compliance.sqrt());
-        let peak = spectrum(&self.residual, period, Window::Hann, 2)
-            .ok()
-            .and_then(|s| s.peak(range.0, range.1))
-            .map(|peak| peak.frequency);
-        spring
-            .into_iter()
-            .chain(peak)
-            .filter(|w| (range.0..range.1).contains(w))
-            .collect()
-    }
-
-    fn result(&self) -> ClockFit {
-        ClockFit {
-            offset: self.offset,
-            offset_std: self.offset_std,
-            angle_offset: self.angle_offset,
-            mode: None,
-            damper_to_ground: false,
-            rms: self.rms,
-        }
-    }
-}
-
 /// Parameters: constant, offset, ln omega, logit of xi, initial deformation and its rate over omega.
 struct Problem<'a> {
     motor: &'a CubicSpline,
     samples: &'a [(f64, f64)],
     ground: bool,
-    margin: f64,
     scale: f64,
     parameters: Vector6<f64>,
 }
@@ -217,7 +144,7 @@ impl Problem<'_> {
     /// Residual in units of `scale`, or `None` outside the parameters' range.
     fn residual(&self, p: &Vector6<f64>) -> Option<DVector<f64>> {
         let mode = mode_of(p)?;
-        if p[1].is_nan() || p[1].abs() > self.margin {
+        if p[1].is_nan() || p[1].abs() > MARGIN {
             return None;
         }
         let rate = p[5] * mode.natural_frequency();
@@ -285,9 +212,8 @@ impl Candidate {
         start: &QuasiStatic,
         frequency: f64,
         ground: bool,
-        margin: f64,
     ) -> Option<Self> {
-        let offset = start.offset.clamp(-0.5 * margin, 0.5 * margin);
+        let offset = start.offset.clamp(-0.5 * MARGIN, 0.5 * MARGIN);
         // xi = 0.05 to begin with.
         let logit = -(XI_MAX / 0.05 - 1.0f64).ln();
         let parameters = Vector6::new(start.angle_offset, offset, frequency.ln(), logit, 0.0, 0.0);
@@ -296,7 +222,6 @@ impl Candidate {
             motor,
             samples,
             ground,
-            margin,
             scale,
             parameters,
         };

@@ -56,27 +56,7 @@ pub fn spectrum(
     padding: usize,
 ) -> Result<Spectrum, SignalError> {
     let n = values.len();
-    if n < 4 {
-        return Err(SignalError::TooFew {
-            what: "spectrum",
-            found: n,
-            needed: 4,
-        });
-    }
-    if let Some(index) = values.iter().position(|x| !x.is_finite()) {
-        return Err(SignalError::NotFinite {
-            what: "spectrum",
-            index,
-            value: values[index],
-        });
-    }
-    if !(period.is_finite() && period > 0.0) {
-        return Err(SignalError::NotFinite {
-            what: "sampling period",
-            index: 0,
-            value: period,
-        });
-    }
+    check(values, period)?;
     let mean = values.iter().sum::<f64>() / n as f64;
     let weight = |k: usize| match window {
         Window::Rectangular => 1.0,
@@ -104,6 +84,32 @@ pub fn spectrum(
         resolution: TAU / (length as f64 * period),
         amplitude: lines.iter().map(|line| scale * line.norm()).collect(),
     })
+}
+
+fn check(values: &[f64], period: f64) -> Result<(), SignalError> {
+    let found = values.len();
+    if found < 4 {
+        return Err(SignalError::TooFew {
+            what: "spectrum",
+            found,
+            needed: 4,
+        });
+    }
+    if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+        return Err(SignalError::NotFinite {
+            what: "spectrum",
+            index,
+            value: values[index],
+        });
+    }
+    if !(period.is_finite() && period > 0.0) {
+        return Err(SignalError::NotFinite {
+            what: "sampling period",
+            index: 0,
+            value: period,
+        });
+    }
+    Ok(())
 }
 
 impl Spectrum {

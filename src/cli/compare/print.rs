@@ -50,7 +50,7 @@ fn simulated(comparison: &Comparison) -> Option<String> {
             cells[1..]
                 .iter_mut()
                 .zip(&simulated.residual_mm)
-                .for_each(|(cell, mm)| *cell = format!("{mm:.4}"));
+                .for_each(|(cell, mm)| *cell = figure(*mm));
             cells
         });
     let first = format!("mm at {e1}");
@@ -58,6 +58,13 @@ fn simulated(comparison: &Comparison) -> Option<String> {
         "\n{}",
         output::table(["shaper", &first, &e2, &e3, &e4, &e5], rows)
     ))
+}
+
+fn figure(mm: f64) -> String {
+    match mm.is_finite() {
+        true => format!("{mm:.4}"),
+        false => "-".to_owned(),
+    }
 }
 
 /// `-25 %`, `0 %`, `+10 %`.
@@ -101,42 +108,21 @@ fn row(comparison: &Comparison, candidate: &Candidate) -> [String; 10] {
 
 /// What `--json` prints.
 pub fn document(comparison: &Comparison) -> Value {
-    let shapers = comparison
-        .candidates
-        .iter()
-        .map(|candidate| match &candidate.design {
-            Err(reason) => json!({"shaper": candidate.shaper.name(), "refused": reason}),
-            Ok(design) => json!({
-                "shaper": candidate.shaper.name(),
-                "duration_s": design.train.duration(),
-                "insensitivity": design.insensitivity,
-                "gain": design.train.gain(),
-                "residual_vibration": ERRORS.map(|error| json!({
-                    "frequency_error": error,
-                    "v": design.residual(error),
-                })),
-                "worst_v": comparison.uncertain(candidate.shaper).map(|(worst, _)| worst),
-                "expected_v": comparison.uncertain(candidate.shaper).map(|(_, mean)| mean),
-                "simulated_mm": design.simulated.as_ref().map(|moved| &moved.residual_mm),
-                "simulated_speed": design.simulated.as_ref().map(|moved| moved.speed),
-                "curve": {
-                    "frequency_error": errors(comparison.spread).collect::<Vec<_>>(),
-                    "v": errors(comparison.spread).map(|e| design.residual(e)).collect::<Vec<_>>(),
-                },
-            }),
-        });
+    let shapers = comparison.candidates.iter();
+    let shapers = shapers.map(|candidate| shaper(comparison, candidate));
     let modes = comparison
         .modes
         .iter()
         .map(|mode| json!({"frequency_hz": mode.hertz(), "damping_ratio": mode.damping_ratio()}));
+    let wish = comparison.wish;
     json!({
         "machine": comparison.machine,
         "rate_hz": comparison.rate,
         "modes": modes.collect::<Vec<_>>(),
-        "frequency_std_percent": 100.0 * comparison.wish.frequency_std,
-        "damping_std": comparison.wish.damping_std,
-        "acceptable_v": comparison.wish.acceptable,
-        "max_delay_s": Some(comparison.wish.max_delay).filter(|delay| delay.is_finite()),
+        "frequency_std_percent": 100.0 * wish.frequency_std,
+        "damping_std": wish.damping_std,
+        "acceptable_v": wish.acceptable,
+        "max_delay_s": Some(wish.max_delay).filter(|delay| delay.is_finite()),
         "unshaped_simulated_mm": comparison.unshaped.as_ref().map(|moved| &moved.residual_mm),
         "shapers": shapers.collect::<Vec<_>>(),
         "remarks": comparison.remarks,
@@ -147,5 +133,31 @@ pub fn document(comparison: &Comparison) -> Value {
             "worst_v": choice.figures.worst_95,
             "expected_v": choice.figures.expected,
         })),
+    })
+}
+
+/// A shaper's figures, or why it was refused.
+fn shaper(comparison: &Comparison, candidate: &Candidate) -> Value {
+    let design = match &candidate.design {
+        Ok(design) => design,
+        Err(reason) => return json!({"shaper": candidate.shaper.name(), "refused": reason}),
+    };
+    let at = |error: f64| json!({"frequency_error": error, "v": design.residual(error)});
+    let uncertain = comparison.uncertain(candidate.shaper);
+    let curve = || errors(comparison.spread);
+    json!({
+        "shaper": candidate.shaper.name(),
+        "duration_s": design.train.duration(),
+        "insensitivity": design.insensitivity,
+        "gain": design.train.gain(),
+        "residual_vibration": ERRORS.map(at),
+        "worst_v": uncertain.map(|(worst, _)| worst),
+        "expected_v": uncertain.map(|(_, mean)| mean),
+        "simulated_mm": design.simulated.as_ref().map(|moved| &moved.residual_mm),
+        "simulated_speed": design.simulated.as_ref().map(|moved| moved.speed),
+        "curve": {
+            "frequency_error": curve().collect::<Vec<_>>(),
+            "v": curve().map(|error| design.residual(error)).collect::<Vec<_>>(),
+        },
     })
 }

@@ -19,7 +19,8 @@ pub struct Trial<'a> {
 
 /// What came of the move with one shaper.
 pub struct Simulated {
-    /// Greatest tip deformation after the move, mm, one for each frequency error.
+    /// Greatest tip deformation after the move, mm, one for each frequency error; NaN where the
+    /// servo has not brought the motor side to its target.
     pub residual_mm: Vec<f64>,
     /// Speed of the plan, below 1 where the shaper's negative impulses would exceed the limits.
     pub speed: f64,
@@ -53,25 +54,19 @@ impl<'a> Trial<'a> {
 
     /// The greatest deformation at the tip, m, once the command has ended and the motor side has
     /// come to within one encoder step of it; the frequencies of all modes are `1 + error` times
-    /// those of the description.
+    /// those of the description. NaN where the motor side does not come so near.
     fn residual(
         &self,
         plan: &SampledTrajectory,
         train: &GridTrain,
         error: f64,
     ) -> Result<f64, CliError> {
-        let modes = self.scaled(error)?;
         let period = train.sample_time();
+        let modes = self.scaled(error)?;
         let watched = WATCHED_PERIODS * modes.first().map_or(0.0, |mode| mode.mode.damped_period());
         let moving = plan.samples() + train.duration_in_ticks();
         let last = moving + ((FOLLOWING + watched) / period) as usize;
-        affordable(last as f64 * period, self.robot, &modes)?;
-        let options = SimulationOptions {
-            modes: Some(modes),
-            ..SimulationOptions::default()
-        };
-        let mut arm =
-            ArmSimulation::new(self.robot, self.joint, &options).map_err(CliError::input)?;
+        let mut arm = self.arm(modes, last as f64 * period)?;
         let mut filter = ShapingFilter::new(period, train.duration_in_ticks());
         filter.install(train).map_err(CliError::input)?;
         let target = plan.positions(0)[plan.samples() - 1];
@@ -87,17 +82,26 @@ impl<'a> Trial<'a> {
             };
             arm.step(command, period);
             let follows = (arm.true_motor_position() - target).abs() <= self.tolerance();
-            if tick >= moving && follows && arrived.is_none() {
-                arrived = Some(arm.time());
+            if tick >= moving && follows {
+                arrived.get_or_insert(arm.time());
             }
-            if let Some(arrived) = arrived {
-                peak = peak.max(arm.true_tip_deformation().abs());
-                if arm.time() - arrived >= watched {
-                    break;
-                }
+            let Some(arrived) = arrived else { continue };
+            peak = peak.max(arm.true_tip_deformation().abs());
+            if arm.time() - arrived >= watched {
+                break;
             }
         }
-        Ok(peak)
+        Ok(arrived.map_or(f64::NAN, |_| peak))
+    }
+
+    /// The arm with these modes, if `duration` (s) of it can be simulated.
+    fn arm(&self, modes: Vec<ModeOfJoint>, duration: f64) -> Result<ArmSimulation, CliError> {
+        affordable(duration, self.robot, &modes)?;
+        let options = SimulationOptions {
+            modes: Some(modes),
+            ..SimulationOptions::default()
+        };
+        ArmSimulation::new(self.robot, self.joint, &options).map_err(CliError::input)
     }
 
     /// One encoder step, or a millionth of a turn where the encoder is ideal.

@@ -114,12 +114,20 @@ pub fn headline(scenario: &Scenario) -> String {
     )
 }
 
+/// Nothing where the unshaped move leaves nothing.
+fn percent(ratio: f64) -> String {
+    match ratio.is_finite() {
+        true => format!("{:.2} %", ratio * 100.0),
+        false => "-".to_string(),
+    }
+}
+
 fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 6] {
     let settling = trace.settling_time(SETTLED);
     [
         kind.name().to_string(),
         format!("{:.4}", trace.residual() * 1e3),
-        format!("{:.2} %", comparison.ratio(kind) * 100.0),
+        percent(comparison.ratio(kind)),
         settling.map_or("-".to_string(), |time| format!("{time:.3}")),
         format!("{:.3}", trace.added_delay()),
         format!("{:.1e}", trace.final_error()),
