@@ -1,0 +1,33 @@
+//! Coulomb friction.
+
+use super::{Effect, Friction, Law, Parameter, Place, Quantity};
+
+/// Dry friction of one size, sticking and sliding.
+pub const COULOMB_FRICTION: Effect = Effect {
+    name: "coulomb_friction",
+    places: &[Place::Drive, Place::Transmission],
+    physics: "Two surfaces pressed together stick until the force between them exceeds F, and slide \
+        against F, whatever the speed. It dissipates the same energy in each cycle for each unit of \
+        amplitude, so that free vibration decays along a straight line and stops away from its centre. \
+        Source: Coulomb, Theorie des machines simples (1785); Armstrong-Helouvry, Dupont, Canudas de \
+        Wit, Automatica 30 (1994).",
+    parameters: &[Parameter {
+        name: "friction",
+        quantity: Quantity::FORCE,
+        bounds: |scales| (0.0, scales.force),
+        neutral: 0.0,
+        typical: |scales| 0.05 * scales.force,
+    }],
+    law: |p| {
+        Law::Friction(Friction {
+            kinetic: [p[0]; 2],
+            breakaway: [p[0]; 2],
+            stribeck_velocity: 1.0,
+        })
+    },
+    starts: |scales| {
+        [0.005, 0.02, 0.05, 0.12, 0.3]
+            .map(|size| vec![size * scales.force])
+            .to_vec()
+    },
+};

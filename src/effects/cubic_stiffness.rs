@@ -1,0 +1,41 @@
+//! Cubic stiffness.
+
+use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+struct Cubic {
+    k3: f64,
+}
+
+impl Force for Cubic {
+    fn force(&self, motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
+        motion.stiffness * self.k3 * x * x * x
+    }
+}
+
+/// A spring that hardens or softens with the square of its deformation: `F = k (x + k3 x^3)`.
+pub const CUBIC_STIFFNESS: Effect = Effect {
+    name: "cubic_stiffness",
+    places: &[Place::Transmission],
+    physics: "The spring force is F = k (x + k3 x^3). Teeth, bearings and harmonic drives harden (k3 > 0) as \
+        more of them carry; buckling parts soften. The frequency of free vibration of amplitude A \
+        shifts by a factor 1 + 3/8 k3 A^2. Source: Duffing, Erzwungene Schwingungen bei veraenderlicher \
+        Eigenfrequenz (1918); Tuttle and Seering, IEEE Trans. Robotics and Automation 12 (1996).",
+    parameters: &[Parameter {
+        name: "k3",
+        quantity: Quantity::new(0, -2, 0),
+        // The spring keeps a positive slope over the motion: 1 + 3 k3 x^2 > 0.
+        bounds: |scales| {
+            let unit = scales.deformation.powi(-2);
+            (-0.33 * unit, 10.0 * unit)
+        },
+        neutral: 0.0,
+        typical: |scales| 0.2 * scales.deformation.powi(-2),
+    }],
+    law: |p| Law::Force(Box::new(Cubic { k3: p[0] })),
+    starts: |scales| {
+        let unit = scales.deformation.powi(-2);
+        [-0.2, -0.05, 0.05, 0.2, 0.8, 2.5]
+            .map(|size| vec![size * unit])
+            .to_vec()
+    },
+};

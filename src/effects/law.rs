@@ -1,0 +1,179 @@
+//! Laws: the few ways in which physics enters the chain of an axis.
+
+/// Motion of the chain at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Motion {
+    /// Time, s.
+    pub time: f64,
+    /// Position and velocity of the motor side.
+    pub motor: [f64; 2],
+    /// Position and velocity of the link.
+    pub link: [f64; 2],
+    /// Stiffness of the transmission, force per position (1 where forces are divided by it).
+    pub stiffness: f64,
+    /// Damping across the transmission, force per velocity.
+    pub damping: f64,
+}
+
+impl Motion {
+    /// Link minus motor side, and its rate.
+    pub fn deformation(&self) -> [f64; 2] {
+        [self.link[0] - self.motor[0], self.link[1] - self.motor[1]]
+    }
+}
+
+/// What a law with memory knows of its past: the start of the present step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Memory {
+    /// Time at the start of the step, s.
+    pub time: f64,
+    /// Coordinate at the start of the step.
+    pub position: f64,
+    /// The law's own state at the start of the step, such as a bristle's deflection.
+    pub state: f64,
+}
+
+/// A force that opposes the coordinate of its place: positive resists positive motion.
+///
+/// The coordinate `x` and its rate `v` are those of the place: the motor side's for `Drive`, the
+/// deformation for `Transmission`, the link's for `Link`, `Base` and `Environment`. At the
+/// transmission the force acts on the link and, with the other sign, on the motor side.
+pub trait Force: Send + Sync {
+    /// The force at `x`, `v`, for a memory written at the start of the step.
+    fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64;
+
+    /// The state at the end of a step that leads to `x` at `time`. The step does not cross a zero of
+    /// [`Force::switch`].
+    fn advance(&self, _time: f64, _x: f64, memory: &Memory) -> f64 {
+        memory.state
+    }
+
+    /// A function whose change of sign is a corner of the force: the integrator ends a step there.
+    fn switch(&self, _x: f64, _v: f64) -> Option<f64> {
+        None
+    }
+
+    /// Instants at which the force jumps: the integrator ends a step there.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+}
+
+/// Dry friction between two sides that stick until the force that holds them exceeds `breakaway`,
+/// and slide against `F_c + (F_s - F_c) exp(-(v / v_s)^2)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Kinetic friction `F_c` for positive and for negative slip velocity, force, at least 0.
+    pub kinetic: [f64; 2],
+    /// Force `F_s` at which sticking ends in each direction, at least the kinetic one.
+    pub breakaway: [f64; 2],
+    /// Stribeck velocity `v_s`, above 0.
+    pub stribeck_velocity: f64,
+}
+
+/// What the drive makes of its input (a force, a current or a commanded position).
+pub trait Drive: Send + Sync {
+    /// Static map of one value.
+    fn map(&self, value: f64) -> f64 {
+        value
+    }
+
+    /// The whole series, in place; `time` is strictly increasing.
+    fn run(&self, _time: &[f64], values: &mut [f64]) {
+        values.iter_mut().for_each(|v| *v = self.map(*v));
+    }
+
+    /// Whether [`Drive::map`] says it all, so that it can act inside a position loop.
+    fn is_static(&self) -> bool {
+        true
+    }
+}
+
+/// The link's inertia relative to the nominal one, which may change with time and pose.
+pub trait Inertia: Send + Sync {
+    /// Factor on the inertia, above 0.
+    fn factor(&self, time: f64, position: f64) -> f64;
+
+    /// Derivative of the factor with respect to the position: it couples the velocity,
+    /// `m y'' + m' y'^2 / 2 = F`.
+    fn slope(&self, _time: f64, _position: f64) -> f64 {
+        0.0
+    }
+
+    /// Instants at which the factor jumps.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+}
+
+/// A further mode: `eta'' + 2 xi w eta' + w^2 eta` is driven as the first mode is, and the sensor sees
+/// `(1 - share) first + share eta` where the chain is driven by its motor side (a sensor that sits on
+/// an inertia stays where it is at infinite frequency), `first + share eta` where a force drives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resonance {
+    /// Natural frequency, rad/s, above 0.
+    pub natural_frequency: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Share of what the sensor sees; 0 is neutral.
+    pub share: f64,
+}
+
+/// What a sensor sees at one stamp.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// True time, s.
+    pub time: f64,
+    /// Measured quantity, noise-free.
+    pub value: f64,
+    /// Motor side position.
+    pub motor: f64,
+}
+
+/// What a sensor makes of the motion.
+pub trait Sensor: Send + Sync {
+    /// The instant that the sensor shows at this time: a delay, a clock that runs fast.
+    fn instant(&self, time: f64) -> f64 {
+        time
+    }
+
+    /// Whether [`Sensor::filter`] does anything.
+    fn filters(&self) -> bool {
+        false
+    }
+
+    /// Replaces values and rates at increasing times by the filtered ones. The first value is taken to
+    /// have been there for ever.
+    fn filter(&self, _time: &[f64], _curve: &mut [[f64; 2]]) {}
+
+    /// The value that is shown.
+    fn read(&self, reading: &Reading) -> f64 {
+        reading.value
+    }
+}
+
+/// How an effect enters the chain.
+pub enum Law {
+    /// A force at the effect's place.
+    Force(Box<dyn Force>),
+    /// Dry friction at the effect's place.
+    Friction(Friction),
+    /// In front of the drive.
+    Drive(Box<dyn Drive>),
+    /// Added to the motor side position that the transmission sees: `u -> u + f(u)`, with `f` and its
+    /// derivative.
+    Kinematic(Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>),
+    /// A change of the link's inertia.
+    Inertia(Box<dyn Inertia>),
+    /// A further mode.
+    Resonance(Resonance),
+    /// An impulse on the link at a time: its velocity jumps.
+    Impulse {
+        /// When, s.
+        time: f64,
+        /// Jump of the velocity.
+        size: f64,
+    },
+    /// In the sensor.
+    Sensor(Box<dyn Sensor>),
+}

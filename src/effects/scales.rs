@@ -1,0 +1,54 @@
+//! How large the motion is that a model explains: the yardstick of every effect's size.
+
+/// Extremes of a baseline simulation, in the model's units. All finite and above 0, but for the
+/// range of positions and the suspects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scales {
+    /// Largest deformation.
+    pub deformation: f64,
+    /// Largest rate of the deformation.
+    pub deformation_rate: f64,
+    /// Least and greatest position of the link (of the motor side where there is no link).
+    pub position: (f64, f64),
+    /// Largest speed of the link (or motor side).
+    pub velocity: f64,
+    /// Largest acceleration of the link (or motor side).
+    pub acceleration: f64,
+    /// Largest force at the place where forces act: elastic force or drive force.
+    pub force: f64,
+    /// Largest value of the input.
+    pub input: f64,
+    /// Dominant angular frequency of the axis, rad/s (1 / duration of the fastest move where it has
+    /// no spring).
+    pub natural_frequency: f64,
+    /// Damping ratio of that mode.
+    pub damping_ratio: f64,
+    /// First and last instant, s.
+    pub span: (f64, f64),
+    /// Sampling period of the sensor, s.
+    pub sample_time: f64,
+    /// Instants at which something unexplained seems to happen, s; the most suspicious first.
+    pub suspects: Vec<f64>,
+    /// Angular frequencies that stand out of the unexplained residual, rad/s; the strongest first.
+    pub suspect_frequencies: Vec<f64>,
+    /// Radians of a force periodic in position for one unit of position (teeth, poles, balls) that
+    /// would explain most of the residual; the strongest first.
+    pub suspect_orders: Vec<f64>,
+}
+
+impl Scales {
+    /// Length of the recording, s.
+    pub fn duration(&self) -> f64 {
+        self.span.1 - self.span.0
+    }
+
+    /// Undamped period of the mode, s.
+    pub fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.natural_frequency
+    }
+
+    /// Length of the range of positions.
+    pub fn travel(&self) -> f64 {
+        self.position.1 - self.position.0
+    }
+}

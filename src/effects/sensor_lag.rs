@@ -1,0 +1,60 @@
+//! A sensor that follows the motion with a first-order lag.
+
+use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
+
+struct Lag {
+    time_constant: f64,
+}
+
+impl Sensor for Lag {
+    fn filters(&self) -> bool {
+        self.time_constant > 0.0
+    }
+
+    /// Exact for the cubic through values and rates: with the polynomial `p = y - T y' + T^2 y'' - T^3
+    /// y'''` the answer of `T z' + z = y` is `p + (z_0 - p_0) exp(-s / T)`.
+    fn filter(&self, time: &[f64], curve: &mut [[f64; 2]]) {
+        let tau = self.time_constant;
+        let Some(&first) = curve.first() else { return };
+        let (mut z, mut before) = (first[0], first);
+        curve[0][1] = (first[0] - z) / tau;
+        for k in 1..time.len() {
+            let (h, now) = (time[k] - time[k - 1], curve[k]);
+            let slope = (now[0] - before[0]) / h;
+            let c2 = (3.0 * slope - 2.0 * before[1] - now[1]) / h;
+            let c3 = (before[1] + now[1] - 2.0 * slope) / (h * h);
+            let particular = |y: f64, v: f64, a: f64| y - tau * (v - tau * (a - tau * 6.0 * c3));
+            let start = particular(before[0], before[1], 2.0 * c2);
+            let end = particular(now[0], now[1], 2.0 * c2 + 6.0 * c3 * h);
+            z = end + (z - start) * (-h / tau).exp();
+            curve[k] = [z, (now[0] - z) / tau];
+            before = now;
+        }
+    }
+}
+
+/// First-order lag `T z' + z = y` of the sensor.
+pub const SENSOR_LAG: Effect = Effect {
+    name: "sensor_lag",
+    places: &[Place::Sensor],
+    physics: "The sensor or its filter follows the motion as T z' + z = y: it shows the motion T later \
+        where that is slow, and smaller where it is fast, by 1 / sqrt(1 + (w T)^2). A clock offset makes \
+        the same delay but leaves the size. Source: Bendat and Piersol, Random Data (2010), section 6.",
+    parameters: &[Parameter {
+        name: "time_constant",
+        quantity: Quantity::TIME,
+        bounds: |scales| (0.0, 2.0 * scales.period()),
+        neutral: 0.0,
+        typical: |scales| 0.05 * scales.period(),
+    }],
+    law: |p| {
+        Law::Sensor(Box::new(Lag {
+            time_constant: p[0],
+        }))
+    },
+    starts: |scales| {
+        [0.01, 0.03, 0.08, 0.2, 0.5]
+            .map(|size| vec![size * scales.period()])
+            .to_vec()
+    },
+};
