@@ -7,12 +7,20 @@
 //! Forces are in the unit of the model: N or N.m where an inertia is known; divided by the joint's
 //! stiffness, so in rad, where only its natural frequency is (`flexible_joint`, `oscillator`).
 
+mod asymmetric_friction;
+mod cogging;
 mod coulomb_friction;
 mod cubic_stiffness;
+mod dead_zone;
+mod force_offset;
+mod grid;
 mod law;
 mod parameter;
 mod scales;
 mod sensor_lag;
+mod stiction;
+mod stribeck_friction;
+mod viscous_friction;
 
 pub use law::{Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, Sensor};
 pub use parameter::{Parameter, Quantity};
@@ -80,6 +88,13 @@ pub struct Effect {
 /// The catalogue.
 pub const EFFECTS: &[&Effect] = &[
     &coulomb_friction::COULOMB_FRICTION,
+    &stribeck_friction::STRIBECK_FRICTION,
+    &viscous_friction::VISCOUS_FRICTION,
+    &asymmetric_friction::ASYMMETRIC_FRICTION,
+    &force_offset::FORCE_OFFSET,
+    &cogging::COGGING,
+    &dead_zone::DEAD_ZONE,
+    &stiction::STICTION,
     &cubic_stiffness::CUBIC_STIFFNESS,
     &sensor_lag::SENSOR_LAG,
 ];
