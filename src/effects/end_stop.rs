@@ -48,7 +48,7 @@ pub const END_STOP: Effect = Effect {
             name: "position",
             quantity: Quantity::POSITION,
             bounds: |scales| {
-                let margin = 0.05 * reach(scales);
+                let margin = 1.05 * reach(scales) - scales.travel();
                 (scales.position.0 - margin, scales.position.1 + margin)
             },
             neutral: 0.0,

@@ -46,12 +46,15 @@ pub(super) fn times(scales: &Scales, count: usize) -> Vec<f64> {
     fill(&scales.suspects[..found], coarse, scales.span, count)
 }
 
-/// Angular frequencies of a further mode: from a soft base to what the sensor's rate can show.
+/// Angular frequencies of a further mode: from a soft base to a stiff part, and what stands out.
 pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
-    (
-        0.1 * scales.natural_frequency,
-        20.0 * scales.natural_frequency,
-    )
+    let own = scales.natural_frequency;
+    let highest = scales
+        .suspect_frequencies
+        .iter()
+        .copied()
+        .fold(0.0, f64::max);
+    (0.1 * own, (20.0 * own).max(2.0 * highest))
 }
 
 /// Angular frequencies to look at.

@@ -2,6 +2,7 @@
 
 use super::cubic::cubic_coefficients;
 use super::grid::product;
+use super::sensor_lag::{SHORT, TERMS};
 use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
 
 struct LowPass {
@@ -19,6 +20,36 @@ impl LowPass {
         );
         let (c1, c2, c3) = (b, b * b - t2, b * (b * b - 2.0 * t2));
         [y - c1 * v + c2 * a - c3 * j, v - c1 * a + c2 * j]
+    }
+
+    /// Taylor's series of the answer and its rate after a short step `h`, for an input with these
+    /// coefficients in the part of the step: the particular solution would cancel.
+    fn short_step(&self, state: [f64; 2], h: f64, input: [f64; 4]) -> [f64; 2] {
+        let x = h / self.time_constant;
+        let (mut term, mut next) = (state[0], h * state[1]);
+        let (mut value, mut rate) = (term + next, next);
+        for n in 0..TERMS {
+            let order = (n + 2) as f64;
+            let driven = x * x * (input.get(n).copied().unwrap_or(0.0) - term) / (order - 1.0);
+            let after = (driven - 2.0 * self.damping_ratio * x * next) / order;
+            value += after;
+            rate += order * after;
+            (term, next) = (next, after);
+        }
+        [value, rate / h]
+    }
+
+    /// State at the end of an interval of length `h` between two points of the input.
+    fn step(&self, state: [f64; 2], before: [f64; 2], after: [f64; 2], h: f64) -> [f64; 2] {
+        let [c0, c1, c2, c3] = cubic_coefficients(before, after, h);
+        // Powers of x (1 + 2 xi) bound the series.
+        if h * (1.0 + 2.0 * self.damping_ratio) < SHORT * self.time_constant {
+            return self.short_step(state, h, [c0, h * c1, h * h * c2, h * h * h * c3]);
+        }
+        let start = self.particular([c0, c1, 2.0 * c2, 6.0 * c3]);
+        let end = self.particular([after[0], after[1], 2.0 * c2 + 6.0 * c3 * h, 6.0 * c3]);
+        let free = self.free([state[0] - start[0], state[1] - start[1]], h);
+        [end[0] + free[0], end[1] + free[1]]
     }
 
     /// Free motion from `start` after a time `h`.
@@ -55,12 +86,8 @@ impl Sensor for LowPass {
         let (mut state, mut before) = ([first[0], 0.0], first);
         curve[0] = state;
         for k in 1..time.len() {
-            let (h, now) = (time[k] - time[k - 1], curve[k]);
-            let [_, _, c2, c3] = cubic_coefficients(before, now, h);
-            let start = self.particular([before[0], before[1], 2.0 * c2, 6.0 * c3]);
-            let end = self.particular([now[0], now[1], 2.0 * c2 + 6.0 * c3 * h, 6.0 * c3]);
-            let free = self.free([state[0] - start[0], state[1] - start[1]], h);
-            state = [end[0] + free[0], end[1] + free[1]];
+            let now = curve[k];
+            state = self.step(state, before, now, time[k] - time[k - 1]);
             curve[k] = state;
             before = now;
         }
