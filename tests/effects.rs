@@ -458,13 +458,13 @@ fn val_bouc_wen_against_fine_integration() {
 
 #[test]
 fn val_dahl_loop_closes_at_tanh_and_dissipates_its_area() {
-    let (friction, distance, amplitude) = (0.7, 0.3, 0.5);
+    let (friction, distance, amplitude) = (0.7, 0.3f64, 0.5f64);
     let law = force("presliding_hysteresis", &[friction, distance]);
     let mut memory = Memory::default();
     for _ in 0..40 {
         memory = walk(&*law, memory, &[-amplitude, amplitude], 0.0);
     }
-    let end = (amplitude / distance as f64).tanh();
+    let end = (amplitude / distance).tanh();
     assert_near(memory.state, end, 1e-14, "end of the loop");
     let mut energy = 0.0;
     for turn in [-amplitude, amplitude] {

@@ -23,7 +23,7 @@ impl Force for EndStop {
     }
 
     fn switch(&self, x: f64, _v: f64) -> Option<f64> {
-        (self.stiffness > 0.0).then(|| self.side * (x - self.position))
+        (self.stiffness > 0.0).then_some(self.side * (x - self.position))
     }
 }
 
