@@ -7,6 +7,7 @@ pub mod adaptation;
 pub mod cli;
 pub mod closed_loop;
 pub mod controller;
+pub mod diagnosis;
 pub mod effects;
 pub mod estimators;
 pub mod identification;
