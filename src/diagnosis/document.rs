@@ -1,0 +1,151 @@
+//! What a diagnosis says: the content of `diagnosis.json`.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How much of the mismatch is explained.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model, its parameters refitted, explains the recording down to the noise.
+    NoMismatch,
+    /// One explanation stands out.
+    Named,
+    /// Several explanations fit alike.
+    Ambiguous,
+    /// The named physics is there, and something besides it.
+    PartlyExplained,
+    /// Something is missing that the catalogue does not explain.
+    Unexplained,
+}
+
+/// A fitted number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FittedParameter {
+    /// Name.
+    pub name: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+    /// 95 % confidence interval.
+    pub ci95: [f64; 2],
+}
+
+/// One piece of physics that the model lacks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// Its place in the chain.
+    pub place: String,
+    /// Probability among the explanations that were tried.
+    pub probability: f64,
+    /// Its parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// One sentence.
+    pub evidence: String,
+    /// Effects that the data cannot tell from it.
+    pub alternatives: Vec<String>,
+}
+
+/// Where the mismatch sits.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Location {
+    /// Place in the chain, or none if there is nothing to place.
+    pub place: Option<String>,
+    /// Phases of the motion in which it is strong: `acceleration`, `cruise`, `reversal`, `settling`, `rest`.
+    pub phases: Vec<String>,
+    /// Stretches of time in which it is strong, s.
+    pub times_s: Vec<[f64; 2]>,
+    /// Coordinate that it follows best, such as `deformation rate`.
+    pub coordinate: Option<String>,
+    /// Frequency that stands out of the residual, Hz.
+    pub frequency_hz: Option<f64>,
+}
+
+/// How well a model fits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Root mean square residual where it was fitted.
+    pub train_rms: f64,
+    /// Root mean square residual where it was not.
+    pub held_out_rms: f64,
+    /// The latter over the noise.
+    pub held_out_over_noise: f64,
+}
+
+/// Fit before and after.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// Standard deviation of the noise of the first output.
+    pub noise_std: f64,
+    /// Its unit.
+    pub unit: String,
+    /// The given model, its parameters refitted.
+    pub before: Quality,
+    /// The model with the findings.
+    pub after: Quality,
+}
+
+/// One proposed move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProposedMove {
+    /// Target relative to the start, rad or m.
+    pub distance: f64,
+    /// Peak speed, rad/s or m/s.
+    pub speed: f64,
+    /// Peak acceleration.
+    pub acceleration: f64,
+    /// Pause after it, s.
+    pub pause_s: f64,
+}
+
+/// The move that would tell two explanations apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NextMove {
+    /// One sentence.
+    pub why: String,
+    /// The two.
+    pub separates: [String; 2],
+    /// Chi-squared by which the wrong one would fail at least.
+    pub expected_score: f64,
+    /// What to do; empty where no motion separates them.
+    pub moves: Vec<ProposedMove>,
+}
+
+/// One line of the ranking.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Effect, or effects joined by ` + `.
+    pub effect: String,
+    /// Place of the (last) effect.
+    pub place: String,
+    /// Whitened difference of the Bayesian information criterion to the refitted model; negative is better.
+    pub delta_bic: f64,
+    /// Held-out chi-squared over that of the refitted model.
+    pub held_out_ratio: f64,
+}
+
+/// The whole diagnosis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// How much is explained.
+    pub verdict: Verdict,
+    /// One sentence, as an engineer would write it.
+    pub summary: String,
+    /// The best explanation, strongest effect first.
+    pub findings: Vec<Finding>,
+    /// Where the mismatch sits.
+    pub location: Location,
+    /// Fit before and after.
+    pub fit: Fit,
+    /// What was fitted besides: clock offsets, output offsets, the model's own parameters.
+    pub nuisances: BTreeMap<String, f64>,
+    /// What to do to be sure.
+    pub next_move: Option<NextMove>,
+    /// The ranking, best first.
+    pub candidates: Vec<Candidate>,
+    /// What the reader should know: irregular clocks, parameters at their bounds, what was not tried.
+    pub remarks: Vec<String>,
+}
