@@ -11,6 +11,11 @@ use super::trace::Trace;
 /// Events in one step, above which the step is taken as it is: a chattering contact.
 const MOST_EVENTS: usize = 16;
 
+/// How far past an event a step ends, in parts of what its margin changes by in the whole step.
+const PAST: f64 = 1e-7;
+/// Most trials to find an event.
+const MOST_TRIALS: usize = 8;
+
 /// An impulse on the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kick {
@@ -73,7 +78,9 @@ fn start(chain: &mut Chain, time: f64, state: &State, input: [f64; 3]) {
     let (motion, _) = chain.motion(time, state, input);
     for element in &mut chain.forces {
         element.memory.time = time;
-        element.memory.position = coordinate(element.place, &motion)[0];
+        let [x, v] = coordinate(element.place, &motion);
+        element.memory.position = x;
+        element.memory.state = element.law.advance(&motion, x, v, &element.memory);
     }
     for index in 0..chain.frictions.len() {
         let velocity = coordinate(chain.frictions[index].place, &motion)[1];
@@ -169,7 +176,10 @@ fn margin(
         Event::Corner(index) => {
             let element = &chain.forces[index];
             let [x, v] = coordinate(element.place, &motion);
-            sign * element.law.switch(x, v).unwrap_or(sign)
+            sign * element
+                .law
+                .switch(&motion, x, v, &element.memory)
+                .unwrap_or(sign)
         }
     }
 }
@@ -211,13 +221,13 @@ fn sign_of(chain: &Chain, event: Event, state: &State, time: f64, input: [f64; 3
     let (motion, _) = chain.motion(time, state, input);
     let element = &chain.forces[index];
     let [x, v] = coordinate(element.place, &motion);
-    match element.law.switch(x, v) {
+    match element.law.switch(&motion, x, v, &element.memory) {
         Some(value) if value != 0.0 => value.signum(),
         _ => 0.0,
     }
 }
 
-/// Length of the step that ends at the event: false position, improved twice.
+/// Length of the step that ends just past the event: false position, drawn to the far side.
 fn locate(
     chain: &Chain,
     state: &State,
@@ -243,20 +253,20 @@ fn locate(
     let (mut low, mut high) = (0.0, whole);
     let mut below = margin(chain, event, state, now, input.at(now - t0), sign).max(0.0);
     let mut above = below - below.max(f64::MIN_POSITIVE) / fraction.max(1e-12);
-    let mut length = fraction * whole;
-    for _ in 0..3 {
+    let past = PAST * (below - above);
+    for _ in 0..MOST_TRIALS {
+        let length = low + (high - low) * ((below + past) / (below - above)).min(1.0);
         let value = at(length);
         if value > 0.0 {
             (low, below) = (length, value);
         } else {
             (high, above) = (length, value);
+            if value > -4.0 * past {
+                break;
+            }
         }
-        if below - above <= 0.0 {
-            break;
-        }
-        length = low + (high - low) * below / (below - above);
     }
-    length.clamp(0.0, whole)
+    high
 }
 
 /// The step is taken: memories move on.
@@ -275,8 +285,8 @@ fn accept(
     }
     let (motion, _) = chain.motion(then, state, input.at(then - t0));
     for element in &mut chain.forces {
-        let [x, _] = coordinate(element.place, &motion);
-        element.memory.state = element.law.advance(then, x, &element.memory);
+        let [x, v] = coordinate(element.place, &motion);
+        element.memory.state = element.law.advance(&motion, x, v, &element.memory);
         (element.memory.position, element.memory.time) = (x, then);
     }
 }
