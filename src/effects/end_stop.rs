@@ -75,7 +75,7 @@ pub const END_STOP: Effect = Effect {
         Parameter {
             name: "time_constant",
             quantity: Quantity::TIME,
-            bounds: |scales| (0.0, scales.period()),
+            bounds: |scales| (0.0, 0.1 * scales.period()),
             neutral: 0.0,
             typical: |scales| 0.02 * scales.period(),
         },
