@@ -43,5 +43,5 @@ pub const BASE_MODE: Effect = Effect {
             share: p[0],
         })
     },
-    starts: |scales| product(&[&[0.05], &frequencies(scales, 8), &[0.01, 0.05, 0.15]]),
+    starts: |scales| product(&[&[0.05], &frequencies(scales, 6), &[0.02, 0.1]]),
 };

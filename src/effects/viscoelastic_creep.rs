@@ -65,6 +65,6 @@ pub const VISCOELASTIC_CREEP: Effect = Effect {
     },
     starts: |scales| {
         let times = [0.05, 0.2, 0.7, 2.5, 10.0, 30.0].map(|size| size * scales.period());
-        product(&[&[0.03, 0.15, 0.6], &times])
+        product(&[&[0.08, 0.5], &times])
     },
 };
