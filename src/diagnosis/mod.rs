@@ -4,10 +4,13 @@
 
 mod baseline;
 mod document;
+mod explanation;
 mod fit;
 mod noise;
 mod problem;
+mod run;
 mod screen;
+mod search;
 mod split;
 mod traces;
 mod whitening;
@@ -16,4 +19,5 @@ pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
     Verdict,
 };
+pub use run::{Options, investigate};
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};
