@@ -3,12 +3,17 @@
 //! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
 
 pub mod chain;
+mod file;
 mod flexible_joint;
 mod integrate;
 mod kind;
+mod oscillator;
 mod piecewise;
+mod rigid_axis;
 mod trace;
+mod two_mass;
 
+pub use file::ModelError;
 pub use integrate::{Kick, Timed, integrate};
 pub use kind::{KINDS, Key, Kind};
 pub use piecewise::{Cubic, Grid, Hold};
