@@ -81,7 +81,15 @@ pub const RIGID_AXIS: Kind = Kind {
         Role::MotorVoltage,
     ],
     outputs: &[Role::MotorPosition, Role::Force, Role::Torque],
-    places: |_| &[Place::Drive, Place::Sensor, Place::Environment],
+    places: |_| {
+        &[
+            Place::Drive,
+            // The payload and what drags it: they move with the motor side.
+            Place::Link,
+            Place::Sensor,
+            Place::Environment,
+        ]
+    },
     takes: |p, input| input != Role::CommandPosition || p[3] > 0.0 && p[4] > 0.0,
     hold: |input| match input {
         Role::Force | Role::Torque => Hold::Linear,
