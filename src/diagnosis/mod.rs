@@ -12,6 +12,7 @@ mod run;
 mod screen;
 mod search;
 mod split;
+mod locate;
 mod traces;
 mod whitening;
 
@@ -20,4 +21,5 @@ pub use document::{
     Verdict,
 };
 pub use run::{Options, investigate};
+pub use locate::{Dynamics, Located, Residual, locate};
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};
