@@ -40,7 +40,7 @@ pub const END_STOP: Effect = Effect {
         Parameter {
             name: "stiffness",
             quantity: Quantity::new(1, -1, 0),
-            bounds: |scales| (0.0, 100.0 * scales.force / scales.deformation),
+            bounds: |scales| (0.0, 20.0 * scales.force / scales.deformation),
             neutral: 0.0,
             typical: |scales| scales.force / scales.deformation,
         },

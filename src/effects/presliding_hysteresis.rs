@@ -52,7 +52,8 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
         Parameter {
             name: "presliding_distance",
             quantity: Quantity::POSITION,
-            bounds: |scales| (1e-3 * scales.deformation, 3.0 * scales.deformation),
+            // Shorter ones are Coulomb friction, and bristles too stiff to be followed.
+            bounds: |scales| (0.01 * scales.deformation, 3.0 * scales.deformation),
             neutral: 1.0,
             typical: |scales| 0.1 * scales.deformation,
         },
