@@ -6,6 +6,7 @@
 
 pub mod choices;
 pub mod compare;
+pub mod diagnose;
 pub mod effort;
 pub mod error;
 pub mod identify;

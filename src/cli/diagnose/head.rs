@@ -1,0 +1,152 @@
+//! The top of the page: the verdict and the key figures.
+
+use super::page::Case;
+use super::shown::Shown;
+use super::words;
+use crate::diagnosis::{Finding, Fit, Quality, Verdict};
+use crate::report::{self, Figure, Page, number};
+
+/// Title, verdict in one sentence, key figures.
+pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
+    let diagnosis = case.diagnosis;
+    let names = words::list(recording_names, "and");
+    let sign = match diagnosis.verdict {
+        Verdict::NoMismatch => report::Verdict::Good,
+        Verdict::Named | Verdict::Ambiguous => report::Verdict::Plain,
+        Verdict::PartlyExplained | Verdict::Unexplained => report::Verdict::Bad,
+    };
+    let title = match recording_names {
+        [] => "Diagnosis".into(),
+        [one] => format!("Diagnosis of {one}"),
+        [first, rest @ ..] => format!("Diagnosis of {first} and {} more", rest.len()),
+    };
+    Page::new(title)
+        .subtitle(format!("{names}, held against the model {model_name}"))
+        .verdict(sign, diagnosis.summary.clone())
+        .figures(figures(case))
+}
+
+fn figures(case: &Case) -> Vec<Figure> {
+    let fit = &case.diagnosis.fit;
+    let mut figures = vec![
+        over_noise(fit, case.has_after()),
+        misfit(fit, case.has_after()),
+    ];
+    match case.diagnosis.verdict {
+        Verdict::NoMismatch => figures.push(noise(fit)),
+        Verdict::Ambiguous => figures.extend(case.diagnosis.findings.first().map(set_size)),
+        Verdict::Named | Verdict::PartlyExplained | Verdict::Unexplained => {}
+    }
+    figures.extend(case.diagnosis.findings.iter().take(2).filter_map(parameter));
+    if let Some(finding) = case.diagnosis.findings.first()
+        && case.diagnosis.verdict != Verdict::Ambiguous
+    {
+        figures.push(probability(finding));
+    }
+    if let Some(place) = place(case) {
+        figures.push(place);
+    }
+    figures
+}
+
+/// `before → after`, or `before` alone where there is no other model.
+fn arrow(before: String, after: String, has_after: bool) -> String {
+    match has_after {
+        true => format!("{before} \u{2192} {after}"),
+        false => before,
+    }
+}
+
+/// Held out where it is known, else over what was fitted.
+fn rms_of(quality: &Quality) -> f64 {
+    match quality.held_out_rms.is_finite() {
+        true => quality.held_out_rms,
+        false => quality.train_rms,
+    }
+}
+
+/// The held-out residual over the noise.
+pub fn ratio_of(quality: &Quality, fit: &Fit) -> f64 {
+    match quality.held_out_over_noise.is_finite() {
+        true => quality.held_out_over_noise,
+        false => quality.train_rms / fit.noise_std,
+    }
+}
+
+fn over_noise(fit: &Fit, has_after: bool) -> Figure {
+    let digits = |value: f64| match value < 10.0 {
+        true => format!("{value:.2}"),
+        false => format!("{value:.1}"),
+    };
+    let [before, after] = [&fit.before, &fit.after].map(|quality| digits(ratio_of(quality, fit)));
+    let value = arrow(before, after, has_after);
+    Figure::text("misfit, times the noise", value).note("1 is noise alone; on moves not fitted to")
+}
+
+fn misfit(fit: &Fit, has_after: bool) -> Figure {
+    let shown = Shown::of(&fit.unit, rms_of(&fit.before));
+    let digits = |value: f64| {
+        let three: f64 = format!("{:.2e}", value * shown.factor)
+            .parse()
+            .unwrap_or(value);
+        number(three)
+    };
+    let [before, after] = [&fit.before, &fit.after].map(|quality| digits(rms_of(quality)));
+    Figure::text("misfit", arrow(before, after, has_after))
+        .unit(shown.unit.clone())
+        .note(format!(
+            "rms; the noise is {} {}",
+            digits(fit.noise_std),
+            shown.unit
+        ))
+}
+
+fn noise(fit: &Fit) -> Figure {
+    let shown = Shown::of(&fit.unit, fit.noise_std);
+    Figure::new("noise", fit.noise_std * shown.factor, shown.unit).note("one standard deviation")
+}
+
+/// The first parameter of a finding, with its interval.
+fn parameter(finding: &Finding) -> Option<Figure> {
+    let parameter = finding.parameters.first()?;
+    let shown = Shown::of(&parameter.unit, parameter.value);
+    let name = match parameter.name.as_str() {
+        name if finding.effect.contains(name) => words::effect(&finding.effect),
+        name => format!(
+            "{}: {}",
+            words::effect(&finding.effect),
+            words::effect(name)
+        ),
+    };
+    let figure = Figure::text(name, shown.quoted(parameter.value, parameter.ci95));
+    let interval = format!("95 %: {}", shown.interval(parameter.ci95));
+    Some(figure.unit(shown.unit.clone()).note(interval))
+}
+
+fn set_size(finding: &Finding) -> Figure {
+    let count = 1 + finding.alternatives.len();
+    Figure::text("explanations that fit alike", count.to_string())
+        .note(words::list(&words::set(finding), "or"))
+}
+
+fn probability(finding: &Finding) -> Figure {
+    let percent = 100.0 * finding.probability;
+    let text = match percent {
+        p if p > 99.0 => "> 99".into(),
+        p if p < 1.0 => "< 1".into(),
+        p => format!("{p:.0}"),
+    };
+    let note = format!(
+        "for {}, among what was tried",
+        words::effect(&finding.effect)
+    );
+    Figure::text("probability", text).unit("%").note(note)
+}
+
+fn place(case: &Case) -> Option<Figure> {
+    let finding = case.diagnosis.findings.first();
+    let name = finding
+        .map(|finding| &finding.place)
+        .or(case.diagnosis.location.place.as_ref())?;
+    Some(Figure::text("place", name.clone()).note(words::place(name)))
+}
