@@ -15,6 +15,7 @@ pub struct Bars {
     series: Vec<(String, Vec<f64>)>,
     level: Option<(f64, String)>,
     marked: Vec<usize>,
+    limit: Option<f64>,
     note: Option<String>,
 }
 
@@ -42,6 +43,12 @@ impl Bars {
     /// Marks the bars of the category at this place as the ones to look at.
     pub fn marked(mut self, category: usize) -> Self {
         self.marked.push(category);
+        self
+    }
+
+    /// The value at which bars are cut off, so that one of them does not hide the others.
+    pub fn up_to(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
         self
     }
 
@@ -74,6 +81,7 @@ impl Bars {
             .chain(level)
             .filter(|value| value.is_finite())
             .fold(0.0, f64::max);
+        let largest = self.limit.map_or(largest, |limit| largest.min(limit));
         let share = if largest > 0.0 { value / largest } else { 0.0 };
         if share.is_finite() {
             75.0 * share.clamp(0.0, 1.0)
@@ -102,7 +110,7 @@ impl Bars {
     fn row(&self, category: usize, colour: &dyn Fn(&str) -> Option<usize>) -> String {
         let name = &self.categories[category];
         let (plain, class) = match self.marked.contains(&category) {
-            true => ("good", "name marked"),
+            true => ("plain", "name marked"),
             false => ("quiet", "name"),
         };
         let bar = |(series, values): &(String, Vec<f64>)| {

@@ -83,6 +83,11 @@ impl Chart {
         self.push(name.into(), "line", x, y, &[])
     }
 
+    /// A broad pale curve, so that curves which are added after it and lie on it are seen.
+    pub fn broad(self, name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        self.push(name.into(), "broad", x, y, &[])
+    }
+
     /// Points that no line connects.
     pub fn points(self, name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
         self.push(name.into(), "points", x, y, &[])

@@ -8,10 +8,9 @@ use crate::report::{Page, Table, number};
 
 /// Every finding, what it means, what may be done about it, and its parameters.
 pub fn section(page: Page, case: &Case) -> Page {
-    let mut page = page.heading("What the model lacks");
+    let mut page = page;
     for finding in &case.diagnosis.findings {
-        page = page.text(sentence(finding));
-        page = means(page, &finding.effect, &finding.place);
+        page = explained(page, finding);
     }
     if case.diagnosis.verdict == Verdict::PartlyExplained {
         let fit = &case.diagnosis.fit;
@@ -26,17 +25,17 @@ pub fn section(page: Page, case: &Case) -> Page {
 
 /// The effects that cannot be told apart.
 pub fn set(page: Page, case: &Case) -> Page {
-    let mut page = page.heading("What it could be");
+    let mut page = page;
     for finding in &case.diagnosis.findings {
         if finding.alternatives.is_empty() {
-            page = page.text(sentence(finding));
-            page = means(page, &finding.effect, &finding.place);
+            page = explained(page, finding);
             continue;
         }
         let names = words::list(&words::set(finding), "or");
+        page = page.heading(format!("{}?", words::capital(&names)));
         page = page.text(format!(
-            "{}: these recordings cannot tell which.",
-            words::capital(&names)
+            "One of them is missing {}; these recordings cannot tell which.",
+            words::at(&finding.place)
         ));
         for effect in std::iter::once(&finding.effect).chain(&finding.alternatives) {
             if let Some(physics) = words::physics(effect) {
@@ -99,14 +98,23 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     }
 }
 
-/// `Coulomb friction in the transmission. Evidence.`
-fn sentence(finding: &Finding) -> String {
+/// A finding under its name: evidence, physics, and what to do.
+fn explained(page: Page, finding: &Finding) -> Page {
     let name = words::capital(&words::effect(&finding.effect));
-    format!(
-        "{name}, {}. {}",
-        words::at(&finding.place),
-        finding.evidence
-    )
+    let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
+    let page = match finding.evidence.is_empty() {
+        true => page,
+        false => page.text(finding.evidence.clone()),
+    };
+    let page = means(page, &finding.effect, &finding.place);
+    match finding.alternatives.as_slice() {
+        [] => page,
+        others => {
+            let others: Vec<_> = others.iter().map(|name| words::effect(name)).collect();
+            let others = words::list(&others, "or");
+            page.text(format!("The data would allow {others} in its place."))
+        }
+    }
 }
 
 /// The physics in a sentence or two, and what to do.

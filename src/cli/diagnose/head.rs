@@ -27,24 +27,17 @@ pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
 }
 
 fn figures(case: &Case) -> Vec<Figure> {
-    let fit = &case.diagnosis.fit;
-    let mut figures = vec![
-        over_noise(fit, case.has_after()),
-        misfit(fit, case.has_after()),
-    ];
-    match case.diagnosis.verdict {
-        Verdict::NoMismatch => figures.push(noise(fit)),
-        Verdict::Ambiguous => figures.extend(case.diagnosis.findings.first().map(set_size)),
-        Verdict::Named | Verdict::PartlyExplained | Verdict::Unexplained => {}
+    let diagnosis = case.diagnosis;
+    let first = diagnosis.findings.first();
+    let mut figures = vec![over_noise(case), misfit(case)];
+    if diagnosis.verdict == Verdict::NoMismatch {
+        figures.push(noise(&diagnosis.fit));
     }
-    figures.extend(case.diagnosis.findings.iter().take(2).filter_map(parameter));
-    if let Some(finding) = case.diagnosis.findings.first()
-        && case.diagnosis.verdict != Verdict::Ambiguous
-    {
-        figures.push(probability(finding));
-    }
-    if let Some(place) = place(case) {
-        figures.push(place);
+    figures.extend(diagnosis.findings.iter().take(2).filter_map(parameter));
+    match first {
+        Some(finding) if finding.alternatives.is_empty() => figures.push(probability(finding)),
+        Some(finding) => figures.push(set_size(finding)),
+        None => {}
     }
     figures
 }
@@ -73,37 +66,37 @@ pub fn ratio_of(quality: &Quality, fit: &Fit) -> f64 {
     }
 }
 
-fn over_noise(fit: &Fit, has_after: bool) -> Figure {
-    let digits = |value: f64| match value < 10.0 {
-        true => format!("{value:.2}"),
-        false => format!("{value:.1}"),
-    };
-    let [before, after] = [&fit.before, &fit.after].map(|quality| digits(ratio_of(quality, fit)));
-    let value = arrow(before, after, has_after);
+fn over_noise(case: &Case) -> Figure {
+    let fit = &case.diagnosis.fit;
+    let [before, after] = [&fit.before, &fit.after].map(|quality| times(ratio_of(quality, fit)));
+    let value = arrow(before, after, case.has_after());
     Figure::text("misfit, times the noise", value).note("1 is noise alone; on moves not fitted to")
 }
 
-fn misfit(fit: &Fit, has_after: bool) -> Figure {
-    let shown = Shown::of(&fit.unit, rms_of(&fit.before));
-    let digits = |value: f64| {
-        let three: f64 = format!("{:.2e}", value * shown.factor)
-            .parse()
-            .unwrap_or(value);
-        number(three)
-    };
-    let [before, after] = [&fit.before, &fit.after].map(|quality| digits(rms_of(quality)));
-    Figure::text("misfit", arrow(before, after, has_after))
+/// A ratio with two digits behind the point, one from ten on.
+pub fn times(ratio: f64) -> String {
+    match ratio {
+        ratio if !ratio.is_finite() => number(ratio),
+        ratio if ratio < 10.0 => format!("{ratio:.2}"),
+        ratio => format!("{ratio:.1}"),
+    }
+}
+
+fn misfit(case: &Case) -> Figure {
+    let fit = &case.diagnosis.fit;
+    let shown = case.misfit_unit();
+    let [before, after] = [&fit.before, &fit.after].map(|quality| shown.number(rms_of(quality)));
+    let noise = shown.number(fit.noise_std);
+    Figure::text("misfit, rms", arrow(before, after, case.has_after()))
         .unit(shown.unit.clone())
-        .note(format!(
-            "rms; the noise is {} {}",
-            digits(fit.noise_std),
-            shown.unit
-        ))
+        .note(format!("the noise is {noise} {}", shown.unit))
 }
 
 fn noise(fit: &Fit) -> Figure {
     let shown = Shown::of(&fit.unit, fit.noise_std);
-    Figure::new("noise", fit.noise_std * shown.factor, shown.unit).note("one standard deviation")
+    Figure::text("noise", shown.number(fit.noise_std))
+        .unit(shown.unit)
+        .note("standard deviation")
 }
 
 /// The first parameter of a finding, with its interval.
@@ -141,12 +134,4 @@ fn probability(finding: &Finding) -> Figure {
         words::effect(&finding.effect)
     );
     Figure::text("probability", text).unit("%").note(note)
-}
-
-fn place(case: &Case) -> Option<Figure> {
-    let finding = case.diagnosis.findings.first();
-    let name = finding
-        .map(|finding| &finding.place)
-        .or(case.diagnosis.location.place.as_ref())?;
-    Some(Figure::text("place", name.clone()).note(words::place(name)))
 }

@@ -1,7 +1,7 @@
 //! Recorded, before and after over time, and the residuals.
 
 use super::page::Case;
-use super::shown::{Shown, peak, rms};
+use super::shown::{Shown, peak};
 use super::words;
 use crate::diagnosis::{OutputTrace, Verdict};
 use crate::report::{Chart, Page};
@@ -11,6 +11,9 @@ use core::ops::Range;
 const CLOSE: (usize, usize) = (60, 1500);
 /// Part of the recording that the close look shows.
 const CLOSE_PART: usize = 6;
+
+/// How many times larger the misfit was before, for the one after to get a chart of its own.
+const LARGER: f64 = 3.0;
 
 /// What the curves are called, on the whole page.
 pub struct Names {
@@ -71,10 +74,14 @@ pub fn section(page: Page, case: &Case) -> Page {
         format!("{}, the whole recording", trace.name),
         &names,
     );
-    page.heading(heading)
+    let page = page
+        .heading(heading)
         .chart(near)
-        .chart(residuals(case, trace, &names))
-        .chart(held_out(whole, trace))
+        .chart(residuals(case, trace, &names));
+    let page = enlarged(case, trace, &names)
+        .into_iter()
+        .fold(page, Page::chart);
+    page.chart(held_out(whole, trace))
 }
 
 /// Recorded, before and after over a range of samples.
@@ -89,7 +96,7 @@ fn curves(
     let time = part(&trace.time, &range);
     let values = |values: &[f64]| shown.values(part(values, &range));
     let chart = Chart::lines(title, "time", "s", quantity(trace), shown.unit.clone())
-        .series(RECORDED, time, &values(&trace.recorded))
+        .broad(RECORDED, time, &values(&trace.recorded))
         .series(&names.before, time, &values(&trace.before));
     match case.has_after() {
         true => chart.series(&names.after, time, &values(&trace.after)),
@@ -99,28 +106,37 @@ fn curves(
 
 /// What is left of the recording, before and after, with the noise.
 fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
-    let motion = Shown::of(&trace.unit, peak(&trace.recorded));
-    let before = residual(trace, &trace.before);
-    let shown = motion.beside(rms(before.iter().copied()));
-    let chart = Chart::lines(
-        "Misfit: recorded less predicted",
-        "time",
-        "s",
-        "misfit",
-        shown.unit.clone(),
-    )
-    .series(&names.before, &trace.time, &shown.values(&before));
+    let chart = misfit(case, trace, "Misfit: recorded less predicted");
+    let chart = over_time(case, chart, trace, &names.before, &trace.before);
     let chart = match case.has_after() {
-        true => {
-            let after = residual(trace, &trace.after);
-            chart.series(&names.after, &trace.time, &shown.values(&after))
-        }
+        true => over_time(case, chart, trace, &names.after, &trace.after),
         false => chart,
     };
-    let two = 2.0 * trace.noise_std * shown.factor;
-    held_out(chart, trace)
-        .shade_y(-two, two, "noise, ± 2 standard deviations")
+    chart
         .note("A model that lacks nothing leaves noise: 95 % of its misfit stays in the grey band.")
+}
+
+/// What is left after, enlarged, where it is too small to be seen beside what was before.
+fn enlarged(case: &Case, trace: &OutputTrace, names: &Names) -> Option<Chart> {
+    let [before, after] = [&trace.before, &trace.after].map(|model| peak(&residual(trace, model)));
+    if !case.has_after() || before < LARGER * after {
+        return None;
+    }
+    let chart = misfit(case, trace, "Misfit after, enlarged");
+    Some(over_time(case, chart, trace, &names.after, &trace.after))
+}
+
+/// A chart of misfit with the noise and what was held out.
+fn misfit(case: &Case, trace: &OutputTrace, title: &str) -> Chart {
+    let shown = case.misfit_unit();
+    let two = 2.0 * trace.noise_std * shown.factor;
+    let chart = Chart::lines(title, "time", "s", "misfit", shown.unit);
+    held_out(chart, trace).shade_y(-two, two, "noise, ± 2 standard deviations")
+}
+
+fn over_time(case: &Case, chart: Chart, trace: &OutputTrace, name: &str, model: &[f64]) -> Chart {
+    let values = case.misfit_unit().values(&residual(trace, model));
+    chart.series(name, &trace.time, &values)
 }
 
 /// Marks what was held out of the fit.

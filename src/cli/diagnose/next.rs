@@ -1,6 +1,7 @@
 //! The next move: what would tell explanations apart.
 
 use super::page::Case;
+use super::shown::digits;
 use super::words;
 use crate::diagnosis::{NextMove, ProposedMove};
 use crate::report::{Page, Table, number};
@@ -52,10 +53,7 @@ fn table(next: &NextMove, is_angle: bool) -> Table {
 /// Distance, speed, acceleration and pause, angles in degrees.
 pub fn shown(one: &ProposedMove, is_angle: bool) -> [f64; 4] {
     let factor = if is_angle { 1_f64.to_degrees() } else { 1.0 };
-    [
-        one.distance * factor,
-        one.speed * factor,
-        one.acceleration * factor,
-        one.pause_s,
-    ]
+    let motion = [one.distance, one.speed, one.acceleration].map(|value| value * factor);
+    let [distance, speed, acceleration] = motion;
+    [distance, speed, acceleration, one.pause_s].map(|value| digits(value, 3))
 }

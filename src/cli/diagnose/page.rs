@@ -1,5 +1,6 @@
 //! The report: what is wrong with the machine, in half a minute, then the evidence.
 
+use super::shown::{Shown, peak};
 use super::{findings, head, motion, next, place, ranking, record};
 use crate::diagnosis::{Diagnosis, Traces, Verdict};
 use crate::report::Page;
@@ -14,6 +15,19 @@ impl Case<'_> {
     /// Whether there is a second model to show.
     pub fn has_after(&self) -> bool {
         !self.diagnosis.findings.is_empty()
+    }
+
+    /// The unit of the first output's misfit: that of its motion, or a smaller one.
+    pub fn misfit_unit(&self) -> Shown {
+        let fit = &self.diagnosis.fit;
+        let small = fit.noise_std.max(fit.after.train_rms);
+        let first = self
+            .traces
+            .outputs
+            .first()
+            .filter(|output| output.unit == fit.unit);
+        let large = first.map_or(small, |output| peak(&output.recorded));
+        Shown::of(&fit.unit, large).beside(small)
     }
 }
 

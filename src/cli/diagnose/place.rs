@@ -12,7 +12,7 @@ const POINTS: usize = 2000;
 /// Stretches of a coordinate over which the missing force is averaged.
 const STRETCHES: usize = 24;
 /// Samples that such an average needs.
-const LEAST: usize = 8;
+const LEAST: usize = 4;
 
 /// The machine as a row of stations, the place of the mismatch marked.
 pub fn chain(page: Page, case: &Case) -> Page {
@@ -168,24 +168,30 @@ fn scatter(trace: &CoordinateTrace) -> Option<Chart> {
     Some(match stride {
         1 => chart,
         _ => chart.note(format!(
-            "Every {stride}th sample is drawn; the mean is over all."
+            "One sample in {stride} is drawn; the mean is over all."
         )),
     })
 }
 
-/// Stretches of equal numbers of samples: coordinate, and mean less, alone, plus one deviation.
+/// Stretches of equal width that hold samples: coordinate, and mean less, alone, plus one deviation.
 fn averages(trace: &CoordinateTrace) -> [Vec<f64>; 4] {
     let pairs = trace.x.iter().copied().zip(trace.missing.iter().copied());
-    let mut pairs: Vec<_> = pairs
+    let pairs: Vec<_> = pairs
         .filter(|(x, y)| x.is_finite() && y.is_finite())
         .collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let length = pairs.len().div_ceil(STRETCHES).max(LEAST);
+    let low = pairs
+        .iter()
+        .fold(f64::INFINITY, |low, pair| low.min(pair.0));
+    let high = pairs
+        .iter()
+        .fold(f64::NEG_INFINITY, |high, pair| high.max(pair.0));
+    let mut stretches = vec![Vec::new(); STRETCHES];
+    for pair in pairs {
+        let place = (pair.0 - low) / (high - low) * STRETCHES as f64;
+        stretches[(place as usize).min(STRETCHES - 1)].push(pair);
+    }
     let mut curves: [Vec<f64>; 4] = Default::default();
-    for stretch in pairs
-        .chunks(length)
-        .filter(|stretch| stretch.len() >= LEAST)
-    {
+    for stretch in stretches.iter().filter(|stretch| stretch.len() >= LEAST) {
         let count = stretch.len() as f64;
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| stretch.iter().map(of).sum::<f64>() / count;
         let (x, y) = (mean(&|pair| pair.0), mean(&|pair| pair.1));

@@ -1,6 +1,7 @@
 //! What else was considered.
 
 use super::page::Case;
+use super::shown::digits;
 use super::{head, words};
 use crate::diagnosis::Verdict;
 use crate::report::{Bars, Page, Table, number};
@@ -8,6 +9,8 @@ use crate::report::{Bars, Page, Table, number};
 /// Candidates that are drawn, and that are listed, at most.
 const DRAWN: usize = 10;
 const LISTED: usize = 20;
+/// Percent of the misfit at which a bar is cut off.
+const CUT: f64 = 130.0;
 
 /// The ranking, as bars and as a table.
 pub fn section(page: Page, case: &Case) -> Page {
@@ -61,9 +64,12 @@ fn bars(case: &Case) -> Bars {
         .map(|one| words::capital(&words::effect(&one.effect)));
     let percent: Vec<_> = drawn.iter().map(|one| 100.0 * one.held_out_ratio).collect();
     let fit = &case.diagnosis.fit;
-    let floor = 100.0 / head::ratio_of(&fit.before, fit).powi(2);
-    let title = "Misfit left on moves not fitted to, chi-squared, 100 % without the effect";
-    let bars = Bars::new(title, "%", names).series("left", &percent);
+    let floor = digits(100.0 / head::ratio_of(&fit.before, fit).powi(2), 2);
+    let title = "What each explanation leaves of the misfit, on moves that it was not fitted to";
+    let bars = Bars::new(title, "%", names)
+        .series("left", &percent)
+        .up_to(CUT)
+        .note("Chi-squared, relative to the model without the effect; the shorter, the better.");
     let marked = (0..drawn.len()).filter(|&k| words::in_set(case.diagnosis, &drawn[k].effect));
     let bars = marked.fold(bars, Bars::marked);
     match floor.is_finite() {

@@ -14,12 +14,20 @@ const PREFERRED: &[(&str, &[(f64, f64, &str)])] = &[
         ],
     ),
     ("m", &[(0.5, 1.0, "m"), (2e-5, 1e3, "mm"), (0.0, 1e6, "um")]),
+    (
+        "rad/s",
+        &[
+            (0.02, 180.0 / core::f64::consts::PI, "deg/s"),
+            (0.0, 1e3, "mrad/s"),
+        ],
+    ),
+    ("m/s", &[(0.1, 1.0, "m/s"), (0.0, 1e3, "mm/s")]),
     ("V", &[(0.1, 1.0, "V"), (0.0, 1e3, "mV")]),
     ("s", &[(0.2, 1.0, "s"), (0.0, 1e3, "ms")]),
 ];
 
 /// Shares of a unit below which a smaller one is taken.
-const TOO_SMALL: f64 = 2e-3;
+const TOO_SMALL: f64 = 0.02;
 
 /// How values of a unit are shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,9 +69,9 @@ impl Shown {
         values.iter().map(|value| value * self.factor).collect()
     }
 
-    /// One number without its unit.
+    /// One number to three digits, without its unit.
     pub fn number(&self, value: f64) -> String {
-        number(value * self.factor)
+        number(digits(value * self.factor, 3))
     }
 
     /// A value to the digits that its interval carries: two of half the interval's width.
@@ -77,6 +85,12 @@ impl Shown {
         let [low, high] = interval.map(|edge| self.quoted(edge, interval));
         format!("{low} to {high}")
     }
+}
+
+/// `value` to so many significant digits.
+pub fn digits(value: f64, count: usize) -> f64 {
+    let rounded = format!("{value:.*e}", count.saturating_sub(1));
+    rounded.parse().unwrap_or(value)
 }
 
 /// `value` rounded to two significant digits of `spread`.

@@ -1,6 +1,6 @@
 //! Names of effects and places as an engineer says them.
 
-use crate::diagnosis::{Diagnosis, Finding, Verdict};
+use crate::diagnosis::{Diagnosis, Finding};
 use crate::effects::Effect;
 
 /// Words that keep their capital.
@@ -108,17 +108,6 @@ pub fn in_set(diagnosis: &Diagnosis, candidate: &str) -> bool {
         diagnosis.findings.iter().any(same)
     };
     parts.len() == diagnosis.findings.len() && parts.iter().all(fits)
-}
-
-/// What the verdict is called.
-pub fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::NoMismatch => "nothing is missing",
-        Verdict::Named => "named",
-        Verdict::Ambiguous => "ambiguous",
-        Verdict::PartlyExplained => "partly explained",
-        Verdict::Unexplained => "unexplained",
-    }
 }
 
 #[cfg(test)]
