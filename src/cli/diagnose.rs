@@ -172,7 +172,10 @@ fn on_threads<T: Send>(jobs: Option<u16>, work: impl FnOnce() -> T + Send) -> Re
 fn write(args: &Args, outcome: &Outcome, names: &[String]) -> Result<Vec<PathBuf>, CliError> {
     output::folder(&args.out)?;
     let model = args.model.display().to_string();
-    let page = page::page(&outcome.diagnosis, &outcome.traces, &model, names);
+    let page = page::page(&outcome.diagnosis, &outcome.traces, &model, names).footnote(format!(
+        "quell diagnose --model {model}, seed {}",
+        args.seed
+    ));
     let mut document =
         serde_json::to_string_pretty(&outcome.diagnosis).map_err(CliError::failure)?;
     document.push('\n');

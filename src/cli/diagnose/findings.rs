@@ -15,8 +15,8 @@ pub fn section(page: Page, case: &Case) -> Page {
     if case.diagnosis.verdict == Verdict::PartlyExplained {
         let fit = &case.diagnosis.fit;
         page = page.text(format!(
-            "That is not all: with it the misfit is still {} times the noise. What remains is \
-             none of the effects that were tried.",
+            "That is not all: with it the misfit is still {} times the noise. What remains \
+             could be given to none of the effects that were tried.",
             number(head::ratio_of(&fit.after, fit)),
         ));
     }
@@ -72,7 +72,7 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     }
     if !location.phases.is_empty() {
         known.push(format!(
-            "it is strongest in {}",
+            "it is strongest during {}",
             words::list(&location.phases, "and")
         ));
     }

@@ -1,7 +1,7 @@
 //! The top of the page: the verdict and the key figures.
 
 use super::page::Case;
-use super::shown::Shown;
+use super::shown::{Shown, digits};
 use super::words;
 use crate::diagnosis::{Finding, Fit, Quality, Verdict};
 use crate::report::{self, Figure, Page, number};
@@ -30,8 +30,13 @@ fn figures(case: &Case) -> Vec<Figure> {
     let diagnosis = case.diagnosis;
     let first = diagnosis.findings.first();
     let mut figures = vec![over_noise(case), misfit(case)];
-    if diagnosis.verdict == Verdict::NoMismatch {
-        figures.push(noise(&diagnosis.fit));
+    match diagnosis.verdict {
+        Verdict::NoMismatch => figures.push(tried(case, "none is needed")),
+        Verdict::Unexplained => {
+            figures.push(tried(case, "none explains it"));
+            figures.extend(diagnosis.location.frequency_hz.map(frequency));
+        }
+        _ => {}
     }
     figures.extend(diagnosis.findings.iter().take(2).filter_map(parameter));
     match first {
@@ -92,11 +97,15 @@ fn misfit(case: &Case) -> Figure {
         .note(format!("the noise is {noise} {}", shown.unit))
 }
 
-fn noise(fit: &Fit) -> Figure {
-    let shown = Shown::of(&fit.unit, fit.noise_std);
-    Figure::text("noise", shown.number(fit.noise_std))
-        .unit(shown.unit)
-        .note("standard deviation")
+fn tried(case: &Case, note: &str) -> Figure {
+    let count = case.diagnosis.candidates.len();
+    Figure::text("explanations tried", count.to_string()).note(note)
+}
+
+fn frequency(frequency: f64) -> Figure {
+    Figure::text("stands out at", number(digits(frequency, 3)))
+        .unit("Hz")
+        .note("in the misfit's spectrum")
 }
 
 /// The first parameter of a finding, with its interval.

@@ -78,8 +78,8 @@ fn ambiguous(page: Page, case: &Case) -> Page {
 fn unexplained(page: Page, case: &Case) -> Page {
     let page = place::chain(page, case);
     let page = findings::unknown(page, case);
-    let page = place::section(page, case);
     let page = motion::section(page, case);
+    let page = place::section(page, case);
     let page = ranking::section(page, case);
     let page = next::section(page, case);
     record::section(page, case)
