@@ -217,7 +217,7 @@
         label: s.name, stroke: () => stroke(s), width: 1.75, value: measured(chart.y),
         dash: DASHES[Math.floor(s.colour / 7) % 3], points: { show: false },
       };
-      if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "70" });
+      if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "90" });
       if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, fill: stroke(s) } });
       if (chart.kind === "stems") one.paths = () => null;
       if (s.kind === "band") {
