@@ -11,6 +11,7 @@ pub mod diagnosis;
 pub mod effects;
 pub mod estimators;
 pub mod identification;
+pub mod model;
 pub mod plant;
 pub mod recording;
 pub mod report;

@@ -9,7 +9,7 @@ const FLOORS: &[&[&str]] = &[
     &["recording"],
     &["signal"],
     &["estimators", "effects"],
-    &["plant", "adaptation"],
+    &["plant", "adaptation", "model"],
     &["controller", "identification", "diagnosis"],
     &["closed_loop", "report"],
     &["service"],

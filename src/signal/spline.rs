@@ -88,6 +88,11 @@ impl CubicSpline {
         self.second[k] + s * (self.second[k + 1] - self.second[k]) / h
     }
 
+    /// Second derivative at knot `k`.
+    pub fn second(&self, k: usize) -> f64 {
+        self.second[k]
+    }
+
     /// Interval, time into it, its length.
     pub(super) fn locate(&self, time: f64) -> (usize, f64, f64) {
         let after = self.time.partition_point(|&t| t <= time);

@@ -1,0 +1,54 @@
+//! Kinds of models: the structures that an engineer may believe in.
+
+use super::chain::Linear;
+use super::piecewise::Hold;
+use crate::effects::{Place, Quantity};
+use crate::recording::Role;
+
+/// A key of a model file.
+#[derive(Clone, Copy)]
+pub struct Key {
+    /// Name in the file.
+    pub name: &'static str,
+    /// Its unit, where the name does not say it.
+    pub quantity: Quantity,
+    /// Value if the file does not give it; none where it must.
+    pub default: Option<f64>,
+    /// Least and greatest value that makes sense.
+    pub range: (f64, f64),
+    /// Standard deviation of what an engineer believes who gives none: relative (of the logarithm) if
+    /// the range is above 0, absolute else. 0 for what is measured with a ruler and not fitted.
+    pub belief: f64,
+}
+
+/// One kind.
+pub struct Kind {
+    /// Name in the file.
+    pub name: &'static str,
+    /// Its keys, in the order in which [`Kind::linear`] takes their values.
+    pub keys: &'static [Key],
+    /// Channels that can drive it, the preferred one first.
+    pub inputs: &'static [Role],
+    /// Channels that it predicts.
+    pub outputs: &'static [Role],
+    /// Places at which it can lack physics, when driven by this input.
+    pub places: fn(Role) -> &'static [Place],
+    /// What its input does between samples unless the file says otherwise.
+    pub hold: fn(Role) -> Hold,
+    /// The chain for values of the keys.
+    pub linear: fn(&[f64], Role) -> Linear,
+    /// Index of the keys that hold natural frequency (Hz) and damping ratio, where it has them.
+    pub mode: Option<(usize, usize)>,
+    /// Whether forces are divided by the stiffness, so that they are in the unit of positions.
+    pub normalised: bool,
+}
+
+/// All kinds.
+pub const KINDS: &[&Kind] = &[&super::flexible_joint::FLEXIBLE_JOINT];
+
+impl Kind {
+    /// The kind of this name.
+    pub fn from_name(name: &str) -> Option<&'static Self> {
+        KINDS.iter().copied().find(|kind| kind.name == name)
+    }
+}

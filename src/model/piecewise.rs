@@ -1,0 +1,87 @@
+//! The input of a chain between the nodes of the integration grid: one cubic a step.
+
+use crate::signal::{CubicSpline, End, SignalError};
+
+/// `c_0 + c_1 s + c_2 s^2 + c_3 s^3`, `s` seconds after the start of the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cubic(pub [f64; 4]);
+
+impl Cubic {
+    /// Value, first and second derivative.
+    #[inline]
+    pub fn at(&self, s: f64) -> [f64; 3] {
+        let [c0, c1, c2, c3] = self.0;
+        [
+            c0 + s * (c1 + s * (c2 + s * c3)),
+            c1 + s * (2.0 * c2 + s * 3.0 * c3),
+            2.0 * c2 + s * 6.0 * c3,
+        ]
+    }
+
+    /// The same polynomial from `s` on.
+    fn shifted(&self, s: f64) -> Self {
+        let [value, rate, second] = self.at(s);
+        Self([value, rate, second / 2.0, self.0[3]])
+    }
+}
+
+/// What an input does between its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// Twice differentiable: positions, and band-limited forces.
+    Spline,
+    /// Straight lines.
+    Linear,
+    /// The value stays until the next sample: what a controller puts out.
+    ZeroOrder,
+}
+
+/// Nodes of the integration and the input between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Node times, s, strictly increasing; n + 1 of them.
+    pub time: Vec<f64>,
+    /// The input after each node but the last; n.
+    pub input: Vec<Cubic>,
+}
+
+impl Grid {
+    /// The samples of an input, each interval divided into equal steps of at most `step` seconds.
+    ///
+    /// # Errors
+    /// [`SignalError`] for fewer than two samples, values that are not finite, times that do not
+    /// advance.
+    pub fn new(time: &[f64], values: &[f64], hold: Hold, step: f64) -> Result<Self, SignalError> {
+        let spline = CubicSpline::new(time, values, End::NotAKnot)?;
+        let mut grid = Self {
+            time: vec![time[0]],
+            input: Vec::new(),
+        };
+        for k in 0..time.len() - 1 {
+            let (t0, h) = (time[k], time[k + 1] - time[k]);
+            let slope = (values[k + 1] - values[k]) / h;
+            let whole = match hold {
+                Hold::Spline => {
+                    let (m0, m1) = (spline.second(k), spline.second(k + 1));
+                    let rate = slope - h * (2.0 * m0 + m1) / 6.0;
+                    Cubic([values[k], rate, m0 / 2.0, (m1 - m0) / (6.0 * h)])
+                }
+                Hold::Linear => Cubic([values[k], slope, 0.0, 0.0]),
+                Hold::ZeroOrder => Cubic([values[k], 0.0, 0.0, 0.0]),
+            };
+            // A hair below the quotient, so that an exact multiple is not divided once more.
+            let parts = (h / step * (1.0 - 1e-9)).ceil().max(1.0) as usize;
+            for part in 0..parts {
+                let s = h * part as f64 / parts as f64;
+                grid.input.push(whole.shifted(s));
+                let end = h * (part + 1) as f64 / parts as f64;
+                grid.time.push(if part + 1 == parts {
+                    time[k + 1]
+                } else {
+                    t0 + end
+                });
+            }
+        }
+        Ok(grid)
+    }
+}
