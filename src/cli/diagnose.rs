@@ -9,7 +9,7 @@ mod place;
 mod ranking;
 mod record;
 mod remedy;
-mod shown;
+pub(super) mod shown;
 mod text;
 mod words;
 

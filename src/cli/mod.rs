@@ -16,6 +16,7 @@ pub mod model_file;
 pub mod moves;
 pub mod output;
 pub mod robot_args;
+pub mod score;
 pub mod shape;
 pub mod shaping;
 pub mod simulate;

@@ -4,7 +4,7 @@
 mod fixtures;
 
 use quell::cli::diagnose::page::page;
-use quell::diagnosis::Verdict;
+use quell::diagnosis::{Traces, Verdict};
 
 /// Every verdict, its file, what its page must say, and what it must not.
 const PAGES: &[(Verdict, &str, &[&str], &[&str])] = &[
@@ -79,4 +79,35 @@ fn each_verdict_has_its_page() {
             assert!(!html.contains(words), "{file}: {words}");
         }
     }
+}
+
+#[test]
+fn a_page_stands_without_series_and_with_long_ones() {
+    for (verdict, ..) in PAGES {
+        let (diagnosis, traces) = fixtures::of(*verdict);
+        let empty = page(&diagnosis, &Traces::default(), "model.toml", &[]).render();
+        assert!(empty.contains(&diagnosis.summary) && !empty.contains("NaN"));
+        let long = page(&diagnosis, &repeated(traces, 30), "model.toml", &[]).render();
+        assert!(long.contains("samples are drawn"));
+        assert!(long.len() < 4_000_000, "{} bytes", long.len());
+    }
+}
+
+/// The first output and the missing force as often one after the other.
+fn repeated(mut traces: Traces, times: usize) -> Traces {
+    let output = &mut traces.outputs[0];
+    let duration = output.time[output.time.len() - 1] + 0.003;
+    let stamps = |time: &[f64]| -> Vec<f64> {
+        let turn = |turn: usize| time.iter().map(move |t| t + duration * turn as f64);
+        (0..times).flat_map(turn).collect()
+    };
+    (output.time, traces.missing_time) = (stamps(&output.time), stamps(&traces.missing_time));
+    let values = [&mut output.recorded, &mut output.before, &mut output.after];
+    for values in values
+        .into_iter()
+        .chain([&mut traces.missing, &mut traces.missing_std])
+    {
+        *values = values.repeat(times);
+    }
+    traces
 }
