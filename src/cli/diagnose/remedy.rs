@@ -123,25 +123,17 @@ const REMEDIES: &[(&str, &str)] = &[
         "Look at how the machine is bolted down; put a sensor on the base, and shape for its frequency as well.",
     ),
     (
-        "clock_offset",
-        "Give both devices one clock, or shift one recording by the offset.",
-    ),
-    (
         "clock_skew",
         "Give both devices one clock, or stretch one recording's time by the skew.",
-    ),
-    (
-        "irregular_clock",
-        "Use the stamps as they are; look for lost packets and a busy computer.",
-    ),
-    (
-        "missing_samples",
-        "Use the stamps as they are; look for lost packets and a busy computer.",
     ),
     ("sensor_delay", "Shift the sensor's stamps by the delay."),
     (
         "sensor_lag",
         "Lower the filtering in the sensor, or put its lag into the model.",
+    ),
+    (
+        "sensor_lag_second_order",
+        "Lower the filtering in the sensor, or put its lag into the model; if it rings, look at how it is mounted.",
     ),
     (
         "sensor_gain",

@@ -6,6 +6,12 @@ use crate::effects::Effect;
 /// Words that keep their capital.
 const PROPER: &[(&str, &str)] = &[("coulomb", "Coulomb"), ("stribeck", "Stribeck")];
 
+/// Names that are not their words.
+const PHRASES: &[(&str, &str)] = &[
+    ("pose_dependent_frequency", "pose-dependent frequency"),
+    ("sensor_lag_second_order", "second-order sensor lag"),
+];
+
 /// What each place is.
 const PLACES: &[(&str, &str)] = &[
     ("drive", "command or current to motor side"),
@@ -18,6 +24,14 @@ const PLACES: &[(&str, &str)] = &[
 
 /// `coulomb_friction` as `Coulomb friction`; joined effects one by one.
 pub fn effect(name: &str) -> String {
+    let words: Vec<_> = name.split(" + ").map(one).collect();
+    words.join(" + ")
+}
+
+fn one(name: &str) -> String {
+    if let Some(entry) = PHRASES.iter().find(|entry| entry.0 == name) {
+        return entry.1.into();
+    }
     let word = |word: &str| {
         let proper = PROPER.iter().find(|entry| entry.0 == word);
         proper.map_or(word, |entry| entry.1).to_string()
