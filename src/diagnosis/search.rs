@@ -2,7 +2,7 @@
 
 use super::explanation::{Explanation, Judge};
 use super::fit::Projector;
-use super::problem::Problem;
+use super::problem::{Point, Problem};
 use super::screen::{Start, screen};
 use crate::effects::Place;
 use rayon::prelude::*;
@@ -20,8 +20,11 @@ pub const FLOOR: f64 = 1.21;
 const FITTED: usize = 10;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
-/// Most effects in one explanation.
-const MOST_EFFECTS: usize = 3;
+/// Most effects in one explanation: with three the structure is no longer determined by a recording.
+const MOST_EFFECTS: usize = 2;
+/// Share of the mismatch that may be left: no law of a catalogue has nature's shape to better than a
+/// tenth in amplitude (friction is regular, contact compliant), a hundredth in energy.
+pub const SHAPE: f64 = 0.01;
 /// Explanations that are carried on.
 const BEAM: usize = 2;
 
@@ -50,6 +53,16 @@ pub struct Found {
     pub trials: Vec<Trial>,
     /// Chi-squared per row that the best one leaves, at least 1.
     pub unit: f64,
+    /// The best one without each of its effects, refitted.
+    pub ablated: Vec<Explanation>,
+}
+
+impl Found {
+    /// The best explanation without one of its terms.
+    pub fn without(&self, term: usize) -> &Explanation {
+        let index = term - self.best.fitted.point.fixed_terms;
+        self.ablated.get(index).unwrap_or(&self.baseline)
+    }
 }
 
 /// Everything that the search needs.
@@ -75,7 +88,7 @@ impl Search<'_> {
             .unwrap_or_else(|| baseline.clone());
         let mut pool = trials.clone();
         for depth in 1..MOST_EFFECTS {
-            if frontier.is_empty() || self.at_floor(&best) {
+            if frontier.is_empty() || self.explains(&baseline, &best) {
                 break;
             }
             (self.progress)(0.3 + 0.2 * depth as f64, "looking for a further effect");
@@ -88,7 +101,12 @@ impl Search<'_> {
             frontier = passed(&next, BEAM);
             let Some(first) = frontier.first() else { break };
             let pruned = self.prune(first.clone());
-            if self.criterion(&pruned) < self.criterion(&best) - STRONG * self.unit(&pruned) {
+            // What is left of the mismatch falls by more than the shape of a law could be wrong.
+            let worth =
+                best.train - pruned.train > SHAPE * (baseline.train - self.judge.train_rows as f64);
+            if worth
+                && self.criterion(&pruned) < self.criterion(&best) - STRONG * self.unit(&pruned)
+            {
                 best = pruned;
             }
             pool.extend(further);
@@ -101,7 +119,9 @@ impl Search<'_> {
         }
         let equals = self.equals(&best, &pool, unit);
         sort(&mut trials);
+        let ablated = self.ablated(&best, &baseline);
         Found {
+            ablated,
             baseline,
             best,
             equals,
@@ -136,15 +156,23 @@ impl Search<'_> {
     /// The best of a candidate's starts, fitted to its end.
     fn fit(&self, from: &Explanation, starts: &[Start]) -> Option<Trial> {
         let (problem, projector) = (self.problem, self.projector);
-        let short = |start: &Start| {
-            let point = &from.fitted.point;
+        // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
+        let mut believed = from.fitted.point.clone();
+        for &key in &problem.free {
+            believed.keys[key] = problem.beliefs[key].0;
+        }
+        let short = |(start, point): (&Start, &Point)| {
             let point = point.with(start.effect, start.place, start.values.clone());
             problem.fit(&point, projector, 4)
         };
         let first = starts
             .iter()
+            .flat_map(|start| [(start, &from.fitted.point), (start, &believed)])
             .map(short)
             .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        if first.cost > from.fitted.cost {
+            return None;
+        }
         let fitted = problem.fit(&first.point, projector, 25);
         let explanation = self.judge.judge(problem, projector, fitted);
         Some(Trial {
@@ -169,6 +197,33 @@ impl Search<'_> {
     /// Whether nothing but noise is left.
     pub fn at_floor(&self, explanation: &Explanation) -> bool {
         explanation.train <= FLOOR * self.judge.train_rows as f64
+    }
+
+    /// Whether nothing but noise, or the hundredth part of the mismatch, is left.
+    pub fn explains(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
+        let rows = self.judge.train_rows as f64;
+        let (left, mismatch) = (explanation.train - rows, baseline.train - rows);
+        self.at_floor(explanation) || left < SHAPE * mismatch
+    }
+
+    /// Whether the held-out part, too, is nothing but noise.
+    pub fn held_at_floor(&self, explanation: &Explanation) -> bool {
+        explanation.held_out <= FLOOR * FLOOR * self.judge.held_out_rows as f64
+    }
+
+    /// The explanation without each of its effects, refitted.
+    fn ablated(&self, best: &Explanation, baseline: &Explanation) -> Vec<Explanation> {
+        let point = &best.fitted.point;
+        let terms = point.fixed_terms..point.terms.len();
+        if terms.len() < 2 {
+            return vec![baseline.clone(); terms.len()];
+        }
+        terms
+            .map(|term| {
+                let fitted = self.problem.fit(&point.without(term), self.projector, 25);
+                self.judge.judge(self.problem, self.projector, fitted)
+            })
+            .collect()
     }
 
     /// Drops every effect without which the held-out part is no worse.
