@@ -42,7 +42,7 @@ pub(super) struct Stepper<'a> {
 enum Event {
     Stop(Seat),
     Breakaway,
-    Corner(usize),
+    Corner,
 }
 
 impl<'a> Stepper<'a> {
@@ -56,7 +56,8 @@ impl<'a> Stepper<'a> {
             let [x, v] = coordinate(seat, &motion);
             let element = &mut chain.forces[index];
             (element.memory.time, element.memory.position) = (time, x);
-            if let Some(value) = element.law.switch(x, v) {
+            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
+            if let Some(value) = element.law.switch(&motion, x, v, &element.memory) {
                 corners.push((index, sign(value)));
             }
         }
@@ -229,18 +230,21 @@ impl<'a> Stepper<'a> {
             let seat = self.chain.seat(element.place);
             let switch = |motion: &Motion| {
                 let [x, v] = coordinate(seat, motion);
-                side * element.law.switch(x, v).unwrap_or(side)
+                let value = element.law.switch(motion, x, v, &element.memory);
+                side * value.unwrap_or(side)
             };
             if switch(&end) < 0.0 {
                 let switch = |share| switch(&self.motion_at(state, trial, span, share));
                 match first_root(switch) {
-                    Some(share) => note(Event::Corner(index), share),
+                    // On the far side, where the force has its other branch.
+                    Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
                     // It was on the other side from the start.
                     None => self.corners[index].1 = -side,
                 }
             } else if side == 0.0 {
                 let [x, v] = coordinate(seat, &end);
-                self.corners[index].1 = element.law.switch(x, v).map_or(0.0, sign);
+                let value = element.law.switch(&end, x, v, &element.memory);
+                self.corners[index].1 = value.map_or(0.0, sign);
             }
         }
         first
@@ -259,8 +263,7 @@ impl<'a> Stepper<'a> {
 
     fn happen(&mut self, event: Event) {
         match event {
-            Event::Breakaway => {}
-            Event::Corner(index) => self.corners[index].1 *= -1.0,
+            Event::Breakaway | Event::Corner => {}
             Event::Stop(seat) if self.constants.yields(seat) => self.slides[seat as usize] = 0.0,
             Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
         }
@@ -278,7 +281,8 @@ impl<'a> Stepper<'a> {
         for (force, side) in &mut self.corners {
             let element = &self.chain.forces[*force];
             let [x, v] = coordinate(self.chain.seat(element.place), &end);
-            *side = element.law.switch(x, v).map_or(*side, sign);
+            let value = element.law.switch(&end, x, v, &element.memory);
+            *side = value.map_or(*side, sign);
         }
     }
 
@@ -311,9 +315,15 @@ impl<'a> Stepper<'a> {
         for index in 0..self.chain.forces.len() {
             let seat = self.chain.seat(self.chain.forces[index].place);
             let element = &mut self.chain.forces[index];
-            let [x, _] = coordinate(seat, &motion);
-            element.memory.state = element.law.advance(time, x, &element.memory);
+            let [x, v] = coordinate(seat, &motion);
+            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
             (element.memory.position, element.memory.time) = (x, time);
+        }
+        for (force, side) in &mut self.corners {
+            let element = &self.chain.forces[*force];
+            let [x, v] = coordinate(self.chain.seat(element.place), &motion);
+            let value = element.law.switch(&motion, x, v, &element.memory);
+            *side = value.map_or(*side, sign);
         }
     }
 }
