@@ -2,17 +2,26 @@
 //!
 //! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
 
+mod bodies;
 pub mod chain;
 mod experiment;
+mod file;
 mod flexible_joint;
 mod integrate;
 mod kind;
+mod oscillator;
 mod output;
 mod piecewise;
 mod predict;
+mod rigid_axis;
+mod roots;
+mod runge_kutta;
+mod stepper;
 mod trace;
+mod two_mass;
 
 pub use experiment::{Experiment, Output};
+pub use file::ModelError;
 pub use integrate::{Kick, Timed, integrate};
 pub use kind::{KINDS, Key, Kind};
 pub use piecewise::{Cubic, Grid, Hold};
@@ -127,6 +136,6 @@ impl Model {
 
     /// Whether a channel of this role can drive the model as it is.
     pub fn takes(&self, role: Role) -> bool {
-        self.kind.inputs.contains(&role)
+        self.kind.inputs.contains(&role) && (self.kind.takes)(&self.keys(), role)
     }
 }
