@@ -22,6 +22,9 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
+/// Steps into which one may be divided while friction falls with speed.
+const FINEST: f64 = 32.0;
+
 /// A chain in motion.
 pub(super) struct Stepper<'a> {
     pub chain: &'a mut Chain,
@@ -34,6 +37,9 @@ pub(super) struct Stepper<'a> {
     corners: Vec<(usize, f64)>,
     /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
     breakaway: [Option<[f64; 2]>; 3],
+    /// Least Stribeck velocity of a seat, and the acceleration by which friction falls, where it does
+    /// so slowly enough to be followed.
+    stribeck: [Option<(f64, f64)>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
     slides: [f64; 3],
 }
@@ -47,7 +53,8 @@ enum Event {
 
 impl<'a> Stepper<'a> {
     /// The chain at its first instant: what moves slides, memories begin.
-    pub fn new(chain: &'a mut Chain, time: f64, state: &State, input: [f64; 3]) -> Self {
+    pub fn new(chain: &'a mut Chain, span: &Span, state: &State, h: f64) -> Self {
+        let (time, input) = span.at(0.0);
         let constants = Constants::new(&chain.linear);
         let (motion, _) = chain.motion(time, state, input);
         let mut corners = Vec::new();
@@ -70,6 +77,7 @@ impl<'a> Stepper<'a> {
                 .map(|force| force * chain.linear.unit_force);
             breakaway[seat] = Some([up + own[0], down + own[1]]);
         }
+        let stribeck = stribeck(chain, &constants, h);
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
@@ -79,6 +87,7 @@ impl<'a> Stepper<'a> {
             whole,
             corners,
             breakaway,
+            stribeck,
             slides: [0.0; 3],
         }
     }
@@ -119,30 +128,112 @@ impl<'a> Stepper<'a> {
             self.remember(state, to, span.at(h).1);
             return;
         }
-        let mut events = 0;
+        let (shortest, mut events) = ((to - span.from) / FINEST, 0);
         while to > span.from {
-            let h = to - span.from;
+            let h = self.longest(&start, to - span.from).max(shortest);
+            let h = h.min(to - span.from);
             let trial = self.trial(state, &span, &start, h);
             let event = self.first_event(state, &start, &trial, &span);
-            let Some((event, share)) = event.filter(|_| events < MOST_EVENTS) else {
-                if event.is_some() {
-                    self.calm(&trial, &span);
+            let h = match event {
+                Some((event, share)) if events < MOST_EVENTS => {
+                    events += 1;
+                    let (end, share) = self.end_at(event, share, state, &start, &trial, &span);
+                    *state = end;
+                    self.happen(event);
+                    share * h
                 }
-                *state = trial.end;
-                self.accept(state, to, span.at(h).1);
-                return;
+                _ => {
+                    if event.is_some() {
+                        self.calm(&trial, &span);
+                    }
+                    *state = trial.end;
+                    h
+                }
             };
-            let h = share * h;
-            if h > 0.0 {
-                *state = self.trial(state, &span, &start, h).end;
-            }
-            let input = span.at(h).1;
-            span.from = (span.from + h).min(to);
-            self.happen(event);
+            let (input, then) = (span.at(h).1, span.from + h);
+            span.from = if h == to - span.from {
+                to
+            } else {
+                then.min(to)
+            };
             self.accept(state, span.from, input);
-            start = self.settle(state, &span);
-            events += 1;
+            if span.from < to {
+                start = self.settle(state, &span);
+            }
         }
+    }
+
+    /// The longest step in which friction that falls with speed can be followed.
+    fn longest(&self, start: &Instant, h: f64) -> f64 {
+        let mut longest = h;
+        for seat in self.rough() {
+            let Some((velocity, drop)) = self.stribeck[seat as usize] else {
+                continue;
+            };
+            let slides = self.slides[seat as usize];
+            if slides == 0.0 {
+                continue;
+            }
+            let rate = slides * coordinate(seat, &start.motion)[1];
+            let change = slides
+                * match seat {
+                    Seat::Motor => start.motor,
+                    Seat::Across => start.link - start.motor,
+                    Seat::Link => start.link,
+                };
+            // Beyond three velocities the force is the kinetic one to 1e-4.
+            let above = rate - 3.0 * velocity;
+            longest = match above > 0.0 {
+                true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
+                true => longest,
+                false => longest.min(0.5 * velocity / (change.abs() + drop)),
+            };
+        }
+        longest
+    }
+
+    /// The state at an event, and the share of the trial's step at which it is truly past it.
+    fn end_at(
+        &self,
+        event: Event,
+        mut share: f64,
+        state: &State,
+        start: &Instant,
+        trial: &Trial,
+        span: &Span,
+    ) -> (State, f64) {
+        let mut end = *state;
+        for _ in 0..4 {
+            if share <= 0.0 {
+                return (end, 0.0);
+            }
+            end = self.trial(state, span, start, share * trial.h).end;
+            let Event::Corner(index) = event else {
+                break;
+            };
+            let (time, input) = span.at(share * trial.h);
+            let here = self
+                .chain
+                .position::<true>(&self.constants, time, &end, input);
+            let value = self.switch(index, &here.motion);
+            if value < 0.0 {
+                break;
+            }
+            // What the interpolation said of the root was a hair early.
+            let near = (share - 0.01).max(0.0);
+            let at = |share| self.switch(index, &self.motion_at(state, trial, span, share));
+            let slope = (at(share) - at(near)) / (share - near);
+            share = (share - 1.5 * value / slope.min(-f64::MIN_POSITIVE) + OVERSHOOT).min(1.0);
+        }
+        (end, share)
+    }
+
+    /// The switch of a corner, positive on its present side.
+    fn switch(&self, index: usize, motion: &Motion) -> f64 {
+        let (force, side) = self.corners[index];
+        let element = &self.chain.forces[force];
+        let [x, v] = coordinate(self.chain.seat(element.place), motion);
+        side * element.law.switch(x, v).unwrap_or(side)
     }
 
     fn evaluate(&self, time: f64, state: &State, input: [f64; 3]) -> Instant {
@@ -178,7 +269,12 @@ impl<'a> Stepper<'a> {
 
     /// Whether a seat sticks and something could make it slide.
     fn holds(&self, seat: Seat) -> bool {
-        self.slides[seat as usize] == 0.0 && self.constants.yields(seat)
+        self.slides[seat as usize] == 0.0 && self.yields(seat)
+    }
+
+    /// Whether what slides at a seat can be stopped there.
+    fn yields(&self, seat: Seat) -> bool {
+        self.constants.mobility(seat) > 0.0
     }
 
     /// Hands the state of the seats on to their frictions.
@@ -224,23 +320,20 @@ impl<'a> Stepper<'a> {
             }
         }
         for index in 0..self.corners.len() {
-            let (force, side) = self.corners[index];
-            let element = &self.chain.forces[force];
-            let seat = self.chain.seat(element.place);
-            let switch = |motion: &Motion| {
-                let [x, v] = coordinate(seat, motion);
-                side * element.law.switch(x, v).unwrap_or(side)
-            };
-            if switch(&end) < 0.0 {
-                let switch = |share| switch(&self.motion_at(state, trial, span, share));
+            if self.corners[index].1 == 0.0 {
+                // It started at the corner: the side is where it went.
+                self.corners[index].1 = 1.0;
+                self.corners[index].1 = sign(self.switch(index, &end));
+            } else if self.switch(index, &end) < 0.0 {
+                let switch = |share| {
+                    let motion = self.motion_at(state, trial, span, share);
+                    self.switch(index, &motion)
+                };
                 match first_root(switch) {
                     Some(share) => note(Event::Corner(index), share),
                     // It was on the other side from the start.
-                    None => self.corners[index].1 = -side,
+                    None => self.corners[index].1 *= -1.0,
                 }
-            } else if side == 0.0 {
-                let [x, v] = coordinate(seat, &end);
-                self.corners[index].1 = element.law.switch(x, v).map_or(0.0, sign);
             }
         }
         first
@@ -261,7 +354,7 @@ impl<'a> Stepper<'a> {
         match event {
             Event::Breakaway => {}
             Event::Corner(index) => self.corners[index].1 *= -1.0,
-            Event::Stop(seat) if self.constants.yields(seat) => self.slides[seat as usize] = 0.0,
+            Event::Stop(seat) if self.yields(seat) => self.slides[seat as usize] = 0.0,
             Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
         }
     }
@@ -271,14 +364,14 @@ impl<'a> Stepper<'a> {
         let end = self.motion_at(&trial.end, trial, span, 1.0);
         for seat in self.rough() {
             let rate = coordinate(seat, &end)[1];
-            if self.slides[seat as usize] * rate < 0.0 && self.constants.yields(seat) {
+            if self.slides[seat as usize] * rate < 0.0 && self.yields(seat) {
                 self.slides[seat as usize] = 0.0;
             }
         }
-        for (force, side) in &mut self.corners {
-            let element = &self.chain.forces[*force];
-            let [x, v] = coordinate(self.chain.seat(element.place), &end);
-            *side = element.law.switch(x, v).map_or(*side, sign);
+        for index in 0..self.corners.len() {
+            if self.switch(index, &end) < 0.0 {
+                self.corners[index].1 *= -1.0;
+            }
         }
     }
 
@@ -316,6 +409,29 @@ impl<'a> Stepper<'a> {
             (element.memory.position, element.memory.time) = (x, time);
         }
     }
+}
+
+/// Stribeck velocities that steps of length `h` can follow; smaller ones become 0: the breakaway force
+/// then acts at rest only.
+fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f64)>; 3] {
+    let mut found = [None; 3];
+    for index in 0..chain.frictions.len() {
+        let seat = chain.seat(chain.frictions[index].place);
+        let law = &mut chain.frictions[index].law;
+        let sides = [0, 1].map(|side| law.breakaway[side] - law.kinetic[side]);
+        let unit = chain.linear.unit_force;
+        let drop = unit * constants.mobility(seat) * sides[0].max(sides[1]);
+        if drop <= 0.0 {
+            continue;
+        }
+        if 0.5 * law.stribeck_velocity < drop * h / FINEST {
+            law.stribeck_velocity = 0.0;
+            continue;
+        }
+        let (velocity, fall) = found[seat as usize].unwrap_or((f64::INFINITY, 0.0));
+        found[seat as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
+    }
+    found
 }
 
 /// The sign of a switch; 0 at the corner.
