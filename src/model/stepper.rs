@@ -22,6 +22,9 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
+/// Attempts to meet a corner.
+const MOST_SECANTS: usize = 12;
+
 /// Steps into which one may be divided while friction falls with speed.
 const FINEST: f64 = 32.0;
 
@@ -192,40 +195,89 @@ impl<'a> Stepper<'a> {
         longest
     }
 
-    /// The state at an event, and the share of the trial's step at which it is truly past it.
+    /// The state at an event, and the share of the trial's step at which it is.
     fn end_at(
         &self,
         event: Event,
+        share: f64,
+        state: &State,
+        start: &Instant,
+        trial: &Trial,
+        span: &Span,
+    ) -> (State, f64) {
+        if let Event::Corner(index) = event
+            && share > 0.0
+            && self.jumps(index, share, state, trial, span)
+        {
+            return self.meet(index, share, state, start, trial, span);
+        }
+        if share <= 0.0 {
+            return (*state, 0.0);
+        }
+        let end = self.trial(state, span, start, share * trial.h).end;
+        (end, share)
+    }
+
+    /// Whether a force jumps at its corner by what matters in the change over the step.
+    fn jumps(&self, index: usize, share: f64, state: &State, trial: &Trial, span: &Span) -> bool {
+        let element = &self.chain.forces[self.corners[index].0];
+        let seat = self.chain.seat(element.place);
+        let force = |share: f64| {
+            let motion = self.motion_at(state, trial, span, share.clamp(0.0, 1.0));
+            let [x, v] = coordinate(seat, &motion);
+            element.law.force(&motion, x, v, &element.memory)
+        };
+        let jump = force(share + 1e-4) - force(share - 1e-4);
+        jump.abs() > 0.01 * (force(1.0) - force(0.0)).abs()
+    }
+
+    /// The state just beyond a corner at which the force jumps.
+    ///
+    /// No stage may see the other side, so that the step ends on the near one, and a hop of a
+    /// millionth crosses.
+    fn meet(
+        &self,
+        index: usize,
         mut share: f64,
         state: &State,
         start: &Instant,
         trial: &Trial,
         span: &Span,
     ) -> (State, f64) {
-        let mut end = *state;
-        for _ in 0..4 {
-            if share <= 0.0 {
-                return (end, 0.0);
+        let (mut near, mut low, mut high) = (*state, 0.0, 1.0);
+        for _ in 0..MOST_SECANTS {
+            let part = self.trial(state, span, start, share * trial.h);
+            let value = |s| self.switch(index, &self.motion_at(state, &part, span, s));
+            let (end, before) = (value(1.0), value(0.99));
+            // Where the straight line through the last hundredth falls to 0.
+            let root = share * (1.0 + 0.01 * end / (before - end));
+            if end > 0.0 {
+                (near, low) = (part.end, share);
+            } else {
+                high = share;
             }
-            end = self.trial(state, span, start, share * trial.h).end;
-            let Event::Corner(index) = event else {
-                break;
+            let root = if root > low && root < high {
+                root
+            } else {
+                0.5 * (low + high)
             };
-            let (time, input) = span.at(share * trial.h);
-            let here = self
-                .chain
-                .position::<true>(&self.constants, time, &end, input);
-            let value = self.switch(index, &here.motion);
-            if value < 0.0 {
+            if high.min(root) - low < OVERSHOOT {
                 break;
             }
-            // What the interpolation said of the root was a hair early.
-            let near = (share - 0.01).max(0.0);
-            let at = |share| self.switch(index, &self.motion_at(state, trial, span, share));
-            let slope = (at(share) - at(near)) / (share - near);
-            share = (share - 1.5 * value / slope.min(-f64::MIN_POSITIVE) + OVERSHOOT).min(1.0);
+            // Short of the root by a thousandth of the way, to stay on the near side.
+            share = root - (1e-3 * (root - low)).min(0.5 * OVERSHOOT);
         }
-        (end, share)
+        let hop = Span {
+            from: span.from + low * trial.h,
+            ..*span
+        };
+        let instant = {
+            let (time, input) = hop.at(0.0);
+            self.evaluate(time, &near, input)
+        };
+        let length = 2.0 * OVERSHOOT;
+        let end = self.trial(&near, &hop, &instant, length * trial.h).end;
+        (end, low + length)
     }
 
     /// The switch of a corner, positive on its present side.
