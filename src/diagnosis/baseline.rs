@@ -7,7 +7,6 @@ use super::split;
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::{Experiment, ExperimentError, Kind, Model, simulate};
-use crate::recording::Role;
 use std::f64::consts::TAU;
 
 /// Believed standard deviations beyond which a key of the model may not run: what is not known within
@@ -55,12 +54,6 @@ impl Data {
             self.train[index] = parts.train;
             self.held_out[index] = parts.held_out;
         }
-    }
-
-    /// Whether anything is held out.
-    pub fn is_held_out(&self) -> bool {
-        let rows = self.held_out.iter().flatten().flatten();
-        !self.apart.is_empty() || rows.map(|range| range.len()).sum::<usize>() > 0
     }
 }
 
@@ -237,14 +230,6 @@ pub fn measure_noise(problem: &mut Problem, point: &Point) {
             problem.whitening[e][k] = noise(experiment, output, residual, decay);
         }
     }
-}
-
-/// Whether an input is a position.
-pub fn is_kinematic(experiment: &Experiment) -> bool {
-    matches!(
-        experiment.input,
-        Role::MotorPosition | Role::CommandPosition
-    )
 }
 
 /// Why a diagnosis cannot be made.

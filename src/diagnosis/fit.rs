@@ -44,11 +44,6 @@ impl Projector {
         }
         rows - basis * basis.tr_mul(rows)
     }
-
-    /// The basis of one experiment.
-    pub fn basis(&self, experiment: usize) -> &DMatrix<f64> {
-        &self.bases[experiment]
-    }
 }
 
 /// An orthonormal basis of the columns; those that depend on others are left out.

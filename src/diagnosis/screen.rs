@@ -7,7 +7,8 @@
 
 use super::fit::{Linearised, Projector, orthonormal};
 use super::problem::{Point, Problem};
-use crate::effects::{EFFECTS, Effect, Law, Place};
+use crate::effects::{EFFECTS, Effect, Place};
+use crate::recording::Role;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -32,11 +33,18 @@ pub fn candidates(problem: &Problem) -> Vec<(&'static Effect, Place)> {
     let experiment = &problem.experiments[0];
     let places = (problem.kind.places)(experiment.input);
     let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
+    let absolute = experiment
+        .outputs
+        .iter()
+        .all(|output| output.role != Role::Deformation);
     let mut found = Vec::new();
     for effect in EFFECTS.iter().copied() {
         for &place in effect.places.iter().filter(|place| places.contains(place)) {
-            // A delay of a sensor with a clock of its own is that clock's offset.
-            if !(own_clock && effect.name == "sensor_delay") {
+            // A delay of a sensor with a clock of its own is that clock's offset; one that measures
+            // positions in space cannot scale the deformation and leave the motion as it is.
+            let needless = own_clock && effect.name == "sensor_delay"
+                || absolute && effect.name == "deformation_gain";
+            if !needless {
                 found.push((effect, place));
             }
         }
@@ -179,9 +187,4 @@ fn gain(product: f64, square: f64) -> f64 {
         false => 0.0,
     };
     here.max(elsewhere)
-}
-
-/// Whether a law acts in the sensor or the drive's input rather than on the motion.
-pub fn is_static(law: &Law) -> bool {
-    matches!(law, Law::Sensor(_))
 }

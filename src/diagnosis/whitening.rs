@@ -82,13 +82,4 @@ impl Whitening {
             rows.push((value - expected) / self.innovation);
         }
     }
-
-    /// The same filter for another level of noise.
-    pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            coefficients: self.coefficients.clone(),
-            innovation: self.innovation * factor,
-            deviation: self.deviation * factor,
-        }
-    }
 }

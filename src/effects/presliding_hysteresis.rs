@@ -23,11 +23,11 @@ impl Force for Dahl {
         self.friction * self.deflection(x, memory)
     }
 
-    fn advance(&self, _time: f64, x: f64, memory: &Memory) -> f64 {
+    fn advance(&self, _motion: &Motion, x: f64, _v: f64, memory: &Memory) -> f64 {
         self.deflection(x, memory)
     }
 
-    fn switch(&self, _x: f64, v: f64) -> Option<f64> {
+    fn switch(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> Option<f64> {
         (self.friction > 0.0).then_some(v)
     }
 }
@@ -52,7 +52,8 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
         Parameter {
             name: "presliding_distance",
             quantity: Quantity::POSITION,
-            bounds: |scales| (1e-3 * scales.deformation, 3.0 * scales.deformation),
+            // Shorter ones are Coulomb friction, and bristles too stiff to be followed.
+            bounds: |scales| (0.01 * scales.deformation, 3.0 * scales.deformation),
             neutral: 1.0,
             typical: |scales| 0.1 * scales.deformation,
         },

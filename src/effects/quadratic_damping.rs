@@ -24,7 +24,7 @@ pub const QUADRATIC_DAMPING: Effect = Effect {
     parameters: &[Parameter {
         name: "coefficient",
         quantity: Quantity::new(1, -2, 2),
-        bounds: |scales| (0.0, 20.0 * scales.force / scales.deformation_rate.powi(2)),
+        bounds: |scales| (0.0, 10.0 * scales.force / scales.deformation_rate.powi(2)),
         neutral: 0.0,
         typical: |scales| 0.1 * scales.force / scales.deformation_rate.powi(2),
     }],

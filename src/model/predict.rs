@@ -238,6 +238,22 @@ impl Simulated {
         }
     }
 
+    /// Motor side and link at the stamps of a sensor whose clock reads `offset` seconds too much, by
+    /// straight lines between the nodes.
+    pub fn kinematics(&self, stamps: &[f64], offset: f64) -> (Vec<Kinematics>, Vec<Kinematics>) {
+        let time = &self.trace.time;
+        let last = time.len() - 1;
+        let at = |series: &[Kinematics], stamp: f64| {
+            let t = (stamp - offset).clamp(time[0], time[last]);
+            let k = time.partition_point(|node| *node <= t).clamp(1, last) - 1;
+            let s = (t - time[k]) / (time[k + 1] - time[k]);
+            std::array::from_fn(|i| series[k][i] + s * (series[k + 1][i] - series[k][i]))
+        };
+        let motor = stamps.iter().map(|&t| at(&self.trace.motor, t)).collect();
+        let link = stamps.iter().map(|&t| at(&self.trace.link, t)).collect();
+        (motor, link)
+    }
+
     /// What the output shows when its clock reads `offset` seconds too much.
     pub fn predict(&self, output: &Output, offset: f64) -> Prediction {
         let time = &self.trace.time;

@@ -22,9 +22,6 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
-/// Attempts to meet a corner.
-const MOST_SECANTS: usize = 12;
-
 /// Steps into which one may be divided while friction falls with speed.
 const FINEST: f64 = 32.0;
 
@@ -51,7 +48,7 @@ pub(super) struct Stepper<'a> {
 enum Event {
     Stop(Seat),
     Breakaway,
-    Corner(usize),
+    Corner,
 }
 
 impl<'a> Stepper<'a> {
@@ -66,7 +63,8 @@ impl<'a> Stepper<'a> {
             let [x, v] = coordinate(seat, &motion);
             let element = &mut chain.forces[index];
             (element.memory.time, element.memory.position) = (time, x);
-            if let Some(value) = element.law.switch(x, v) {
+            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
+            if let Some(value) = element.law.switch(&motion, x, v, &element.memory) {
                 corners.push((index, sign(value)));
             }
         }
@@ -140,8 +138,9 @@ impl<'a> Stepper<'a> {
             let h = match event {
                 Some((event, share)) if events < MOST_EVENTS => {
                     events += 1;
-                    let (end, share) = self.end_at(event, share, state, &start, &trial, &span);
-                    *state = end;
+                    if share > 0.0 {
+                        *state = self.trial(state, &span, &start, share * h).end;
+                    }
                     self.happen(event);
                     share * h
                 }
@@ -193,99 +192,6 @@ impl<'a> Stepper<'a> {
             };
         }
         longest
-    }
-
-    /// The state at an event, and the share of the trial's step at which it is.
-    fn end_at(
-        &self,
-        event: Event,
-        share: f64,
-        state: &State,
-        start: &Instant,
-        trial: &Trial,
-        span: &Span,
-    ) -> (State, f64) {
-        if let Event::Corner(index) = event
-            && share > 0.0
-            && self.jumps(index, share, state, trial, span)
-        {
-            return self.meet(index, share, state, start, trial, span);
-        }
-        if share <= 0.0 {
-            return (*state, 0.0);
-        }
-        let end = self.trial(state, span, start, share * trial.h).end;
-        (end, share)
-    }
-
-    /// Whether a force jumps at its corner by what matters in the change over the step.
-    fn jumps(&self, index: usize, share: f64, state: &State, trial: &Trial, span: &Span) -> bool {
-        let element = &self.chain.forces[self.corners[index].0];
-        let seat = self.chain.seat(element.place);
-        let force = |share: f64| {
-            let motion = self.motion_at(state, trial, span, share.clamp(0.0, 1.0));
-            let [x, v] = coordinate(seat, &motion);
-            element.law.force(&motion, x, v, &element.memory)
-        };
-        let jump = force(share + 1e-4) - force(share - 1e-4);
-        jump.abs() > 0.01 * (force(1.0) - force(0.0)).abs()
-    }
-
-    /// The state just beyond a corner at which the force jumps.
-    ///
-    /// No stage may see the other side, so that the step ends on the near one, and a hop of a
-    /// millionth crosses.
-    fn meet(
-        &self,
-        index: usize,
-        mut share: f64,
-        state: &State,
-        start: &Instant,
-        trial: &Trial,
-        span: &Span,
-    ) -> (State, f64) {
-        let (mut near, mut low, mut high) = (*state, 0.0, 1.0);
-        for _ in 0..MOST_SECANTS {
-            let part = self.trial(state, span, start, share * trial.h);
-            let value = |s| self.switch(index, &self.motion_at(state, &part, span, s));
-            let (end, before) = (value(1.0), value(0.99));
-            // Where the straight line through the last hundredth falls to 0.
-            let root = share * (1.0 + 0.01 * end / (before - end));
-            if end > 0.0 {
-                (near, low) = (part.end, share);
-            } else {
-                high = share;
-            }
-            let root = if root > low && root < high {
-                root
-            } else {
-                0.5 * (low + high)
-            };
-            if high.min(root) - low < OVERSHOOT {
-                break;
-            }
-            // Short of the root by a thousandth of the way, to stay on the near side.
-            share = root - (1e-3 * (root - low)).min(0.5 * OVERSHOOT);
-        }
-        let hop = Span {
-            from: span.from + low * trial.h,
-            ..*span
-        };
-        let instant = {
-            let (time, input) = hop.at(0.0);
-            self.evaluate(time, &near, input)
-        };
-        let length = 2.0 * OVERSHOOT;
-        let end = self.trial(&near, &hop, &instant, length * trial.h).end;
-        (end, low + length)
-    }
-
-    /// The switch of a corner, positive on its present side.
-    fn switch(&self, index: usize, motion: &Motion) -> f64 {
-        let (force, side) = self.corners[index];
-        let element = &self.chain.forces[force];
-        let [x, v] = coordinate(self.chain.seat(element.place), motion);
-        side * element.law.switch(x, v).unwrap_or(side)
     }
 
     fn evaluate(&self, time: f64, state: &State, input: [f64; 3]) -> Instant {
@@ -372,20 +278,26 @@ impl<'a> Stepper<'a> {
             }
         }
         for index in 0..self.corners.len() {
-            if self.corners[index].1 == 0.0 {
-                // It started at the corner: the side is where it went.
-                self.corners[index].1 = 1.0;
-                self.corners[index].1 = sign(self.switch(index, &end));
-            } else if self.switch(index, &end) < 0.0 {
-                let switch = |share| {
-                    let motion = self.motion_at(state, trial, span, share);
-                    self.switch(index, &motion)
-                };
+            let (force, side) = self.corners[index];
+            let element = &self.chain.forces[force];
+            let seat = self.chain.seat(element.place);
+            let switch = |motion: &Motion| {
+                let [x, v] = coordinate(seat, motion);
+                let value = element.law.switch(motion, x, v, &element.memory);
+                side * value.unwrap_or(side)
+            };
+            if switch(&end) < 0.0 {
+                let switch = |share| switch(&self.motion_at(state, trial, span, share));
                 match first_root(switch) {
-                    Some(share) => note(Event::Corner(index), share),
+                    // On the far side, where the force has its other branch.
+                    Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
                     // It was on the other side from the start.
-                    None => self.corners[index].1 *= -1.0,
+                    None => self.corners[index].1 = -side,
                 }
+            } else if side == 0.0 {
+                let [x, v] = coordinate(seat, &end);
+                let value = element.law.switch(&end, x, v, &element.memory);
+                self.corners[index].1 = value.map_or(0.0, sign);
             }
         }
         first
@@ -404,8 +316,7 @@ impl<'a> Stepper<'a> {
 
     fn happen(&mut self, event: Event) {
         match event {
-            Event::Breakaway => {}
-            Event::Corner(index) => self.corners[index].1 *= -1.0,
+            Event::Breakaway | Event::Corner => {}
             Event::Stop(seat) if self.yields(seat) => self.slides[seat as usize] = 0.0,
             Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
         }
@@ -420,10 +331,11 @@ impl<'a> Stepper<'a> {
                 self.slides[seat as usize] = 0.0;
             }
         }
-        for index in 0..self.corners.len() {
-            if self.switch(index, &end) < 0.0 {
-                self.corners[index].1 *= -1.0;
-            }
+        for (force, side) in &mut self.corners {
+            let element = &self.chain.forces[*force];
+            let [x, v] = coordinate(self.chain.seat(element.place), &end);
+            let value = element.law.switch(&end, x, v, &element.memory);
+            *side = value.map_or(*side, sign);
         }
     }
 
@@ -456,9 +368,15 @@ impl<'a> Stepper<'a> {
         for index in 0..self.chain.forces.len() {
             let seat = self.chain.seat(self.chain.forces[index].place);
             let element = &mut self.chain.forces[index];
-            let [x, _] = coordinate(seat, &motion);
-            element.memory.state = element.law.advance(time, x, &element.memory);
+            let [x, v] = coordinate(seat, &motion);
+            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
             (element.memory.position, element.memory.time) = (x, time);
+        }
+        for (force, side) in &mut self.corners {
+            let element = &self.chain.forces[*force];
+            let [x, v] = coordinate(self.chain.seat(element.place), &motion);
+            let value = element.law.switch(&motion, x, v, &element.memory);
+            *side = value.map_or(*side, sign);
         }
     }
 }
