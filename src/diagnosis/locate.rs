@@ -1,14 +1,17 @@
 //! Where a model and a recording part: by place in the chain, in time, over a coordinate, in
 //! frequency. It says where to look; names are given by simulation.
 
+mod basis;
 mod colour;
 mod coordinate;
 mod correlation;
+mod events;
 mod frequency;
 mod orders;
 mod peaks;
 mod phases;
 mod place;
+mod refit;
 mod search;
 mod sensor_side;
 mod smoother;
@@ -120,33 +123,39 @@ pub fn locate(residual: &Residual) -> Located {
         *value *= residual.noise_std;
     }
     let dynamic_gain = (likelihood - colour::likelihood(residual.time, &scaled)).max(0.0);
-    put_together(residual, smoothed, dynamic_gain)
+    put_together(residual, &smoother, smoothed, dynamic_gain)
 }
 
 /// Everything that is read off the missing force and the residual.
-fn put_together(residual: &Residual, smoothed: Smoothed, dynamic_gain: f64) -> Located {
+fn put_together(
+    residual: &Residual,
+    smoother: &Smoother,
+    smoothed: Smoothed,
+    dynamic_gain: f64,
+) -> Located {
     let labels = phases::label(residual);
     let moving = coordinate::moving(&labels);
     let (phases, strong_phases) = phases::chi_squared(residual, &labels);
-    let sensor = sensor_side::sensor_side(
-        residual.time,
-        residual.residual,
-        residual.motor,
-        residual.link,
-    );
+    let refit = refit::refit(residual, smoother);
+    let sensor = sensor_side::sensor_side(residual, &refit);
     let orders = orders::orders(residual, &smoothed.missing, &moving);
     let suspects = suspects::suspects(residual, &smoothed, &moving, time_scale(residual));
     let frequencies = frequency::frequencies(residual.time, residual.residual, &residual.dynamics);
+    let elsewhere = frequency::frequencies(residual.time, &sensor.left, &residual.dynamics);
     let (explained, mut coordinate) = coordinate::best(residual, &smoothed.missing, &moving);
-    let found = place::Evidence {
+    let evidence = place::Evidence {
         residual,
         missing: &smoothed.missing,
         dynamic_gain,
         sensor: &sensor,
+        events: events::events(residual, &suspects, smoother, &refit),
         suspects: &suspects,
         orders: &orders,
-    }
-    .place(&mut coordinate);
+        rings_elsewhere: elsewhere
+            .iter()
+            .any(|f| !frequency::is_near(*f, &residual.dynamics)),
+    };
+    let found = evidence.place(&mut coordinate);
     let mut location = Location::default();
     if let Some(place) = found {
         let memory = correlation::length(residual.time, residual.residual);
@@ -171,7 +180,11 @@ fn put_together(residual: &Residual, smoothed: Smoothed, dynamic_gain: f64) -> L
         phases,
         suspects: suspects.iter().map(|s| s.time).collect(),
         suspect_frequencies: frequencies,
-        suspect_orders: orders.iter().map(|o| o.0).collect(),
+        suspect_orders: if found.is_some() {
+            orders.iter().map(|o| o.order).collect()
+        } else {
+            Vec::new()
+        },
     }
 }
 

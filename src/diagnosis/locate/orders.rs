@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use realfft::RealFftPlanner;
 
+use super::correlation::length as length_of;
 use super::peaks::lines;
 use super::{MOST, Residual};
 
@@ -12,12 +13,22 @@ const CELLS: usize = 2048;
 /// Cycles over the travel from which a force is periodic rather than a slope.
 const FEWEST: f64 = 3.0;
 
-/// Radians of phase for one unit of position, the strongest first, with the share of the force's
-/// variance that each explains.
+/// A force periodic in position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Order {
+    /// Radians of phase for one unit of position.
+    pub order: f64,
+    /// Share of the missing force's variance that a sine of this order explains.
+    pub share: f64,
+    /// Whether the best of all orders explains less on chance in a hundred cases but one.
+    pub significant: bool,
+}
+
+/// Orders that stand out, the strongest first.
 ///
 /// The sum of `d dx exp(-i k x)` over the path: a force that repeats with position adds up over all
 /// passages, whatever their speed, and any other does not.
-pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<(f64, f64)> {
+pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<Order> {
     let x = |k: usize| residual.motor[k][0];
     let bounds = at.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, &k| {
         (b.0.min(x(k)), b.1.max(x(k)))
@@ -54,15 +65,25 @@ pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<(f
     let stride = length / path.len().max(1) as f64;
     let highest = (0.25 * TAU / stride / resolution) as usize;
     let first = (FEWEST * TAU / travel / resolution).ceil() as usize;
-    let mut found: Vec<(f64, f64)> = Vec::new();
+    // A sine explains chi^2_2 / independent; tail exp(-x / 2), the best of all orders.
+    let stamps: Vec<f64> = at.iter().map(|&k| residual.time[k]).collect();
+    let series: Vec<f64> = at.iter().map(|&k| force[k]).collect();
+    let independent = at.len() as f64 / length_of(&stamps, &series).samples;
+    let chance = 2.0 * ((highest.max(first + 1) - first) as f64 / 0.01).ln() / independent;
+    let mut found: Vec<Order> = Vec::new();
     for line in lines(&power, first, highest.min(power.len())) {
         let order = line.at * resolution;
         if found.len() < MOST
             && found
                 .iter()
-                .all(|f| (f.0 - order).abs() > 2.0 * TAU / travel)
+                .all(|f| (f.order - order).abs() > 2.0 * TAU / travel)
         {
-            found.push((order, share(residual, force, at, order)));
+            let share = share(residual, force, at, order);
+            found.push(Order {
+                order,
+                share,
+                significant: share > chance,
+            });
         }
     }
     found

@@ -1,6 +1,8 @@
 //! The place in the chain, from all that was seen.
 
 use super::Residual;
+use super::events::Events;
+use super::orders::Order;
 use super::sensor_side::SensorSide;
 use super::suspects::{Kind, Suspect};
 use crate::diagnosis::CoordinateTrace;
@@ -16,8 +18,11 @@ pub(super) struct Evidence<'a> {
     pub missing: &'a [f64],
     pub dynamic_gain: f64,
     pub sensor: &'a SensorSide,
+    pub events: Events,
     pub suspects: &'a [Suspect],
-    pub orders: &'a [(f64, f64)],
+    pub orders: &'a [Order],
+    /// Whether a frequency away from the mode stands out of what the sensor side leaves.
+    pub rings_elsewhere: bool,
 }
 
 impl Evidence<'_> {
@@ -27,64 +32,51 @@ impl Evidence<'_> {
         let half = 0.5 * (self.residual.time.len() as f64).ln();
         let dynamic = self.dynamic_gain - half.max(CHANCE);
         let sensor = self.sensor.gain - (half * self.sensor.count as f64).max(CHANCE);
-        if dynamic <= 0.0 && sensor <= 0.0 {
+        let events = self.events.evidence;
+        if dynamic.max(sensor).max(events) <= 0.0 {
             return None;
         }
-        if sensor >= dynamic || self.residual.sensor_only {
+        if self.residual.sensor_only || sensor >= dynamic.max(events) {
+            if self.rings_elsewhere && !self.residual.sensor_only {
+                return Some(Place::Link);
+            }
             if sensor > 0.0 {
                 self.against_regressor(coordinate);
             }
             return Some(Place::Sensor);
         }
-        if let Some(place) = self.event(coordinate) {
-            return Some(place);
+        if events >= dynamic {
+            self.over_time(coordinate);
+            return Some(Place::Environment);
         }
-        let ripple = self.ripple(coordinate);
-        Some(ripple.unwrap_or_else(|| self.of_coordinate(coordinate.as_ref())))
-    }
-
-    fn against_regressor(&self, coordinate: &mut Option<CoordinateTrace>) {
-        let Some((name, values)) = &self.sensor.best else {
-            return;
-        };
-        let missing = self.residual.residual.to_vec();
-        self.set(coordinate, name, values.clone(), missing);
-    }
-
-    /// A single event that is worth more than half of all that is missing.
-    fn event(&self, coordinate: &mut Option<CoordinateTrace>) -> Option<Place> {
-        let first = self.suspects.first()?;
-        if first.gain < 0.5 * self.dynamic_gain {
-            return None;
-        }
-        self.set(
-            coordinate,
-            "time",
-            self.residual.time.to_vec(),
-            self.missing.to_vec(),
-        );
-        Some(if first.kind == Kind::Change {
-            Place::Link
-        } else {
-            Place::Environment
-        })
-    }
-
-    /// A force periodic in position that explains more than the best coordinate.
-    fn ripple(&self, coordinate: &mut Option<CoordinateTrace>) -> Option<Place> {
-        let &(_, share) = self.orders.first()?;
         let shares = coordinate.iter().flat_map(|c| &c.explained).map(|e| e.1);
-        if share < shares.fold(0.0, f64::max) {
-            return None;
+        let share = shares.fold(0.0, f64::max);
+        Some(self.of_force(share, coordinate))
+    }
+
+    /// The place of a force, of which the best coordinate explains this share.
+    fn of_force(&self, share: f64, coordinate: &mut Option<CoordinateTrace>) -> Place {
+        let changes = |s: &&Suspect| s.kind == Kind::Change && s.share > share;
+        let ripple = self
+            .orders
+            .first()
+            .filter(|o| o.significant && o.share > share);
+        let change = self.suspects.iter().find(changes);
+        if change.is_some_and(|c| ripple.is_none_or(|r| c.share > r.share)) {
+            self.over_time(coordinate);
+            return Place::Link;
         }
-        let position = self.residual.motor.iter().map(|m| m[0]).collect();
-        self.set(coordinate, "position", position, self.missing.to_vec());
-        Some(Place::Transmission)
+        if ripple.is_some() {
+            let position = self.residual.motor.iter().map(|m| m[0]).collect();
+            set(coordinate, "position", position, self.missing.to_vec());
+            return Place::Transmission;
+        }
+        self.of_coordinate(coordinate.as_ref())
     }
 
     fn of_coordinate(&self, coordinate: Option<&CoordinateTrace>) -> Place {
-        let same = |(m, l): (&[f64; 3], &[f64; 3])| m == l;
-        let no_link = self.residual.motor.iter().zip(self.residual.link).all(same);
+        let mut sides = self.residual.motor.iter().zip(self.residual.link);
+        let no_link = sides.all(|(motor, link)| motor == link);
         let free = self.residual.dynamics.natural_frequency == 0.0;
         match coordinate.map(|c| c.coordinate.as_str()) {
             _ if no_link && free => Place::Drive,
@@ -94,20 +86,34 @@ impl Evidence<'_> {
         }
     }
 
-    fn set(
-        &self,
-        coordinate: &mut Option<CoordinateTrace>,
-        name: &str,
-        x: Vec<f64>,
-        missing: Vec<f64>,
-    ) {
-        let explained = coordinate.take().map(|c| c.explained).unwrap_or_default();
-        *coordinate = Some(CoordinateTrace {
-            coordinate: name.into(),
-            x,
-            missing,
-            explained,
-            ..CoordinateTrace::default()
-        });
+    fn against_regressor(&self, coordinate: &mut Option<CoordinateTrace>) {
+        if let Some((name, values)) = &self.sensor.best {
+            set(
+                coordinate,
+                name,
+                values.clone(),
+                self.residual.residual.to_vec(),
+            );
+        }
     }
+
+    fn over_time(&self, coordinate: &mut Option<CoordinateTrace>) {
+        set(
+            coordinate,
+            "time",
+            self.residual.time.to_vec(),
+            self.missing.to_vec(),
+        );
+    }
+}
+
+fn set(coordinate: &mut Option<CoordinateTrace>, name: &str, x: Vec<f64>, missing: Vec<f64>) {
+    let explained = coordinate.take().map(|c| c.explained).unwrap_or_default();
+    *coordinate = Some(CoordinateTrace {
+        coordinate: name.into(),
+        x,
+        missing,
+        explained,
+        ..CoordinateTrace::default()
+    });
 }

@@ -164,6 +164,32 @@ impl Smoother {
         found
     }
 
+    /// The error's response to a force given at the stamps, taken for constant in between at its mean.
+    pub fn response(&self, force: &[f64]) -> Vec<f64> {
+        let mut state = Vector3::zeros();
+        let mut found = vec![state[0]; force.len()];
+        for (k, &which) in self.which.iter().enumerate() {
+            state[2] = 0.5 * (force[k] + force[k + 1]);
+            state = self.transitions[which].phi * state;
+            found[k + 1] = state[0];
+        }
+        found
+    }
+
+    /// The error after a unit jump of one component of the state at a stamp.
+    pub fn after_jump(&self, stamp: usize, component: usize) -> Vec<f64> {
+        let mut found = vec![0.0; self.which.len() + 1];
+        let mut state = Vector3::zeros();
+        state[component] = 1.0;
+        for k in stamp..found.len() {
+            found[k] = state[0];
+            if let Some(&which) = self.which.get(k) {
+                state = self.transitions[which].phi * state;
+            }
+        }
+        found
+    }
+
     /// Adjoint and its information before stamp `k`, from those after it.
     fn backward(
         &self,
