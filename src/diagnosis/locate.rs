@@ -5,13 +5,13 @@ mod basis;
 mod colour;
 mod coordinate;
 mod correlation;
-mod events;
 mod frequency;
 mod orders;
 mod peaks;
 mod phases;
 mod place;
 mod refit;
+mod responses;
 mod search;
 mod sensor_side;
 mod smoother;
@@ -119,7 +119,11 @@ pub fn locate(residual: &Residual) -> Located {
         .collect();
     let (intensity, likelihood) = smoother.fit(&scaled);
     let mut smoothed = smoother.smooth(&scaled, intensity);
-    for value in smoothed.missing.iter_mut().chain(&mut smoothed.missing_std) {
+    let errors = smoothed.error.iter_mut().flatten();
+    for value in errors
+        .chain(&mut smoothed.missing)
+        .chain(&mut smoothed.missing_std)
+    {
         *value *= residual.noise_std;
     }
     let dynamic_gain = (likelihood - colour::likelihood(residual.time, &scaled)).max(0.0);
@@ -140,51 +144,47 @@ fn put_together(
     let sensor = sensor_side::sensor_side(residual, &refit);
     let orders = orders::orders(residual, &smoothed.missing, &moving);
     let suspects = suspects::suspects(residual, &smoothed, &moving, time_scale(residual));
-    let frequencies = frequency::frequencies(residual.time, residual.residual, &residual.dynamics);
-    let elsewhere = frequency::frequencies(residual.time, &sensor.left, &residual.dynamics);
-    let (explained, mut coordinate) = coordinate::best(residual, &smoothed.missing, &moving);
+    let frequencies =
+        |series: &[f64]| frequency::frequencies(residual.time, series, &residual.dynamics);
+    let (frequencies, elsewhere) = (frequencies(residual.residual), frequencies(&sensor.left));
+    let away = |f: &f64| !frequency::is_near(*f, &residual.dynamics);
+    let (explained, mut coordinate) = coordinate::best(residual, &smoothed, &moving);
+    let events = suspects
+        .iter()
+        .filter_map(|s| responses::to_event(smoother, s));
+    let ripples = orders
+        .iter()
+        .map(|&order| responses::to_order(residual, smoother, order));
     let evidence = place::Evidence {
         residual,
         missing: &smoothed.missing,
         dynamic_gain,
         sensor: &sensor,
-        events: events::events(residual, &suspects, smoother, &refit),
+        events: responses::evidence(residual, &refit, events),
+        ripple: responses::evidence(residual, &refit, ripples),
         suspects: &suspects,
-        orders: &orders,
-        rings_elsewhere: elsewhere
-            .iter()
-            .any(|f| !frequency::is_near(*f, &residual.dynamics)),
+        rings_elsewhere: elsewhere.iter().any(away),
     };
-    let found = evidence.place(&mut coordinate);
-    let mut location = Location::default();
-    if let Some(place) = found {
-        let memory = correlation::length(residual.time, residual.residual);
-        location = Location {
-            place: Some(place.name().into()),
-            phases: strong_phases,
-            times_s: stretches::strong(residual, time_scale(residual), memory.samples),
-            coordinate: coordinate.as_ref().map(|c| c.coordinate.clone()),
-            frequency_hz: frequencies.first().map(|f| f / TAU),
-        };
-    } else {
-        coordinate = None;
-    }
+    let place = evidence.place(&mut coordinate);
+    let location = place.map(|place| Location {
+        place: Some(place.name().into()),
+        phases: strong_phases,
+        times_s: stretches::strong(residual, time_scale(residual)),
+        coordinate: coordinate.as_ref().map(|c| c.coordinate.clone()),
+        frequency_hz: frequencies.first().map(|f| f / TAU),
+    });
     Located {
-        location,
+        coordinate: coordinate.filter(|_| place.is_some()),
+        location: location.unwrap_or_default(),
         missing: smoothed.missing,
         missing_std: smoothed.missing_std,
         dynamic_gain,
         sensor_gain: sensor.gain,
-        coordinate,
         explained,
         phases,
         suspects: suspects.iter().map(|s| s.time).collect(),
         suspect_frequencies: frequencies,
-        suspect_orders: if found.is_some() {
-            orders.iter().map(|o| o.order).collect()
-        } else {
-            Vec::new()
-        },
+        suspect_orders: if place.is_some() { orders } else { Vec::new() },
     }
 }
 

@@ -1,8 +1,7 @@
 //! The place in the chain, from all that was seen.
 
 use super::Residual;
-use super::events::Events;
-use super::orders::Order;
+use super::coordinate::has_link;
 use super::sensor_side::SensorSide;
 use super::suspects::{Kind, Suspect};
 use crate::diagnosis::CoordinateTrace;
@@ -12,15 +11,18 @@ use crate::effects::Place;
 /// once in a thousand.
 const CHANCE: f64 = 4.77;
 
-/// What speaks for a place.
+/// What speaks for a place: log-likelihood gains over noise, less what their parameters cost.
 pub(super) struct Evidence<'a> {
     pub residual: &'a Residual<'a>,
     pub missing: &'a [f64],
+    /// Gain of a missing force of any course.
     pub dynamic_gain: f64,
     pub sensor: &'a SensorSide,
-    pub events: Events,
+    /// Evidence of a few events.
+    pub events: f64,
+    /// Evidence of forces periodic in position.
+    pub ripple: f64,
     pub suspects: &'a [Suspect],
-    pub orders: &'a [Order],
     /// Whether a frequency away from the mode stands out of what the sensor side leaves.
     pub rings_elsewhere: bool,
 }
@@ -31,69 +33,72 @@ impl Evidence<'_> {
     pub fn place(&self, coordinate: &mut Option<CoordinateTrace>) -> Option<Place> {
         let half = 0.5 * (self.residual.time.len() as f64).ln();
         let dynamic = self.dynamic_gain - half.max(CHANCE);
-        let sensor = self.sensor.gain - (half * self.sensor.count as f64).max(CHANCE);
-        let events = self.events.evidence;
-        if dynamic.max(sensor).max(events) <= 0.0 {
+        let sensor = self.sensor.evidence;
+        let few = self.events.max(self.ripple);
+        if dynamic.max(sensor).max(few) <= 0.0 {
             return None;
         }
-        if self.residual.sensor_only || sensor >= dynamic.max(events) {
-            if self.rings_elsewhere && !self.residual.sensor_only {
-                return Some(Place::Link);
-            }
-            if sensor > 0.0 {
-                self.against_regressor(coordinate);
-            }
-            return Some(Place::Sensor);
+        if self.residual.sensor_only || sensor >= dynamic.max(few) {
+            return Some(self.of_sensor(coordinate));
         }
-        if events >= dynamic {
+        // A few causes of known shape are believed where they earn more than half of what a force of
+        // any course does, unless they earn less and a coordinate explains half of it.
+        let share = coordinate
+            .iter()
+            .flat_map(|c| &c.explained)
+            .map(|e| e.1)
+            .fold(0.0, f64::max);
+        if few > 0.5 * dynamic && (few >= dynamic || share < 0.5) {
+            return Some(self.of_causes(coordinate));
+        }
+        let changes = |s: &Suspect| s.kind == Kind::Change && s.share > share;
+        if self.suspects.iter().any(changes) {
             self.over_time(coordinate);
-            return Some(Place::Environment);
+            return Some(Place::Link);
         }
-        let shares = coordinate.iter().flat_map(|c| &c.explained).map(|e| e.1);
-        let share = shares.fold(0.0, f64::max);
-        Some(self.of_force(share, coordinate))
+        Some(self.of_coordinate(coordinate.as_ref()))
     }
 
-    /// The place of a force, of which the best coordinate explains this share.
-    fn of_force(&self, share: f64, coordinate: &mut Option<CoordinateTrace>) -> Place {
-        let changes = |s: &&Suspect| s.kind == Kind::Change && s.share > share;
-        let ripple = self
-            .orders
-            .first()
-            .filter(|o| o.significant && o.share > share);
-        let change = self.suspects.iter().find(changes);
-        if change.is_some_and(|c| ripple.is_none_or(|r| c.share > r.share)) {
-            self.over_time(coordinate);
+    fn of_sensor(&self, coordinate: &mut Option<CoordinateTrace>) -> Place {
+        if self.rings_elsewhere && !self.residual.sensor_only {
+            // Below its own frequency a further mode looks like a sensor that sees acceleration.
+            *coordinate = None;
             return Place::Link;
         }
-        if ripple.is_some() {
-            let position = self.residual.motor.iter().map(|m| m[0]).collect();
-            set(coordinate, "position", position, self.missing.to_vec());
-            return Place::Transmission;
-        }
-        self.of_coordinate(coordinate.as_ref())
-    }
-
-    fn of_coordinate(&self, coordinate: Option<&CoordinateTrace>) -> Place {
-        let mut sides = self.residual.motor.iter().zip(self.residual.link);
-        let no_link = sides.all(|(motor, link)| motor == link);
-        let free = self.residual.dynamics.natural_frequency == 0.0;
-        match coordinate.map(|c| c.coordinate.as_str()) {
-            _ if no_link && free => Place::Drive,
-            Some("deformation" | "deformation rate" | "hysteresis") => Place::Transmission,
-            Some("position" | "velocity") if no_link => Place::Transmission,
-            _ => Place::Link,
-        }
-    }
-
-    fn against_regressor(&self, coordinate: &mut Option<CoordinateTrace>) {
-        if let Some((name, values)) = &self.sensor.best {
+        if let Some((name, values)) = self
+            .sensor
+            .best
+            .as_ref()
+            .filter(|_| self.sensor.evidence > 0.0)
+        {
             set(
                 coordinate,
                 name,
                 values.clone(),
                 self.residual.residual.to_vec(),
             );
+        }
+        Place::Sensor
+    }
+
+    fn of_causes(&self, coordinate: &mut Option<CoordinateTrace>) -> Place {
+        if self.events >= self.ripple {
+            self.over_time(coordinate);
+            return Place::Environment;
+        }
+        let position = self.residual.motor.iter().map(|m| m[0]).collect();
+        set(coordinate, "position", position, self.missing.to_vec());
+        Place::Transmission
+    }
+
+    fn of_coordinate(&self, coordinate: Option<&CoordinateTrace>) -> Place {
+        let no_link = !has_link(self.residual);
+        let free = self.residual.dynamics.natural_frequency == 0.0;
+        match coordinate.map(|c| c.coordinate.as_str()) {
+            _ if no_link && free => Place::Drive,
+            Some("deformation" | "deformation rate" | "hysteresis") => Place::Transmission,
+            Some("position" | "velocity") if no_link => Place::Transmission,
+            _ => Place::Link,
         }
     }
 

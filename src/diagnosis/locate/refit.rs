@@ -2,6 +2,7 @@
 
 use super::Residual;
 use super::basis::Basis;
+use super::coordinate::has_link;
 use super::smoother::Smoother;
 
 /// Directions of the output's offset and, where there is a mode, of its frequency and damping: the
@@ -16,11 +17,7 @@ pub(super) fn refit(residual: &Residual, smoother: &Smoother) -> Basis {
     if residual.dynamics.natural_frequency == 0.0 || residual.sensor_only {
         return basis;
     }
-    let has_link = residual
-        .motor
-        .iter()
-        .zip(residual.link)
-        .any(|(m, l)| m[0] != l[0]);
+    let has_link = has_link(residual);
     let base = |i: usize, k: usize| if has_link { residual.motor[k][i] } else { 0.0 };
     for i in 0..if has_link { 2 } else { 3 } {
         let n = residual.time.len();

@@ -9,8 +9,8 @@ use super::colour;
 pub(super) struct SensorSide {
     /// Log-likelihood gain over noise, white or coloured.
     pub gain: f64,
-    /// Number of regressors that earn it.
-    pub count: usize,
+    /// The gain less what its regressors must gain.
+    pub evidence: f64,
     /// The one that explains most: its name and values.
     pub best: Option<(String, Vec<f64>)>,
     /// What it leaves.
@@ -38,14 +38,21 @@ pub(super) fn sensor_side(residual: &Residual, refit: &Basis) -> SensorSide {
     }
 }
 
+/// What a regressor must gain: half the logarithm of the length (Schwarz, 1978) and, since it is the
+/// best of all in two sets, the logarithm of their number.
+fn cost(n: f64) -> f64 {
+    0.5 * n.ln() + (2.0 * NAMES.len() as f64).ln()
+}
+
 /// Forward selection: the regressor that explains most of what is left, made orthogonal to those
-/// already in, as long as it earns half the logarithm of the length (Schwarz, 1978).
+/// already in, as long as it earns [`cost`].
 fn forward(residual: &Residual, motion: &[[f64; 3]], refit: &Basis) -> SensorSide {
     let n = residual.residual.len() as f64;
     let columns = columns(residual.time, motion);
     let mut basis = refit.clone();
     let mut left = basis.without(residual.residual);
     let mut found = SensorSide::default();
+    let mut count = 0;
     for _ in 0..NAMES.len() {
         let share = |column: &Vec<f64>| explained(&basis.without(column), column, &left);
         let shares: Vec<f64> = columns.iter().map(share).collect();
@@ -54,18 +61,19 @@ fn forward(residual: &Residual, motion: &[[f64; 3]], refit: &Basis) -> SensorSid
         };
         let before = dot(&left, &left);
         let after = (before - shares[best]).max(f64::MIN_POSITIVE);
-        if n * (before / after).ln() <= n.ln() || !basis.add(&columns[best]) {
+        if 0.5 * n * (before / after).ln() <= cost(n) || !basis.add(&columns[best]) {
             break;
         }
         basis.remove(&mut left);
-        if found.count == 0 {
+        if count == 0 {
             found.best = Some((NAMES[best].into(), columns[best].clone()));
         }
-        found.count += 1;
+        count += 1;
     }
-    if found.count > 0 {
+    if count > 0 {
         let without = colour::likelihood(residual.time, residual.residual);
         found.gain = (colour::likelihood(residual.time, &left) - without).max(0.0);
+        found.evidence = found.gain - cost(n) * f64::from(count);
     }
     found.left = left;
     found
