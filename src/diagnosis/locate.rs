@@ -141,7 +141,7 @@ fn put_together(
     let moving = coordinate::moving(&labels);
     let (phases, strong_phases) = phases::chi_squared(residual, &labels);
     let refit = refit::refit(residual, smoother);
-    let sensor = sensor_side::sensor_side(residual, &refit);
+    let sensor = sensor_side::sensor_side(residual, &refit, time_scale(residual) / TAU);
     let orders = orders::orders(residual, &smoothed.missing, &moving);
     let suspects = suspects::suspects(residual, &smoothed, &moving, time_scale(residual));
     let frequencies =

@@ -10,6 +10,9 @@ use crate::effects::Place;
 /// Half the chi-squared of one degree on its bound (half of the probability at 0) that chance exceeds
 /// once in a thousand.
 const CHANCE: f64 = 4.77;
+/// Share of the chi-squared that a cause must take: less than 2 % would not pass as an improvement on
+/// held-out data, and an integrator or a rounded input takes as much.
+const WORTH: f64 = 0.02;
 
 /// What speaks for a place: log-likelihood gains over noise, less what their parameters cost.
 pub(super) struct Evidence<'a> {
@@ -31,11 +34,11 @@ impl Evidence<'_> {
     /// The first guess, none where nothing is above chance. The coordinate becomes the one that tells
     /// the place: the sensor's regressor, the position of a ripple, the time of an event.
     pub fn place(&self, coordinate: &mut Option<CoordinateTrace>) -> Option<Place> {
-        let half = 0.5 * (self.residual.time.len() as f64).ln();
-        let dynamic = self.dynamic_gain - half.max(CHANCE);
+        let n = self.residual.time.len() as f64;
+        let dynamic = self.dynamic_gain - (0.5 * n.ln()).max(CHANCE);
         let sensor = self.sensor.evidence;
         let few = self.events.max(self.ripple);
-        if dynamic.max(sensor).max(few) <= 0.0 {
+        if dynamic.max(sensor).max(few) <= -0.5 * n * (1.0 - WORTH).ln() {
             return None;
         }
         if self.residual.sensor_only || sensor >= dynamic.max(few) {
@@ -60,8 +63,10 @@ impl Evidence<'_> {
     }
 
     fn of_sensor(&self, coordinate: &mut Option<CoordinateTrace>) -> Place {
-        if self.rings_elsewhere && !self.residual.sensor_only {
-            // Below its own frequency a further mode looks like a sensor that sees acceleration.
+        // Below its own frequency a further mode, of the link or the base, looks like a sensor that
+        // sees acceleration; a lag has the other sign.
+        let springs = self.rings_elsewhere || self.sensor.acceleration < 0.0;
+        if springs && !self.residual.sensor_only {
             *coordinate = None;
             return Place::Link;
         }

@@ -13,24 +13,41 @@ pub(super) struct SensorSide {
     pub evidence: f64,
     /// The one that explains most: its name and values.
     pub best: Option<(String, Vec<f64>)>,
+    /// Factor on the acceleration, s^2, beside all else; 0 if it is not among the regressors. A lag
+    /// `T`, less the delay that the clock takes, leaves `T^2 / 2`; a stiff spring between sensor and
+    /// ground leaves `-1 / w^2`, for the sensor is where the inertia has not come yet.
+    pub acceleration: f64,
     /// What it leaves.
     pub left: Vec<f64>,
 }
 
 /// Names of the regressors, each with what a sensor does that makes it: gain or misalignment, delay
-/// or lag, a clock that runs fast, lag of second order, drift.
-const NAMES: [&str; 5] = [
+/// or lag, a clock that runs fast, lag beyond delay (twice), drift.
+const VELOCITY: usize = 1;
+const ACCELERATION: usize = 3;
+const NAMES: [&str; 6] = [
     "position",
     "velocity",
     "time x velocity",
     "acceleration",
+    "lagged acceleration",
     "time",
 ];
 
 /// The better of two sets, the motion of the motor side and of the link.
-pub(super) fn sensor_side(residual: &Residual, refit: &Basis) -> SensorSide {
-    let on_motor = forward(residual, residual.motor, refit);
-    let on_link = forward(residual, residual.link, refit);
+///
+/// `constant` is that of the lagged acceleration, s: about the reciprocal of the mode.
+pub(super) fn sensor_side(residual: &Residual, refit: &Basis, constant: f64) -> SensorSide {
+    let on_motor = forward(
+        residual,
+        columns(residual.time, residual.motor, constant),
+        refit,
+    );
+    let on_link = forward(
+        residual,
+        columns(residual.time, residual.link, constant),
+        refit,
+    );
     if on_motor.gain > on_link.gain {
         on_motor
     } else {
@@ -46,13 +63,12 @@ fn cost(n: f64) -> f64 {
 
 /// Forward selection: the regressor that explains most of what is left, made orthogonal to those
 /// already in, as long as it earns [`cost`].
-fn forward(residual: &Residual, motion: &[[f64; 3]], refit: &Basis) -> SensorSide {
+fn forward(residual: &Residual, columns: Vec<Vec<f64>>, refit: &Basis) -> SensorSide {
     let n = residual.residual.len() as f64;
-    let columns = columns(residual.time, motion);
     let mut basis = refit.clone();
     let mut left = basis.without(residual.residual);
     let mut found = SensorSide::default();
-    let mut count = 0;
+    let mut chosen = Vec::new();
     for _ in 0..NAMES.len() {
         let share = |column: &Vec<f64>| explained(&basis.without(column), column, &left);
         let shares: Vec<f64> = columns.iter().map(share).collect();
@@ -65,21 +81,36 @@ fn forward(residual: &Residual, motion: &[[f64; 3]], refit: &Basis) -> SensorSid
             break;
         }
         basis.remove(&mut left);
-        if count == 0 {
+        if chosen.is_empty() {
             found.best = Some((NAMES[best].into(), columns[best].clone()));
         }
-        count += 1;
+        chosen.push(best);
     }
-    if count > 0 {
+    if !chosen.is_empty() {
         let without = colour::likelihood(residual.time, residual.residual);
         found.gain = (colour::likelihood(residual.time, &left) - without).max(0.0);
-        found.evidence = found.gain - cost(n) * f64::from(count);
+        found.evidence = found.gain - cost(n) * chosen.len() as f64;
     }
+    found.acceleration = acceleration(residual, &columns, &chosen, refit);
     found.left = left;
     found
 }
 
-fn columns(time: &[f64], motion: &[[f64; 3]]) -> Vec<Vec<f64>> {
+/// The factor on the acceleration, if chosen, beside a delay and what else was chosen but its like.
+fn acceleration(residual: &Residual, columns: &[Vec<f64>], chosen: &[usize], refit: &Basis) -> f64 {
+    let alike = |c: usize| c == ACCELERATION || c == ACCELERATION + 1;
+    if !chosen.iter().any(|&c| alike(c)) {
+        return 0.0;
+    }
+    let mut basis = refit.clone();
+    for &c in chosen.iter().chain(&[VELOCITY]).filter(|c| !alike(**c)) {
+        basis.add(&columns[c]);
+    }
+    let rest = basis.without(&columns[ACCELERATION]);
+    dot(&rest, residual.residual) / dot(&rest, &rest).max(f64::MIN_POSITIVE)
+}
+
+fn columns(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<Vec<f64>> {
     let middle = 0.5 * (time[0] + time[time.len() - 1]);
     let of = |f: &dyn Fn(f64, &[f64; 3]) -> f64| -> Vec<f64> {
         time.iter()
@@ -92,8 +123,20 @@ fn columns(time: &[f64], motion: &[[f64; 3]]) -> Vec<Vec<f64>> {
         of(&|_, m| m[1]),
         of(&|t, m| t * m[1]),
         of(&|_, m| m[2]),
+        lagged(time, motion, constant),
         of(&|t, _| t),
     ]
+}
+
+/// The acceleration behind one pole.
+fn lagged(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<f64> {
+    let mut found = vec![motion[0][2]; time.len()];
+    for k in 1..time.len() {
+        let kept = ((time[k - 1] - time[k]) / constant).exp();
+        let input = 0.5 * (motion[k - 1][2] + motion[k][2]);
+        found[k] = input + (found[k - 1] - input) * kept;
+    }
+    found
 }
 
 /// Sum of squares that what is left of a column explains; none where that is rounding.

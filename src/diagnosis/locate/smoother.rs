@@ -185,8 +185,8 @@ impl Smoother {
         let mut found = vec![0.0; self.which.len() + 1];
         let mut state = Vector3::zeros();
         state[component] = 1.0;
-        for k in stamp..found.len() {
-            found[k] = state[0];
+        for (k, error) in found.iter_mut().enumerate().skip(stamp) {
+            *error = state[0];
             if let Some(&which) = self.which.get(k) {
                 state = self.transitions[which].phi * state;
             }
