@@ -10,6 +10,7 @@ pub mod controller;
 pub mod estimators;
 pub mod identification;
 pub mod plant;
+pub mod proof;
 pub mod recording;
 pub mod report;
 pub mod signal;

@@ -1,0 +1,289 @@
+//! A case of a flexible joint.
+
+use super::hidden::{Entry, Scales, entries};
+use super::joint::Joint;
+use super::programme::{Programme, Style};
+use super::random::Draw;
+use super::recorded::{Instruments, TrueTest};
+use super::sensors::{Arm, Colour, Faults, Noise};
+use super::size::{Bench, Concealed};
+use super::{Case, Channel, Oracle, Plan};
+use crate::proof::families::family;
+use crate::proof::truth::{HiddenEffect, Truth};
+use nalgebra::{Rotation3, Vector3};
+use quell_trajectories::PlanError;
+use serde_json::{Map, json};
+use std::f64::consts::{PI, TAU};
+
+/// Step of the recordings, s, or a share of a radian of the fastest spring.
+const STEP: f64 = 1e-4;
+/// Effects that are tried until one can be seen.
+const TRIES: usize = 12;
+
+pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
+    let plan = Plan::draw(draw);
+    let rich = draw.chance(0.75);
+    let arm = arm(draw);
+    let (style, mut train) = moves(draw, &arm, rich)?;
+    if train.duration < 1.0 {
+        train.duration = 1.0;
+    }
+    let mut test = Programme::draw(draw, &style)?;
+    let scales = scales(&arm, &train);
+    let instruments = instruments(draw, &arm);
+    let noise = instruments.noise.std;
+    let hidden = conceal(draw, plan, &Bench::new(&arm, &train, &scales, noise), rich);
+    let mut hurt = hidden
+        .last()
+        .map_or_else(|| arm.clone(), |last| last.arm.clone());
+    if hurt.joint.stop.is_some() && test.span()[1] > 1e-3 {
+        // A stop is there for both recordings, so both come as far.
+        test = test.scaled(train.span()[1] / test.span()[1]);
+    }
+    let step = STEP.min(0.02 / (arm.joint.stiffness / arm.joint.inertia).sqrt());
+    let residual = Bench::new(&hurt, &train, &scales, noise).residual(&hurt);
+    let recorded = instruments.record(draw, &hurt, &train, ("train", step));
+    // Knocks happen once.
+    hurt.joint.knocks.clear();
+    let tested = instruments.record(draw, &hurt, &test, ("test", step));
+    let truth = truth(&arm, &instruments, &hidden, rich, residual);
+    let true_test = TrueTest {
+        arm: hurt,
+        programme: test,
+        noise,
+        step,
+    };
+    Ok(Case {
+        model: model(draw, &arm),
+        train: recorded,
+        test: tested,
+        truth,
+        oracle: Oracle::Joint(Box::new(true_test)),
+    })
+}
+
+/// An arm in which nothing is hidden.
+fn arm(draw: &mut Draw) -> Arm {
+    let frequency = draw.log_uniform(3.0, 20.0) * TAU;
+    let damping_ratio = draw.log_uniform(0.01, 0.12);
+    let lever_arm = draw.uniform(0.5, 2.5);
+    // A link of this length with 5 to 30 kg near its end.
+    let inertia = draw.uniform(5.0, 30.0) * lever_arm * lever_arm;
+    let channel = match draw.uniform(0.0, 1.0) {
+        x if x < 0.65 => Channel::Tip,
+        x if x < 0.83 => Channel::Link,
+        _ => Channel::Deformation,
+    };
+    let own_clock = channel != Channel::Deformation;
+    Arm {
+        joint: Joint {
+            inertia,
+            stiffness: inertia * frequency * frequency,
+            damping: 2.0 * damping_ratio * frequency * inertia,
+            ..Joint::default()
+        },
+        faults: Faults::default(),
+        channel,
+        lever_arm,
+        tip_height: draw.uniform(0.2, 1.2),
+        frame: frame(draw),
+        clock_offset: if own_clock {
+            draw.uniform(-2e-3, 2e-3)
+        } else {
+            0.0
+        },
+    }
+}
+
+/// A tracker some metres away, set up level within 2 deg, turned at will.
+fn frame(draw: &mut Draw) -> (Rotation3<f64>, Vector3<f64>) {
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), draw.uniform(-PI, PI));
+    let tilt = Vector3::new(draw.normal(), draw.normal(), 0.0) * 0.02;
+    let away = [(); 3].map(|()| draw.uniform(-4.0, 4.0));
+    (Rotation3::new(tilt) * turn, Vector3::from(away))
+}
+
+/// Moves that bend the arm by a few tenths of a millirad to 3 mrad.
+fn moves(draw: &mut Draw, arm: &Arm, rich: bool) -> Result<(Style, Programme), PlanError> {
+    let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();
+    let bend = draw.log_uniform(1e-3, 3e-3);
+    let acceleration = (bend * natural_frequency.powi(2)).clamp(0.4, 12.0);
+    let style = Style {
+        natural_frequency,
+        acceleration,
+        velocity: draw.uniform(0.4, 1.5),
+        range: draw.uniform(0.3, 0.9),
+        rich,
+    };
+    Ok((style, Programme::draw(draw, &style)?))
+}
+
+fn scales(arm: &Arm, programme: &Programme) -> Scales {
+    let mut bent = arm.clone();
+    (bent.channel, bent.clock_offset) = (Channel::Deformation, 0.0);
+    let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();
+    let samples = (programme.duration * natural_frequency * 2.0) as usize;
+    let spacing = programme.duration / samples as f64;
+    let stamps: Vec<f64> = (1..samples).map(|k| k as f64 * spacing).collect();
+    let bent = bent
+        .read(programme, &stamps, 0.05 / natural_frequency)
+        .swap_remove(0);
+    let greatest = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold(1e-9, |most: f64, value| most.max(value.abs()))
+    };
+    let squares = bent.iter().map(|x| x * x).sum::<f64>();
+    Scales {
+        deformation: greatest(&mut bent.iter().copied()),
+        deformation_rms: (squares / samples as f64).sqrt(),
+        rate: greatest(&mut bent.windows(2).map(|pair| (pair[1] - pair[0]) / spacing)),
+        natural_frequency,
+        speed: greatest(&mut stamps.iter().map(|&t| programme.at(t)[1])),
+        span: programme.span(),
+        pauses: programme.pauses.clone(),
+        duration: programme.duration,
+    }
+}
+
+fn instruments(draw: &mut Draw, arm: &Arm) -> Instruments {
+    let micrometres = draw.uniform(5.0, 20.0);
+    let at_sensor = if arm.channel == Channel::Tip {
+        1.0
+    } else {
+        arm.lever_arm
+    };
+    let colour = match draw.uniform(0.0, 1.0) {
+        x if x < 0.6 => Colour::White,
+        x if x < 0.8 => Colour::Autoregressive(draw.uniform(0.3, 0.8)),
+        _ => Colour::Quantised,
+    };
+    let bits = draw.pick(&[20, 21, 22, 23, 24]).copied().unwrap_or(22);
+    let pick = |draw: &mut Draw, rates: &[f64]| draw.pick(rates).copied().unwrap_or(1000.0);
+    Instruments {
+        encoder_rate: pick(draw, &[250.0, 500.0, 1000.0]),
+        encoder_step: TAU / f64::powi(2.0, bits),
+        sensor_rate: pick(draw, &[1000.0 / 3.0, 500.0, 1000.0]),
+        noise: Noise {
+            std: micrometres * 1e-6 / at_sensor,
+            colour,
+        },
+        missing: if draw.chance(0.15) {
+            draw.uniform(0.005, 0.05)
+        } else {
+            0.0
+        },
+        jitter: if draw.chance(0.1) {
+            draw.uniform(0.02, 0.15)
+        } else {
+            0.0
+        },
+    }
+}
+
+/// What is hidden, one after the other; each bench holds what went before.
+fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concealed> {
+    let (count, in_catalogue) = match plan {
+        Plan::Nothing => (0, true),
+        Plan::One => (1, true),
+        Plan::Two => (2, true),
+        Plan::Outside => (1, false),
+    };
+    let mut hidden: Vec<Concealed> = Vec::new();
+    for _ in 0..TRIES {
+        if hidden.len() == count {
+            break;
+        }
+        let suits = |entry: &&Entry| {
+            entry.in_catalogue == in_catalogue
+                && entry.channels.contains(&bench.arm.channel)
+                && (rich || !entry.needs_programme)
+                && hidden
+                    .iter()
+                    .all(|other| family(other.entry.name) != family(entry.name))
+        };
+        let suitable: Vec<&'static Entry> = entries().filter(suits).collect();
+        let Some(entry) = draw.pick(&suitable).copied() else {
+            break;
+        };
+        let found = match hidden.last() {
+            None => bench.conceal(draw, entry),
+            Some(first) => {
+                let noise = bench.noise;
+                Bench::new(&first.arm, bench.programme, bench.scales, noise).conceal(draw, entry)
+            }
+        };
+        hidden.extend(found);
+    }
+    hidden
+}
+
+fn truth(
+    arm: &Arm,
+    instruments: &Instruments,
+    hidden: &[Concealed],
+    rich: bool,
+    residual: f64,
+) -> Truth {
+    let effect = |concealed: &Concealed| {
+        let named = concealed
+            .parameters
+            .iter()
+            .map(|(name, value)| (name.to_string(), *value));
+        let mut parameters: Vec<_> = named.collect();
+        parameters.sort_by(|a, b| a.0.cmp(&b.0));
+        HiddenEffect {
+            effect: concealed.entry.name.into(),
+            place: concealed.entry.place.into(),
+            parameters,
+        }
+    };
+    let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();
+    let damping_ratio = arm.joint.damping / (2.0 * arm.joint.inertia * natural_frequency);
+    let colour = match instruments.noise.colour {
+        Colour::White => "white".into(),
+        Colour::Autoregressive(rho) => format!("ar1 {rho:.2}"),
+        Colour::Quantised => "quantised".into(),
+    };
+    let shares: Vec<f64> = hidden.iter().map(|concealed| concealed.share).collect();
+    let mut more = Map::new();
+    more.insert("noise".into(), json!(colour));
+    more.insert(
+        "programme".into(),
+        json!(if rich { "rich" } else { "single move" }),
+    );
+    more.insert("share_of_deformation".into(), json!(shares));
+    more.insert("missing_samples".into(), json!(instruments.missing));
+    more.insert("clock_jitter".into(), json!(instruments.jitter));
+    more.insert("inertia".into(), json!(arm.joint.inertia));
+    Truth {
+        effects: hidden.iter().map(effect).collect(),
+        in_catalogue: hidden.iter().all(|concealed| concealed.entry.in_catalogue),
+        natural_frequency_hz: Some(natural_frequency / TAU),
+        damping_ratio: Some(damping_ratio),
+        noise: instruments.noise.std,
+        clock_offset_s: Some(arm.clock_offset),
+        baseline_residual_over_noise: Some(residual),
+        more,
+    }
+}
+
+/// What the engineer believes: up to 5 % off in frequency and 25 % in damping.
+fn model(draw: &mut Draw, arm: &Arm) -> String {
+    let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();
+    let damping_ratio = arm.joint.damping / (2.0 * arm.joint.inertia * natural_frequency);
+    let frequency_hz = natural_frequency / TAU * (1.0 + draw.uniform(-0.05, 0.05));
+    let damping_ratio = damping_ratio * (1.0 + draw.uniform(-0.25, 0.25));
+    let mut text = format!(
+        "# the nominal model: a flexible joint driven by its motor side\n\
+         kind = \"flexible_joint\"\n\
+         natural_frequency_hz = {frequency_hz:.4}\n\
+         damping_ratio = {damping_ratio:.4}\n"
+    );
+    if arm.channel == Channel::Tip {
+        // To the bit, so that no lever arm is wrong by its rounding.
+        text += &format!(
+            "lever_arm_m = {}\ntip_height_m = {}\n",
+            arm.lever_arm, arm.tip_height
+        );
+    }
+    text
+}

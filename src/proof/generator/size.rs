@@ -1,0 +1,172 @@
+//! How much of an effect to hide.
+
+use super::hidden::{Entry, Parameters, Scales};
+use super::programme::Programme;
+use super::random::Draw;
+use super::refit::leftover;
+use super::sensors::Arm;
+
+/// Least and greatest share of the deformation that an effect leaves.
+pub const SHARES: [f64; 2] = [0.03, 0.30];
+/// Residual of a refit, over the noise, from which it is plain that something is there.
+const PLAIN: f64 = 1.3;
+/// Below this residual over the noise a refit hides the effect: with some 2000 samples the excess is
+/// 3 standard deviations of a chi-squared sum.
+const HIDDEN: f64 = 1.05;
+/// Samples on which sizes are judged.
+const SAMPLES: usize = 1200;
+
+/// What an effect is measured against: the arm without it.
+pub struct Bench<'a> {
+    /// The arm as it is before the effect.
+    pub arm: &'a Arm,
+    /// Moves of the recording to be diagnosed.
+    pub programme: &'a Programme,
+    /// Sizes of the motion.
+    pub scales: &'a Scales,
+    /// One standard deviation of the sensor's noise.
+    pub noise: f64,
+    stamps: Vec<f64>,
+    clean: Vec<Vec<f64>>,
+    deformation: f64,
+}
+
+/// Something hidden at a chosen size.
+pub struct Concealed {
+    /// The arm with it.
+    pub arm: Arm,
+    /// What it is.
+    pub entry: &'static Entry,
+    /// Its parameters.
+    pub parameters: Parameters,
+    /// Rms of its change over the rms of the deformation.
+    pub share: f64,
+    /// Rms over the noise after a refit of the nominal structure.
+    pub residual: f64,
+}
+
+impl<'a> Bench<'a> {
+    /// Simulates the arm without the effect.
+    pub fn new(arm: &'a Arm, programme: &'a Programme, scales: &'a Scales, noise: f64) -> Self {
+        let spacing = programme.duration / SAMPLES as f64;
+        let stamps: Vec<f64> = (1..SAMPLES).map(|k| k as f64 * spacing).collect();
+        let mut bench = Self {
+            arm,
+            programme,
+            scales,
+            noise,
+            stamps,
+            clean: Vec::new(),
+            deformation: 0.0,
+        };
+        bench.clean = bench.read(arm);
+        let still: Vec<f64> = bench.stamps.iter().map(|_| 0.0).collect();
+        let motor = |&stamp: &f64| programme.at(arm.true_time(stamp))[0];
+        let deformation = match arm.channel {
+            super::Channel::Deformation => rms_change(&bench.clean, &[still]),
+            super::Channel::Link => {
+                let motor = bench.stamps.iter().map(motor).collect();
+                rms_change(&bench.clean, &[motor])
+            }
+            super::Channel::Tip => scales.deformation_rms * arm.lever_arm,
+        };
+        bench.deformation = deformation;
+        bench
+    }
+
+    fn read(&self, arm: &Arm) -> Vec<Vec<f64>> {
+        let step = 0.05 / self.scales.natural_frequency;
+        arm.read(self.programme, &self.stamps, step)
+    }
+
+    /// Hides an effect so that it leaves a drawn share of the deformation and is not wholly absorbed by a
+    /// refit of the nominal structure; `None` where it cannot.
+    pub fn conceal(&self, draw: &mut Draw, entry: &'static Entry) -> Option<Concealed> {
+        let shape = [(); 4].map(|()| draw.uniform(0.0, 1.0));
+        let mut target = draw.log_uniform(SHARES[0], SHARES[1]);
+        let nearly_hidden = draw.chance(0.3);
+        let mut start = entry.sizes[0];
+        loop {
+            let (size, found) = self.size(entry, shape, target, start)?;
+            let least = if nearly_hidden { HIDDEN } else { PLAIN };
+            if found.residual >= least {
+                return Some(found);
+            }
+            if target >= SHARES[1] {
+                return (found.residual >= HIDDEN).then_some(found);
+            }
+            (target, start) = ((2.0 * target).min(SHARES[1]), 2.0 * size);
+        }
+    }
+
+    /// The size whose change is this share of the deformation, within a tenth.
+    fn size(
+        &self,
+        entry: &'static Entry,
+        shape: [f64; 4],
+        target: f64,
+        start: f64,
+    ) -> Option<(f64, Concealed)> {
+        let most = entry.sizes[1];
+        let mut size = start.min(most);
+        // Brackets in the size; the share grows with it, though not always evenly.
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        for _ in 0..10 {
+            let mut arm = self.arm.clone();
+            let parameters = (entry.hide)(&mut arm, self.scales, shape, size);
+            let columns = self.read(&arm);
+            let share = rms_change(&columns, &self.clean) / self.deformation;
+            if !share.is_finite() {
+                return None;
+            }
+            let within = (share / target - 1.0).abs() < 0.1;
+            let full = size >= most && share >= SHARES[0] && share < target;
+            if (within || full) && share <= SHARES[1] * 1.1 {
+                let left = leftover(&arm, self.programme, &self.stamps, &columns) / self.noise;
+                let residual = left.hypot(1.0);
+                let found = Concealed {
+                    arm,
+                    entry,
+                    parameters,
+                    share,
+                    residual,
+                };
+                return Some((size, found));
+            }
+            if share < target {
+                low = size;
+            } else {
+                high = size;
+            }
+            let guess = size * (target / share.max(1e-6)).clamp(0.2, 5.0);
+            let inside = guess > low && guess < high;
+            size = match (inside, high.is_finite()) {
+                (true, _) => guess,
+                (false, true) => 0.5 * (low + high),
+                (false, false) => 2.0 * low,
+            };
+            size = size.min(most);
+            if low >= most {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Residual over the noise of several effects together.
+    pub fn residual(&self, arm: &Arm) -> f64 {
+        let columns = self.read(arm);
+        (leftover(arm, self.programme, &self.stamps, &columns) / self.noise).hypot(1.0)
+    }
+}
+
+/// Rms of the change of readings, without the change of their mean.
+fn rms_change(with: &[Vec<f64>], without: &[Vec<f64>]) -> f64 {
+    let change = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        let count = a.len().max(1) as f64;
+        let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / count;
+        let squares = a.iter().zip(b).map(|(a, b)| (a - b - mean).powi(2));
+        squares.sum::<f64>() / count
+    };
+    with.iter().zip(without).map(change).sum::<f64>().sqrt()
+}
