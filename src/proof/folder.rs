@@ -2,7 +2,7 @@
 
 use super::generator::Case;
 use super::truth::Truth;
-use crate::recording::RecordingError;
+use crate::recording::{Recording, RecordingError};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -73,6 +73,25 @@ impl SealedCase {
 /// # Errors
 /// [`FolderError`] where a file cannot be written.
 pub fn write_case(folder: &Path, number: usize, case: &Case) -> Result<SealedCase, FolderError> {
+    let sealed = write_model(folder, number, case)?;
+    let named = |recording: &Recording, part: &str| Recording {
+        name: format!("{}/{part}", sealed.name),
+        channels: recording.channels.clone(),
+    };
+    named(&case.train, "train").write(&sealed.train, true)?;
+    named(&case.test, "test").write(&sealed.test, true)?;
+    Ok(sealed)
+}
+
+/// Writes only the nominal model of a case.
+///
+/// # Errors
+/// [`FolderError`] where it cannot be written.
+pub(super) fn write_model(
+    folder: &Path,
+    number: usize,
+    case: &Case,
+) -> Result<SealedCase, FolderError> {
     let name = format!("case-{number:02}");
     let inside = folder.join(&name);
     let sealed = SealedCase {
@@ -81,13 +100,6 @@ pub fn write_case(folder: &Path, number: usize, case: &Case) -> Result<SealedCas
         test: inside.join("test"),
         name,
     };
-    let named = |recording: &crate::recording::Recording, part: &str| {
-        let mut recording = recording.clone();
-        recording.name = format!("{}/{part}", sealed.name);
-        recording
-    };
-    named(&case.train, "train").write(&sealed.train, true)?;
-    named(&case.test, "test").write(&sealed.test, true)?;
     write(&sealed.model, &case.model)?;
     Ok(sealed)
 }

@@ -8,10 +8,16 @@ pub mod families;
 mod folder;
 mod generator;
 
+mod run;
+mod score;
 mod truth;
+mod verdict;
 
 pub use folder::{
     FolderError, SealedCase, read_cases, read_truths, write_case, write_cases, write_truths,
 };
 pub use generator::{Case, SHARES, generate};
+pub use run::{Diagnose, ProofError, Source, run};
+pub use score::{Covered, Judged, Judgement, Kind, Line, Rate, Score, Spread};
 pub use truth::{HiddenEffect, Truth, our_name};
+pub use verdict::{FindingSummary, ParameterSummary, Verdict};

@@ -118,7 +118,7 @@ impl Plant for Driven<'_> {
         state[VELOCITY] = 0.0;
     }
 
-    fn edges(&self, time: f64, state: &State) -> [f64; 3] {
+    fn edges(&self, time: f64, state: &State) -> [f64; 4] {
         let axis = self.axis;
         let command = self.commanded(time, state);
         let beyond = |limit: f64| {
@@ -128,7 +128,7 @@ impl Plant for Driven<'_> {
                 1.0
             }
         };
-        [beyond(axis.dead_zone), beyond(axis.saturation), 1.0]
+        [beyond(axis.dead_zone), beyond(axis.saturation), 1.0, 1.0]
     }
 
     fn shown(&self, time: f64, state: &State, rates: &State) -> [f64; 2] {

@@ -24,7 +24,7 @@ pub trait Plant {
     /// Takes the last rounding out of a slip velocity that is zero.
     fn arrest(&self, time: f64, state: &mut State);
     /// Functions whose changes of sign end a step: distances to what may be touched.
-    fn edges(&self, time: f64, state: &State) -> [f64; 3];
+    fn edges(&self, time: f64, state: &State) -> [f64; 4];
     /// What a sensor is shown, and its rate.
     fn shown(&self, time: f64, state: &State, rates: &State) -> [f64; 2];
 }

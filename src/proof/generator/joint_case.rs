@@ -23,7 +23,7 @@ const TRIES: usize = 12;
 pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     let plan = Plan::draw(draw);
     let rich = draw.chance(0.75);
-    let arm = arm(draw);
+    let arm = arm_of(draw);
     let (style, mut train) = moves(draw, &arm, rich)?;
     if train.duration < 1.0 {
         train.duration = 1.0;
@@ -63,7 +63,7 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
 }
 
 /// An arm in which nothing is hidden.
-fn arm(draw: &mut Draw) -> Arm {
+pub(super) fn arm_of(draw: &mut Draw) -> Arm {
     let frequency = draw.log_uniform(3.0, 20.0) * TAU;
     let damping_ratio = draw.log_uniform(0.01, 0.12);
     let lever_arm = draw.uniform(0.5, 2.5);
@@ -118,7 +118,7 @@ fn moves(draw: &mut Draw, arm: &Arm, rich: bool) -> Result<(Style, Programme), P
     Ok((style, Programme::draw(draw, &style)?))
 }
 
-fn scales(arm: &Arm, programme: &Programme) -> Scales {
+pub(super) fn scales(arm: &Arm, programme: &Programme) -> Scales {
     let mut bent = arm.clone();
     (bent.channel, bent.clock_offset) = (Channel::Deformation, 0.0);
     let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();

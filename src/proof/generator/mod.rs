@@ -8,10 +8,12 @@
 
 mod axis;
 mod axis_case;
+mod axis_effects;
 mod hidden;
 mod integrate;
 mod joint;
 mod joint_case;
+mod moving;
 mod programme;
 mod random;
 mod recorded;
@@ -19,6 +21,8 @@ mod refit;
 mod sensors;
 mod size;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 
 pub use size::SHARES;
 

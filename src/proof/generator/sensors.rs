@@ -1,6 +1,7 @@
 //! What the sensors make of the motion, and the noise they add.
 
-use super::joint::{Joint, Moving, Seen};
+use super::joint::{Joint, Seen};
+use super::moving::Moving;
 use super::programme::Programme;
 use super::random::Draw;
 use super::{Channel, integrate};
@@ -161,7 +162,7 @@ pub enum Colour {
     White,
     /// `n_k = rho n_(k-1) + ...`.
     Autoregressive(f64),
-    /// Rounded to steps, over a fifth of the standard deviation of white noise.
+    /// Rounded to steps, over white noise of half the standard deviation.
     Quantised,
 }
 
@@ -180,7 +181,7 @@ impl Noise {
                 }
             }
             Colour::Quantised => {
-                let white = 0.2 * self.std;
+                let white = 0.5 * self.std;
                 let step = 12f64.sqrt() * (self.std * self.std - white * white).sqrt();
                 for value in column {
                     *value = step * ((*value + white * draw.normal()) / step).round();

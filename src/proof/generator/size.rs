@@ -63,10 +63,10 @@ impl<'a> Bench<'a> {
         let still: Vec<f64> = bench.stamps.iter().map(|_| 0.0).collect();
         let motor = |&stamp: &f64| programme.at(arm.true_time(stamp))[0];
         let deformation = match arm.channel {
-            super::Channel::Deformation => rms_change(&bench.clean, &[still]),
+            super::Channel::Deformation => rms_change(&bench.clean, &[still], false),
             super::Channel::Link => {
                 let motor = bench.stamps.iter().map(motor).collect();
-                rms_change(&bench.clean, &[motor])
+                rms_change(&bench.clean, &[motor], false)
             }
             super::Channel::Tip => scales.deformation_rms * arm.lever_arm,
         };
@@ -115,7 +115,11 @@ impl<'a> Bench<'a> {
             let mut arm = self.arm.clone();
             let parameters = (entry.hide)(&mut arm, self.scales, shape, size);
             let columns = self.read(&arm);
-            let share = rms_change(&columns, &self.clean) / self.deformation;
+            let share = rms_change(
+                &columns,
+                &self.clean,
+                self.arm.channel != super::Channel::Deformation,
+            ) / self.deformation;
             if !share.is_finite() {
                 return None;
             }
@@ -160,13 +164,30 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Rms of the change of readings, without the change of their mean.
-fn rms_change(with: &[Vec<f64>], without: &[Vec<f64>]) -> f64 {
-    let change = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-        let count = a.len().max(1) as f64;
-        let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / count;
-        let squares = a.iter().zip(b).map(|(a, b)| (a - b - mean).powi(2));
-        squares.sum::<f64>() / count
-    };
-    with.iter().zip(without).map(change).sum::<f64>().sqrt()
+/// Rms of the change of readings, without the change of their mean and, where the sensor has a clock of
+/// its own, without what a shift of the clock would do: any fit takes these two for granted.
+fn rms_change(with: &[Vec<f64>], without: &[Vec<f64>], own_clock: bool) -> f64 {
+    let mut changes = Vec::new();
+    let mut slopes = Vec::new();
+    for (a, b) in with.iter().zip(without) {
+        changes.push(centred(a.iter().zip(b).map(|(a, b)| a - b).collect()));
+        let later = b.iter().skip(2).chain(b.last()).chain(b.last());
+        slopes.push(centred(
+            later.zip(b).map(|(late, early)| late - early).collect(),
+        ));
+    }
+    let count = with.first().map_or(1, Vec::len) as f64;
+    let (changes, slopes) = (changes.concat(), slopes.concat());
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut left = product(&changes, &changes);
+    if own_clock {
+        left -= product(&changes, &slopes).powi(2) / product(&slopes, &slopes).max(1e-300);
+    }
+    (left.max(0.0) / count).sqrt()
+}
+
+fn centred(mut values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
+    values
 }
