@@ -26,6 +26,8 @@ pub struct Truth {
     pub damping_ratio: Option<f64>,
     /// Standard deviation of the noise, in the SI unit of the output.
     pub noise: f64,
+    /// That unit.
+    pub noise_unit: String,
     /// Reading of the sensor's clock at the encoder's zero, s.
     pub clock_offset_s: Option<f64>,
     /// Rms over the noise that a refit of the nominal structure leaves.
@@ -110,7 +112,11 @@ impl Truth {
             json!(self.natural_frequency_hz),
         );
         object.insert("damping_ratio".into(), json!(self.damping_ratio));
-        object.insert("tracker_noise_m".into(), json!(self.noise));
+        object.insert("noise_std".into(), json!(self.noise));
+        object.insert("noise_unit".into(), json!(self.noise_unit));
+        if self.noise_unit == "m" {
+            object.insert("tracker_noise_m".into(), json!(self.noise));
+        }
         object.insert("clock_offset_s".into(), json!(self.clock_offset_s));
         let residual = json!(self.baseline_residual_over_noise);
         object.insert("baseline_residual_over_noise".into(), residual);
@@ -131,6 +137,8 @@ impl Truth {
         let unknown = effects
             .iter()
             .any(|e: &HiddenEffect| OUTSIDE.contains(&e.effect.as_str()));
+        let metres = more.remove("tracker_noise_m");
+        let noise = more.remove("noise_std").or(metres);
         let told = more
             .remove("in_catalogue")
             .and_then(|value| value.as_bool());
@@ -139,7 +147,11 @@ impl Truth {
             effects,
             natural_frequency_hz: number(more.remove("natural_frequency_hz")),
             damping_ratio: number(more.remove("damping_ratio")),
-            noise: number(more.remove("tracker_noise_m")).unwrap_or(f64::NAN),
+            noise: number(noise).unwrap_or(f64::NAN),
+            noise_unit: match more.remove("noise_unit") {
+                Some(unit) => text(Some(unit)),
+                None => "m".into(),
+            },
             clock_offset_s: number(more.remove("clock_offset_s")),
             baseline_residual_over_noise: number(more.remove("baseline_residual_over_noise")),
             more,

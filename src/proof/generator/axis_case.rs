@@ -13,7 +13,7 @@ use crate::proof::families::family;
 use crate::proof::truth::{HiddenEffect, Truth};
 use crate::recording::{Channel, Recording, Role};
 use quell_trajectories::PlanError;
-use serde_json::{Map, json};
+use serde_json::json;
 use std::f64::consts::TAU;
 
 /// Step of the integration, s.
@@ -45,9 +45,7 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
             Colour::Quantised
         },
     };
-    let mut truth = truth(&noise, effects);
-    truth.more.insert("mass".into(), json!(nominal[0]));
-    truth.more.insert("viscous".into(), json!(nominal[1]));
+    let truth = truth(&noise, effects, nominal);
     let (recorded, _) = record(draw, &axis, &train, (rate, &noise), "train");
     let (tested, predicted) = record(draw, &axis, &test, (rate, &noise), "test");
     Ok(Case {
@@ -77,12 +75,7 @@ fn conceal(
     programme: &Programme,
 ) -> Vec<HiddenEffect> {
     let forces = forces(axis, programme);
-    let (count, known) = match plan {
-        Plan::Nothing => (0, true),
-        Plan::One => (1, true),
-        Plan::Two => (2, true),
-        Plan::Outside => (1, false),
-    };
+    let (count, known) = plan.effects();
     let mut hidden: Vec<HiddenEffect> = Vec::new();
     while hidden.len() < count {
         let strange = |name: &str| {
@@ -177,25 +170,24 @@ fn record(
     )
 }
 
-fn truth(noise: &Noise, effects: Vec<HiddenEffect>) -> Truth {
+fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -> Truth {
     let in_catalogue = effects.iter().all(|effect| {
         ENTRIES
             .iter()
             .any(|entry| entry.0 == effect.effect && entry.1)
     });
-    let mut more = Map::new();
-    let colour = if noise.colour == Colour::White {
-        "white"
-    } else {
-        "quantised"
-    };
-    more.insert("noise".into(), json!(colour));
-    more.insert("programme".into(), json!("rich"));
+    let more = json!({
+        "noise_colour": noise.colour.name(),
+        "programme": "rich",
+        "mass": mass,
+        "viscous": viscous,
+    });
     Truth {
         effects,
         in_catalogue,
         noise: noise.std,
-        more,
+        noise_unit: "m".into(),
+        more: more.as_object().cloned().unwrap_or_default(),
         ..Truth::default()
     }
 }

@@ -58,8 +58,11 @@ pub fn integrate(
             left if left < 2.0 * step => 0.5 * left,
             _ => step,
         };
-        let before = (run.time, run.shown());
+        // Most steps are between two samples: only those that hold one are looked into.
+        let looked = instants[seen.len()] <= run.time + size;
+        let before = looked.then(|| (run.time, run.shown()));
         run.advance(size);
+        let Some(before) = before else { continue };
         let after = (run.time, run.shown());
         while let Some(&instant) = instants.get(seen.len()).filter(|&&t| t <= run.time) {
             seen.push(hermite(before, after, instant));

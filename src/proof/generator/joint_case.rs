@@ -4,7 +4,7 @@ use super::hidden::{Entry, Scales, entries};
 use super::joint::Joint;
 use super::programme::{Programme, Style};
 use super::random::Draw;
-use super::recorded::{Instruments, TrueTest};
+use super::recorded::{Instruments, TrueTest, begun_later};
 use super::sensors::{Arm, Colour, Faults, Noise};
 use super::size::{Bench, Concealed};
 use super::{Case, Channel, Oracle, Plan};
@@ -12,11 +12,13 @@ use crate::proof::families::family;
 use crate::proof::truth::{HiddenEffect, Truth};
 use nalgebra::{Rotation3, Vector3};
 use quell_trajectories::PlanError;
-use serde_json::{Map, json};
+use serde_json::json;
 use std::f64::consts::{PI, TAU};
 
 /// Step of the recordings, s, or a share of a radian of the fastest spring.
 const STEP: f64 = 1e-4;
+/// Share of the programmes whose recording begins while the arm still rings.
+const RINGING: f64 = 0.1;
 /// Effects that are tried until one can be seen.
 const TRIES: usize = 12;
 
@@ -24,41 +26,47 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     let plan = Plan::draw(draw);
     let rich = draw.chance(0.75);
     let arm = arm_of(draw);
-    let (style, mut train) = moves(draw, &arm, rich)?;
-    if train.duration < 1.0 {
-        train.duration = 1.0;
-    }
+    let (style, train) = moves(draw, &arm, rich)?;
     let mut test = Programme::draw(draw, &style)?;
     let scales = scales(&arm, &train);
     let instruments = instruments(draw, &arm);
     let noise = instruments.noise.std;
     let hidden = conceal(draw, plan, &Bench::new(&arm, &train, &scales, noise), rich);
-    let mut hurt = hidden
-        .last()
-        .map_or_else(|| arm.clone(), |last| last.arm.clone());
+    let mut hurt = with_all(&arm, &scales, &hidden);
     if hurt.joint.stop.is_some() && test.span()[1] > 1e-3 {
-        // A stop is there for both recordings, so both come as far.
+        // The stop stands in both recordings' way, so both come as far.
         test = test.scaled(train.span()[1] / test.span()[1]);
     }
-    let step = STEP.min(0.02 / (arm.joint.stiffness / arm.joint.inertia).sqrt());
     let residual = Bench::new(&hurt, &train, &scales, noise).residual(&hurt);
-    let recorded = instruments.record(draw, &hurt, &train, ("train", step));
+    let ringing = rich && hurt.joint.knocks.is_empty() && draw.chance(RINGING);
+    let step = STEP.min(0.02 / scales.natural_frequency);
+    let record = |draw: &mut Draw, arm: &Arm, programme: &Programme, name: &str| {
+        let whole = instruments.record(draw, arm, programme, (name, step));
+        match programme.pauses.get(1).filter(|_| ringing) {
+            Some([end_of_move, _]) => begun_later(whole, end_of_move + 0.01),
+            None => whole,
+        }
+    };
+    let recorded = record(draw, &hurt, &train, "train");
     // Knocks happen once.
     hurt.joint.knocks.clear();
-    let tested = instruments.record(draw, &hurt, &test, ("test", step));
-    let truth = truth(&arm, &instruments, &hidden, rich, residual);
-    let true_test = TrueTest {
-        arm: hurt,
-        programme: test,
+    let tested = record(draw, &hurt, &test, "test");
+    let mut truth = truth(&arm, &instruments, &hidden, rich, residual);
+    truth.more.insert("starts_ringing".into(), ringing.into());
+    let model = model(draw, &arm);
+    let (arm, programme) = (hurt, test);
+    let oracle = Oracle::Joint(Box::new(TrueTest {
+        arm,
+        programme,
         noise,
         step,
-    };
+    }));
     Ok(Case {
-        model: model(draw, &arm),
+        model,
         train: recorded,
         test: tested,
         truth,
-        oracle: Oracle::Joint(Box::new(true_test)),
+        oracle,
     })
 }
 
@@ -179,41 +187,41 @@ fn instruments(draw: &mut Draw, arm: &Arm) -> Instruments {
     }
 }
 
-/// What is hidden, one after the other; each bench holds what went before.
+/// What is hidden. Each is sized in the arm without the other, so that neither is only seen by the
+/// other's light.
 fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concealed> {
-    let (count, in_catalogue) = match plan {
-        Plan::Nothing => (0, true),
-        Plan::One => (1, true),
-        Plan::Two => (2, true),
-        Plan::Outside => (1, false),
-    };
+    let (count, in_catalogue) = plan.effects();
     let mut hidden: Vec<Concealed> = Vec::new();
     for _ in 0..TRIES {
         if hidden.len() == count {
             break;
         }
+        let strange = |entry: &Entry| {
+            let other = |other: &Concealed| family(other.entry.name) != family(entry.name);
+            hidden.iter().all(other)
+        };
         let suits = |entry: &&Entry| {
             entry.in_catalogue == in_catalogue
                 && entry.channels.contains(&bench.arm.channel)
                 && (rich || !entry.needs_programme)
-                && hidden
-                    .iter()
-                    .all(|other| family(other.entry.name) != family(entry.name))
+                && strange(entry)
         };
         let suitable: Vec<&'static Entry> = entries().filter(suits).collect();
         let Some(entry) = draw.pick(&suitable).copied() else {
             break;
         };
-        let found = match hidden.last() {
-            None => bench.conceal(draw, entry),
-            Some(first) => {
-                let noise = bench.noise;
-                Bench::new(&first.arm, bench.programme, bench.scales, noise).conceal(draw, entry)
-            }
-        };
-        hidden.extend(found);
+        hidden.extend(bench.conceal(draw, entry));
     }
     hidden
+}
+
+/// The arm with all that is hidden in it.
+fn with_all(arm: &Arm, scales: &Scales, hidden: &[Concealed]) -> Arm {
+    let mut hurt = arm.clone();
+    for concealed in hidden {
+        (concealed.entry.hide)(&mut hurt, scales, concealed.shape, concealed.size);
+    }
+    hurt
 }
 
 fn truth(
@@ -223,46 +231,46 @@ fn truth(
     rich: bool,
     residual: f64,
 ) -> Truth {
-    let effect = |concealed: &Concealed| {
-        let named = concealed
-            .parameters
-            .iter()
-            .map(|(name, value)| (name.to_string(), *value));
-        let mut parameters: Vec<_> = named.collect();
-        parameters.sort_by(|a, b| a.0.cmp(&b.0));
-        HiddenEffect {
-            effect: concealed.entry.name.into(),
-            place: concealed.entry.place.into(),
-            parameters,
-        }
-    };
     let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();
     let damping_ratio = arm.joint.damping / (2.0 * arm.joint.inertia * natural_frequency);
-    let colour = match instruments.noise.colour {
-        Colour::White => "white".into(),
-        Colour::Autoregressive(rho) => format!("ar1 {rho:.2}"),
-        Colour::Quantised => "quantised".into(),
-    };
     let shares: Vec<f64> = hidden.iter().map(|concealed| concealed.share).collect();
-    let mut more = Map::new();
-    more.insert("noise".into(), json!(colour));
-    more.insert(
-        "programme".into(),
-        json!(if rich { "rich" } else { "single move" }),
-    );
-    more.insert("share_of_deformation".into(), json!(shares));
-    more.insert("missing_samples".into(), json!(instruments.missing));
-    more.insert("clock_jitter".into(), json!(instruments.jitter));
-    more.insert("inertia".into(), json!(arm.joint.inertia));
+    let programme = if rich { "rich" } else { "single move" };
+    let more = json!({
+        "noise_colour": instruments.noise.colour.name(),
+        "programme": programme,
+        "share_of_deformation": shares,
+        "missing_samples": instruments.missing,
+        "clock_jitter": instruments.jitter,
+        "inertia": arm.joint.inertia,
+    });
     Truth {
         effects: hidden.iter().map(effect).collect(),
         in_catalogue: hidden.iter().all(|concealed| concealed.entry.in_catalogue),
         natural_frequency_hz: Some(natural_frequency / TAU),
         damping_ratio: Some(damping_ratio),
         noise: instruments.noise.std,
+        noise_unit: if arm.channel == Channel::Tip {
+            "m"
+        } else {
+            "rad"
+        }
+        .into(),
         clock_offset_s: Some(arm.clock_offset),
         baseline_residual_over_noise: Some(residual),
-        more,
+        more: more.as_object().cloned().unwrap_or_default(),
+    }
+}
+
+fn effect(concealed: &Concealed) -> HiddenEffect {
+    let parameters = concealed.parameters.iter();
+    let mut parameters: Vec<_> = parameters
+        .map(|(name, value)| (name.to_string(), *value))
+        .collect();
+    parameters.sort_by(|a, b| a.0.cmp(&b.0));
+    HiddenEffect {
+        effect: concealed.entry.name.into(),
+        place: concealed.entry.place.into(),
+        parameters,
     }
 }
 
@@ -272,18 +280,14 @@ fn model(draw: &mut Draw, arm: &Arm) -> String {
     let damping_ratio = arm.joint.damping / (2.0 * arm.joint.inertia * natural_frequency);
     let frequency_hz = natural_frequency / TAU * (1.0 + draw.uniform(-0.05, 0.05));
     let damping_ratio = damping_ratio * (1.0 + draw.uniform(-0.25, 0.25));
-    let mut text = format!(
+    // Lever arm and height to the bit, so that none is wrong by its rounding.
+    format!(
         "# the nominal model: a flexible joint driven by its motor side\n\
          kind = \"flexible_joint\"\n\
          natural_frequency_hz = {frequency_hz:.4}\n\
-         damping_ratio = {damping_ratio:.4}\n"
-    );
-    if arm.channel == Channel::Tip {
-        // To the bit, so that no lever arm is wrong by its rounding.
-        text += &format!(
-            "lever_arm_m = {}\ntip_height_m = {}\n",
-            arm.lever_arm, arm.tip_height
-        );
-    }
-    text
+         damping_ratio = {damping_ratio:.4}\n\
+         lever_arm_m = {}\n\
+         tip_height_m = {}\n",
+        arm.lever_arm, arm.tip_height
+    )
 }

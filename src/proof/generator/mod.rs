@@ -104,6 +104,16 @@ impl Plan {
             _ => Self::Outside,
         }
     }
+
+    /// How many effects, and whether a catalogue holds them.
+    fn effects(self) -> (usize, bool) {
+        match self {
+            Self::Nothing => (0, true),
+            Self::One => (1, true),
+            Self::Two => (2, true),
+            Self::Outside => (1, false),
+        }
+    }
 }
 
 impl Case {

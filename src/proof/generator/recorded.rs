@@ -91,6 +91,18 @@ impl Instruments {
     }
 }
 
+/// The recording from a time on; its clocks run as before.
+pub fn begun_later(mut recording: Recording, start: f64) -> Recording {
+    for channel in &mut recording.channels {
+        let early = channel.time.partition_point(|&time| time < start);
+        channel.time.drain(..early);
+        for column in &mut channel.columns {
+            column.drain(..early);
+        }
+    }
+    recording
+}
+
 /// To the nearest step.
 pub fn rounded(value: f64, step: f64) -> f64 {
     step * (value / step).round()

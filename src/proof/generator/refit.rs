@@ -32,7 +32,7 @@ pub fn leftover(arm: &Arm, programme: &Programme, stamps: &[f64], columns: &[Vec
     let mut best = predict(&plain);
     let mut left = centred_rms(&angles, &best);
     for _ in 0..ITERATIONS {
-        let trial = improved(&plain, &angles, &best, &predict);
+        let trial = improved(&plain, &angles, &best, predict);
         let predicted = predict(&trial);
         let now = centred_rms(&angles, &predicted);
         // A clone that did not get better ends the search; not a number does, too.
@@ -87,32 +87,34 @@ fn improved(
             difference.map(|(a, b)| (a - b) / SMALL[index]).collect()
         })
         .collect();
+    let left: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
+    match solved(&columns, &left) {
+        Some(step) => changed(
+            plain,
+            [
+                step[0].clamp(-0.1, 0.1),
+                step[1].clamp(-1.0, 1.0),
+                step[2].clamp(-0.01, 0.01),
+            ],
+        ),
+        None => plain.clone(),
+    }
+}
+
+/// Least squares with three columns and a constant, each scaled to length 1.
+fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<Vector4<f64>> {
     let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
-    for (sample, (m, p)) in measured.iter().zip(predicted).enumerate() {
-        let row = Vector4::new(
-            columns[0][sample],
-            columns[1][sample],
-            columns[2][sample],
-            1.0,
-        );
+    for (sample, left) in left.iter().enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|index| columns[index][sample]);
+        let row = Vector4::new(a, b, c, 1.0);
         normal += row * row.transpose();
-        right += row * (m - p);
+        right += row * *left;
     }
     let scale = normal.diagonal().map(|d| 1.0 / d.sqrt().max(1e-300));
     let scaled =
         Matrix4::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]) + Matrix4::identity() * 1e-9;
-    let Some(inverse) = scaled.try_inverse() else {
-        return plain.clone();
-    };
-    let step = (inverse * right.component_mul(&scale)).component_mul(&scale);
-    changed(
-        plain,
-        [
-            step[0].clamp(-0.1, 0.1),
-            step[1].clamp(-1.0, 1.0),
-            step[2].clamp(-0.01, 0.01),
-        ],
-    )
+    let step = scaled.try_inverse()? * right.component_mul(&scale);
+    Some(step.component_mul(&scale))
 }
 
 fn changed(plain: &Arm, [frequency, damping, clock]: [f64; 3]) -> Arm {

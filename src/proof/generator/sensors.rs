@@ -16,7 +16,7 @@ pub struct Faults {
     pub deformation_gain: f64,
     /// Amplitude and phase of an error that repeats with the turn: a disc off its centre.
     pub eccentricity: [f64; 2],
-    /// Drift over the recording's length (rad or m), time constant, s (0: linear).
+    /// Drift: its rate (per s) and 0, or its last level (rad or m) and its time constant, s.
     pub drift: [f64; 2],
     /// Direction of the drift of a tip sensor.
     pub drift_direction: [f64; 3],
@@ -85,10 +85,10 @@ impl Arm {
         shown.splice(0..0, std::iter::repeat_n(first, late));
         let angles = times.iter().zip(shown).map(|(&time, angle)| {
             let motor = programme.at(time)[0];
-            self.static_faults(angle, motor) + self.scalar_drift(time, programme.duration)
+            self.static_faults(angle, motor) + self.scalar_drift(time)
         });
         match self.channel {
-            Channel::Tip => self.in_sensor_frame(angles, &times, programme.duration),
+            Channel::Tip => self.in_sensor_frame(angles, &times),
             Channel::Link | Channel::Deformation => vec![angles.collect()],
         }
     }
@@ -112,32 +112,27 @@ impl Arm {
         value
     }
 
-    fn drift_at(&self, time: f64, duration: f64) -> f64 {
+    fn drift_at(&self, time: f64) -> f64 {
         let [size, tau] = self.faults.drift;
         match tau {
-            0.0 => size * time / duration,
+            0.0 => size * time,
             tau => size * (1.0 - (-time.max(0.0) / tau).exp()),
         }
     }
 
-    fn scalar_drift(&self, time: f64, duration: f64) -> f64 {
+    fn scalar_drift(&self, time: f64) -> f64 {
         match self.channel {
             Channel::Tip => 0.0,
-            Channel::Link | Channel::Deformation => self.drift_at(time, duration),
+            Channel::Link | Channel::Deformation => self.drift_at(time),
         }
     }
 
-    fn in_sensor_frame(
-        &self,
-        angles: impl Iterator<Item = f64>,
-        times: &[f64],
-        duration: f64,
-    ) -> Vec<Vec<f64>> {
+    fn in_sensor_frame(&self, angles: impl Iterator<Item = f64>, times: &[f64]) -> Vec<Vec<f64>> {
         let direction = Vector3::from(self.faults.drift_direction);
-        let mut columns = vec![Vec::with_capacity(times.len()); 3];
+        let mut columns = vec![Vec::new(); 3];
         for (angle, &time) in angles.zip(times) {
             let seen = self.frame.0 * self.tip(angle) + self.frame.1;
-            let seen = seen * (1.0 + self.faults.gain) + direction * self.drift_at(time, duration);
+            let seen = seen * (1.0 + self.faults.gain) + direction * self.drift_at(time);
             for (column, value) in columns.iter_mut().zip(seen.iter()) {
                 column.push(*value);
             }
@@ -164,6 +159,17 @@ pub enum Colour {
     Autoregressive(f64),
     /// Rounded to steps, over white noise of half the standard deviation.
     Quantised,
+}
+
+impl Colour {
+    /// Its name in the truth.
+    pub fn name(self) -> String {
+        match self {
+            Self::White => "white".into(),
+            Self::Autoregressive(rho) => format!("ar1 {rho:.2}"),
+            Self::Quantised => "quantised".into(),
+        }
+    }
 }
 
 impl Noise {

@@ -1,5 +1,6 @@
 //! How much of an effect to hide.
 
+use super::Channel;
 use super::hidden::{Entry, Parameters, Scales};
 use super::programme::Programme;
 use super::random::Draw;
@@ -33,10 +34,12 @@ pub struct Bench<'a> {
 
 /// Something hidden at a chosen size.
 pub struct Concealed {
-    /// The arm with it.
-    pub arm: Arm,
     /// What it is.
     pub entry: &'static Entry,
+    /// Its place and shape, as four numbers in [0, 1).
+    pub shape: [f64; 4],
+    /// Its size.
+    pub size: f64,
     /// Its parameters.
     pub parameters: Parameters,
     /// Rms of its change over the rms of the deformation.
@@ -63,12 +66,12 @@ impl<'a> Bench<'a> {
         let still: Vec<f64> = bench.stamps.iter().map(|_| 0.0).collect();
         let motor = |&stamp: &f64| programme.at(arm.true_time(stamp))[0];
         let deformation = match arm.channel {
-            super::Channel::Deformation => rms_change(&bench.clean, &[still], false),
-            super::Channel::Link => {
+            Channel::Deformation => rms_change(&bench.clean, &[still], false),
+            Channel::Link => {
                 let motor = bench.stamps.iter().map(motor).collect();
                 rms_change(&bench.clean, &[motor], false)
             }
-            super::Channel::Tip => scales.deformation_rms * arm.lever_arm,
+            Channel::Tip => scales.deformation_rms * arm.lever_arm,
         };
         bench.deformation = deformation;
         bench
@@ -87,7 +90,7 @@ impl<'a> Bench<'a> {
         let nearly_hidden = draw.chance(0.3);
         let mut start = entry.sizes[0];
         loop {
-            let (size, found) = self.size(entry, shape, target, start)?;
+            let found = self.size(entry, shape, target, start)?;
             let least = if nearly_hidden { HIDDEN } else { PLAIN };
             if found.residual >= least {
                 return Some(found);
@@ -95,72 +98,94 @@ impl<'a> Bench<'a> {
             if target >= SHARES[1] {
                 return (found.residual >= HIDDEN).then_some(found);
             }
-            (target, start) = ((2.0 * target).min(SHARES[1]), 2.0 * size);
+            (target, start) = ((2.0 * target).min(SHARES[1]), 2.0 * found.size);
         }
     }
 
-    /// The size whose change is this share of the deformation, within a tenth.
+    /// The size whose change is this share of the deformation, within a tenth; the greatest size where
+    /// that leaves a share that is large enough.
     fn size(
         &self,
         entry: &'static Entry,
         shape: [f64; 4],
         target: f64,
         start: f64,
-    ) -> Option<(f64, Concealed)> {
-        let most = entry.sizes[1];
-        let mut size = start.min(most);
-        // Brackets in the size; the share grows with it, though not always evenly.
-        let (mut low, mut high) = (0.0, f64::INFINITY);
+    ) -> Option<Concealed> {
+        let mut bracket = Bracket::new(start, entry.sizes[1]);
         for _ in 0..10 {
+            let size = bracket.size;
             let mut arm = self.arm.clone();
             let parameters = (entry.hide)(&mut arm, self.scales, shape, size);
             let columns = self.read(&arm);
-            let share = rms_change(
-                &columns,
-                &self.clean,
-                self.arm.channel != super::Channel::Deformation,
-            ) / self.deformation;
-            if !share.is_finite() {
-                return None;
-            }
+            let share = self.share(&columns);
             let within = (share / target - 1.0).abs() < 0.1;
-            let full = size >= most && share >= SHARES[0] && share < target;
+            let full = size >= bracket.most && share >= SHARES[0] && share < target;
             if (within || full) && share <= SHARES[1] * 1.1 {
                 let left = leftover(&arm, self.programme, &self.stamps, &columns) / self.noise;
-                let residual = left.hypot(1.0);
-                let found = Concealed {
-                    arm,
+                return Some(Concealed {
                     entry,
+                    shape,
+                    size,
                     parameters,
                     share,
-                    residual,
-                };
-                return Some((size, found));
+                    residual: left.hypot(1.0),
+                });
             }
-            if share < target {
-                low = size;
-            } else {
-                high = size;
-            }
-            let guess = size * (target / share.max(1e-6)).clamp(0.2, 5.0);
-            let inside = guess > low && guess < high;
-            size = match (inside, high.is_finite()) {
-                (true, _) => guess,
-                (false, true) => 0.5 * (low + high),
-                (false, false) => 2.0 * low,
-            };
-            size = size.min(most);
-            if low >= most {
-                return None;
-            }
+            bracket = bracket.next(share, target)?;
         }
         None
+    }
+
+    fn share(&self, columns: &[Vec<f64>]) -> f64 {
+        let own_clock = self.arm.channel != Channel::Deformation;
+        rms_change(columns, &self.clean, own_clock) / self.deformation
     }
 
     /// Residual over the noise of several effects together.
     pub fn residual(&self, arm: &Arm) -> f64 {
         let columns = self.read(arm);
         (leftover(arm, self.programme, &self.stamps, &columns) / self.noise).hypot(1.0)
+    }
+}
+
+/// Sizes between which the right one lies; the share grows with the size, though not always evenly.
+struct Bracket {
+    size: f64,
+    low: f64,
+    high: f64,
+    most: f64,
+}
+
+impl Bracket {
+    fn new(start: f64, most: f64) -> Self {
+        Self {
+            size: start.min(most),
+            low: 0.0,
+            high: f64::INFINITY,
+            most,
+        }
+    }
+
+    /// Around another size after this one left that share; `None` where there is none to try.
+    fn next(mut self, share: f64, target: f64) -> Option<Self> {
+        if !share.is_finite() {
+            return None;
+        }
+        if share < target {
+            self.low = self.size;
+        } else {
+            self.high = self.size;
+        }
+        let guess = self.size * (target / share.max(1e-6)).clamp(0.2, 5.0);
+        self.size = if guess > self.low && guess < self.high {
+            guess
+        } else if self.high.is_finite() {
+            0.5 * (self.low + self.high)
+        } else {
+            2.0 * self.low
+        };
+        self.size = self.size.min(self.most);
+        (self.low < self.most).then_some(self)
     }
 }
 

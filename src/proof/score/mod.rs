@@ -79,63 +79,54 @@ impl Score {
 
     /// The rates, each with what is aimed at.
     pub fn lines(&self) -> Vec<Line> {
-        const KNOWN: &[Kind] = &[Kind::One, Kind::Two];
-        let all = |_: &Judgement| true;
-        let detected = |j: &Judgement| j.detected;
-        let one = &[Kind::One];
-        let line = |key, name, rate, aim| Line {
-            key,
-            name,
-            rate,
-            aim,
-        };
-        let two_families = self.rate(&[Kind::Two], all, |j| j.family);
-        let parameters = self
-            .cases
-            .iter()
-            .flat_map(|case| &case.judgement.parameters);
-        let coverage = parameters.fold(Rate::default(), |rate, p| rate.and(p.inside));
-        let flagged = self.rate(&[Kind::Outside], all, |j| j.flagged);
-        let noticed = self.rate(&[Kind::Outside], all, detected);
-        let spurious = |j: &Judgement| j.spurious > 0;
-        vec![
-            line("detected", "detected", self.rate(KNOWN, all, detected), ""),
+        let lines = self.known_lines().into_iter();
+        lines.chain(self.other_lines()).collect()
+    }
+
+    /// Effects of the catalogue.
+    fn known_lines(&self) -> [Line; 6] {
+        const ONE: &[Kind] = &[Kind::One];
+        let known = [Kind::One, Kind::Two];
+        let found = |right: fn(&Judgement) -> bool| self.rate(ONE, |j| j.detected, right);
+        let detected = self.rate(&known, |_| true, |j| j.detected);
+        let families = self.rate(&[Kind::Two], |_| true, |j| j.family);
+        [
+            line("detected", "detected", detected, ""),
             line(
                 "family",
                 "family, once detected",
-                self.rate(one, detected, |j| j.family),
+                found(|j| j.family),
                 ">= 98 %",
             ),
             line(
                 "exact",
                 "exact name, once detected",
-                self.rate(one, detected, |j| j.exact),
+                found(|j| j.exact),
                 ">= 92 %",
             ),
-            line(
-                "in_set",
-                "truth in the set",
-                self.rate(one, detected, |j| j.in_set),
-                ">= 97 %",
-            ),
-            line(
-                "spurious",
-                "a term too many",
-                self.rate(one, detected, spurious),
-                "",
-            ),
+            line("in_set", "truth in the set", found(|j| j.in_set), ">= 97 %"),
+            line("spurious", "a term too many", found(|j| j.spurious > 0), ""),
             line(
                 "two_families",
                 "two effects, both families",
-                two_families,
+                families,
                 ">= 94 %",
             ),
-            line(
-                "false_alarms",
-                "false alarms",
-                self.rate(&[Kind::Clean], all, |j| j.false_alarm),
-                "<= 1 %",
-            ),
+        ]
+    }
+
+    /// Clean cases, cases outside the catalogue, and parameters.
+    fn other_lines(&self) -> [Line; 4] {
+        let alarms = self.rate(&[Kind::Clean], |_| true, |j| j.false_alarm);
+        let noticed = self.rate(&[Kind::Outside], |_| true, |j| j.detected);
+        let flagged = self.rate(&[Kind::Outside], |_| true, |j| j.flagged);
+        let parameters = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.judgement.parameters);
+        let coverage = parameters.fold(Rate::default(), |rate, p| rate.and(p.inside));
+        [
+            line("false_alarms", "false alarms", alarms, "<= 1 %"),
             line(
                 "outside_noticed",
                 "outside the catalogue, noticed",
@@ -272,5 +263,14 @@ impl Score {
             "confusion": self.confusion(),
             "each": cases.collect::<Vec<_>>(),
         })
+    }
+}
+
+fn line(key: &'static str, name: &'static str, rate: Rate, aim: &'static str) -> Line {
+    Line {
+        key,
+        name,
+        rate,
+        aim,
     }
 }

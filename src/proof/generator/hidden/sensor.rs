@@ -61,12 +61,18 @@ fn drift(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramete
     };
     let [x, y, z] = [shape[1], shape[2], shape[3]].map(|share| share - 0.5);
     let direction = Vector3::new(x, y, z) / Vector3::new(x, y, z).norm().max(1e-3);
-    let size = sign(shape[1]) * size * scales.deformation * lever;
-    arm.faults.drift = [size, time_constant];
+    let level = sign(shape[1]) * size * scales.deformation * lever;
     arm.faults.drift_direction = direction.into();
     match time_constant {
-        0.0 => vec![("rate", size / scales.duration)],
-        tau => vec![("level", size), ("time_constant", tau)],
+        0.0 => {
+            let rate = level / scales.duration;
+            arm.faults.drift = [rate, 0.0];
+            vec![("rate", rate)]
+        }
+        tau => {
+            arm.faults.drift = [level, tau];
+            vec![("level", level), ("time_constant", tau)]
+        }
     }
 }
 
