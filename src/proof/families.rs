@@ -47,7 +47,10 @@ pub const FAMILIES: &[Family] = &[
             "missing_samples",
         ],
     ),
-    family_of("sensor dynamics", &["sensor_lag", "sensor_delay"]),
+    family_of(
+        "sensor dynamics",
+        &["sensor_lag", "sensor_lag_second_order", "sensor_delay"],
+    ),
     family_of(
         "static",
         &[

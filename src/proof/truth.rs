@@ -1,5 +1,6 @@
 //! What was hidden in a case, as its file `truth.json` tells it.
 
+use super::families::{OUTSIDE, family};
 use serde_json::{Map, Value, json};
 
 /// One hidden effect.
@@ -18,6 +19,8 @@ pub struct HiddenEffect {
 pub struct Truth {
     /// The hidden effects; none in a clean case.
     pub effects: Vec<HiddenEffect>,
+    /// Names that no motion tells from the truth, where the generator knows such.
+    pub equivalents: Vec<String>,
     /// Whether a catalogue of the usual physics holds all of them.
     pub in_catalogue: bool,
     /// True natural frequency, Hz (flexible joints).
@@ -55,16 +58,6 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("knock", "external_disturbance"),
     ("knocks", "external_disturbance"),
     ("sensor_misalignment", "misalignment"),
-];
-
-/// Effects that are outside the catalogue, by the names of this and other generators.
-const OUTSIDE: &[&str] = &[
-    "root_speed_friction",
-    "parametric_stiffness",
-    "time_varying_damping",
-    "position_dependent_friction",
-    "swinging_cable",
-    "sensor_fifth_order",
 ];
 
 /// The catalogue's name of an effect that another generator hid.
@@ -106,6 +99,9 @@ impl Truth {
         object.insert("place".into(), json!(places.join("+")));
         object.insert("parameters".into(), Value::Object(parameters));
         object.insert("effects".into(), Value::Array(effects));
+        if !self.equivalents.is_empty() {
+            object.insert("equivalents".into(), json!(self.equivalents));
+        }
         object.insert("in_catalogue".into(), json!(self.in_catalogue));
         object.insert(
             "natural_frequency_hz".into(),
@@ -133,10 +129,14 @@ impl Truth {
             Some(Value::Array(list)) => list.iter().filter_map(HiddenEffect::from_json).collect(),
             _ => joined(&named, &place, &parameters),
         };
+        let equivalents = match more.remove("equivalents") {
+            Some(Value::Array(list)) => list.into_iter().map(|name| text(Some(name))).collect(),
+            _ => Vec::new(),
+        };
         let number = |value: Option<Value>| value.and_then(|value| value.as_f64());
         let unknown = effects
             .iter()
-            .any(|e: &HiddenEffect| OUTSIDE.contains(&e.effect.as_str()));
+            .any(|e: &HiddenEffect| family(&e.effect) == OUTSIDE);
         let metres = more.remove("tracker_noise_m");
         let noise = more.remove("noise_std").or(metres);
         let told = more
@@ -145,6 +145,7 @@ impl Truth {
         Some(Self {
             in_catalogue: told.unwrap_or(!unknown),
             effects,
+            equivalents,
             natural_frequency_hz: number(more.remove("natural_frequency_hz")),
             damping_ratio: number(more.remove("damping_ratio")),
             noise: number(noise).unwrap_or(f64::NAN),

@@ -44,7 +44,7 @@ pub const ENTRIES: &[Entry] = &[
             ..DryFriction::coulomb(friction)
         });
         vec![
-            ("breakaway", breakaway * friction),
+            ("excess", breakaway - 1.0),
             ("friction", friction),
             ("stribeck_velocity", stribeck_velocity),
         ]
@@ -56,14 +56,12 @@ pub const ENTRIES: &[Entry] = &[
             kinetic: sides,
             ..DryFriction::coulomb(0.0)
         });
-        vec![
-            ("friction_negative", sides[1]),
-            ("friction_positive", sides[0]),
-        ]
+        vec![("asymmetry", uneven), ("friction", share * forces.rms)]
     }),
     ("force_offset", true, |axis, forces, share, shape| {
         axis.offset = (shape[0] - 0.5).signum() * share * forces.rms;
-        vec![("offset", axis.offset)]
+        // The catalogue counts a force against the motion.
+        vec![("force", -axis.offset)]
     }),
     ("cogging", true, |axis, forces, share, shape| {
         let pitch = 0.02 + 0.06 * shape[0];
@@ -76,7 +74,7 @@ pub const ENTRIES: &[Entry] = &[
     }),
     ("dead_zone", true, |axis, forces, share, _| {
         axis.dead_zone = share * forces.rms;
-        vec![("width", axis.dead_zone)]
+        vec![("half_width", axis.dead_zone)]
     }),
     ("saturation", true, |axis, forces, share, _| {
         axis.saturation = (1.0 - 1.5 * share) * forces.most;

@@ -45,8 +45,8 @@ pub struct Joint {
     pub gap: Option<Gap>,
     /// The spring's torque is `k (x + cubic x^3)`.
     pub cubic: f64,
-    /// Stiffness for `x > 0` is `1 + bilinear` times, for `x < 0` `1 - bilinear` times the mean.
-    pub bilinear: f64,
+    /// Relative change of stiffness beyond a knee for `x > 0` and for `x < 0`, and the knee.
+    pub bilinear: [f64; 3],
     /// Torque per squared rate of deformation.
     pub quadratic_damping: f64,
     /// Torque per root of the rate of deformation.

@@ -245,6 +245,7 @@ fn truth(
     });
     Truth {
         effects: hidden.iter().map(effect).collect(),
+        equivalents: Vec::new(),
         in_catalogue: hidden.iter().all(|concealed| concealed.entry.in_catalogue),
         natural_frequency_hz: Some(natural_frequency / TAU),
         damping_ratio: Some(damping_ratio),

@@ -142,17 +142,22 @@ impl Moving<'_> {
     fn elastic(&self, time: f64, state: &State, [x, v]: [f64; 2], motor_speed: f64) -> f64 {
         let joint = self.joint;
         let (bent, touching) = joint.gap.map_or((x, true), |gap| gap.compression(x));
-        let mut stiffness = joint.stiffness * (1.0 + joint.bilinear * bent.signum());
+        let mut stiffness = joint.stiffness;
         if joint.warming[0] != 0.0 {
             stiffness *= 1.0 + joint.warming[0] * (1.0 - (-time / joint.warming[1]).exp());
         }
         stiffness *= 1.0 + joint.speed_stiffening * motor_speed.abs();
         let mut damping = joint.damping;
-        damping *= 1.0 + joint.damping_waves[0] * (joint.damping_waves[1] * time).sin();
+        if joint.damping_waves[0] != 0.0 {
+            damping *= 1.0 + joint.damping_waves[0] * (joint.damping_waves[1] * time).sin();
+        }
         if let Some(gap) = joint.gap.filter(|_| !touching) {
             damping *= gap.oil;
         }
-        let mut torque = stiffness * bent * (1.0 + joint.cubic * bent * bent) + damping * v;
+        let [up, down, knee] = joint.bilinear;
+        let beyond = up * (bent - knee).max(0.0) + down * (bent + knee).min(0.0);
+        let spring = bent * (1.0 + joint.cubic * bent * bent) + beyond;
+        let mut torque = stiffness * spring + damping * v;
         if joint.gap.is_some() && touching && torque * bent < 0.0 {
             // Teeth push, they do not pull.
             torque = 0.0;

@@ -23,7 +23,8 @@ pub enum Kind {
 /// A diagnosis held against the truth.
 ///
 /// - *detected*: something is hidden and the verdict is not `no_mismatch`.
-/// - *family*: one effect: the first name is of its family; two: each has a name of its family.
+/// - *family*: one effect: the first name is of its family, or one that the truth calls its equivalent;
+///   two: each has a name of its family.
 /// - *exact*: the same for the names themselves.
 /// - *in set*: each truth is among a finding and its alternatives; for one effect, the first finding.
 /// - *false alarm*: nothing is hidden and the verdict is not `no_mismatch`.
@@ -76,12 +77,14 @@ impl Judgement {
             .map(|finding| finding.effect.as_str())
             .collect();
         let families = names.iter().map(|name| family(name)).collect();
+        let equal = |name: &&str| truth.equivalents.iter().any(|other| other == name);
+        let stands_for = kind == Kind::One && names.first().is_some_and(equal);
         let detected = verdict.detects();
         let in_set = |name| heard.iter().any(|finding| finding.set().contains(&name));
         Self {
             kind,
             detected: kind != Kind::Clean && detected,
-            family: known && detected && all_in(effects().map(family), families),
+            family: known && detected && (stands_for || all_in(effects().map(family), families)),
             exact: known && detected && all_in(effects(), names),
             in_set: known && detected && effects().all(in_set),
             set_size: verdict.findings.first().map(|finding| finding.set().len()),

@@ -22,19 +22,19 @@ pub(super) const ENTRIES: &[Entry] = &[
 fn viscous_drag(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
     let drag = size * scales.deformation / scales.speed;
     arm.joint.viscous_drag = drag * arm.joint.stiffness;
-    vec![("drag", drag)]
+    vec![("viscous", drag)]
 }
 
 fn quadratic_drag(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
     let drag = size * scales.deformation / scales.speed.powi(2);
     arm.joint.quadratic_drag = drag * arm.joint.stiffness;
-    vec![("drag", drag)]
+    vec![("coefficient", drag)]
 }
 
 fn gravity(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let load = size * scales.deformation;
     arm.joint.gravity = [load * arm.joint.stiffness, TAU * shape[0]];
-    vec![("load", load), ("phase", TAU * shape[0])]
+    vec![("amplitude", load)]
 }
 
 /// Two bodies in a chain; the size is the outer one's share of the inertia.
@@ -48,10 +48,7 @@ fn second_mode(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Pa
         [arm.joint.stiffness, outer.stiffness],
     );
     arm.joint.outer = Some((outer, shape[2] < 0.6));
-    vec![
-        ("natural_frequency_hz", high / TAU),
-        ("inertia_share", size),
-    ]
+    vec![("natural_frequency", high), ("inertia_share", size)]
 }
 
 /// A body whose own spring gives it this frequency (rad/s) and damping ratio.
@@ -81,7 +78,7 @@ fn payload(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parame
     let [start, end] = scales.pauses.get(pick).copied().unwrap_or([0.0, 1.0]);
     let time = between(start, end, between(0.3, 0.9, shape[1]));
     arm.joint.payload = Some([time, size]);
-    vec![("time", time), ("inertia_change", size)]
+    vec![("time", time), ("change", size)]
 }
 
 /// A greater size moves the stop into the link's way.
@@ -112,7 +109,7 @@ fn base_mode(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Para
 
 /// One knock to three, anywhere in the recording.
 fn knocks(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
-    let count = 1 + (3.0 * shape[0]) as usize;
+    let count = 1 + (3.0 * shape[0] * shape[0]) as usize;
     let jump = size * scales.deformation * scales.natural_frequency;
     let mut parameters = Vec::new();
     let names = ["time", "time_2", "time_3"];
@@ -130,6 +127,11 @@ fn knocks(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramet
         });
         parameters.push((name, start + 0.5 * length));
     }
-    parameters.push(("velocity_jump", jump));
+    // Signs differ from knock to knock.
+    if count > 1 {
+        parameters.push(("jump_size", jump));
+    } else {
+        parameters.push(("jump", jump * sign(shape[3])));
+    }
     parameters
 }

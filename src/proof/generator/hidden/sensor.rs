@@ -9,6 +9,7 @@ const PLACE: &str = "sensor";
 
 pub(super) const ENTRIES: &[Entry] = &[
     entry("sensor_lag", PLACE, [0.05, 0.8], lag),
+    entry("sensor_lag_second_order", PLACE, [0.05, 0.8], second_order),
     entry("sensor_gain", PLACE, [0.1, 1.0], gain).seen_by(OUTER),
     entry("deformation_gain", PLACE, [0.05, 0.4], deformation_gain),
     entry("misalignment", PLACE, [0.1, 1.0], misalignment).seen_by(&[Channel::Link]),
@@ -18,26 +19,29 @@ pub(super) const ENTRIES: &[Entry] = &[
         .in_a_programme(),
 ];
 
-/// One lag, or two in a row for a quarter of the shapes.
-fn lag(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+fn lag(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
     let time_constant = size / scales.natural_frequency;
-    let twice = shape[0] < 0.25;
-    arm.joint.lag = Some((time_constant, twice));
-    match twice {
-        true => vec![("time_constant_each", time_constant)],
-        false => vec![("time_constant", time_constant)],
-    }
+    arm.joint.lag = Some((time_constant, false));
+    vec![("time_constant", time_constant)]
 }
 
+/// Two lags in a row.
+fn second_order(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
+    let time_constant = size / scales.natural_frequency;
+    arm.joint.lag = Some((time_constant, true));
+    vec![("time_constant", time_constant), ("damping_ratio", 1.0)]
+}
+
+/// All coordinates, or the angle.
 fn gain(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let travel = scales.span[1] - scales.span[0];
     arm.faults.gain = sign(shape[0]) * size * scales.deformation / travel;
-    vec![("gain", 1.0 + arm.faults.gain)]
+    vec![("error", arm.faults.gain)]
 }
 
 fn deformation_gain(arm: &mut Arm, _: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     arm.faults.deformation_gain = sign(shape[0]) * size;
-    vec![("gain", 1.0 + arm.faults.deformation_gain)]
+    vec![("error", arm.faults.deformation_gain)]
 }
 
 fn misalignment(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
@@ -67,7 +71,12 @@ fn drift(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramete
         0.0 => {
             let rate = level / scales.duration;
             arm.faults.drift = [rate, 0.0];
-            vec![("rate", rate)]
+            let name = if arm.channel == Channel::Tip {
+                "rate_m"
+            } else {
+                "rate"
+            };
+            vec![(name, rate)]
         }
         tau => {
             arm.faults.drift = [level, tau];
@@ -79,5 +88,6 @@ fn drift(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramete
 fn skew(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let late = size * scales.deformation / scales.speed;
     arm.faults.skew = sign(shape[0]) * late / scales.duration;
-    vec![("skew", arm.faults.skew)]
+    // What a stamp t shows was at (1 + skew) t.
+    vec![("skew", 1.0 / (1.0 + arm.faults.skew) - 1.0)]
 }

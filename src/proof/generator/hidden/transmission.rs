@@ -38,7 +38,7 @@ fn stribeck(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Param
     });
     vec![
         ("friction", friction),
-        ("breakaway", breakaway * friction),
+        ("excess", breakaway - 1.0),
         ("stribeck_velocity", stribeck_velocity),
     ]
 }
@@ -51,8 +51,8 @@ fn asymmetric(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Par
         ..DryFriction::coulomb(0.0)
     });
     vec![
-        ("friction_positive", sides[0]),
-        ("friction_negative", sides[1]),
+        ("friction", size * scales.deformation),
+        ("asymmetry", uneven),
     ]
 }
 
@@ -77,21 +77,29 @@ fn presliding(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Par
         },
         stribeck_velocity: scales.rate * between(0.05, 0.3, shape[3]),
     });
-    vec![("friction", friction), ("distance", distance)]
+    // Without a Stribeck curve the distance is Dahl's.
+    let name = if dahl {
+        "presliding_distance"
+    } else {
+        "bristle_distance"
+    };
+    vec![("friction", friction), (name, distance)]
 }
 
+/// The loop beside the spring; told as a share of the sum of both. It unloads so that it never gives
+/// back more than it took.
 fn bouc_wen(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let distance = scales.deformation * log_between(0.08, 0.6, shape[0]);
-    let lean = between(0.3, 0.9, shape[1]);
+    let lean = between(0.5, 1.0, shape[1]);
     arm.joint.hysteresis = Some(BoucWen {
         stiffness: size * arm.joint.stiffness,
         beta: lean / distance,
         gamma: (1.0 - lean) / distance,
     });
     vec![
-        ("share", size),
-        ("distance", distance),
-        ("friction", size * distance),
+        ("share", size / (1.0 + size)),
+        ("yield_deformation", distance),
+        ("unloading", 2.0 * lean - 1.0),
     ]
 }
 
@@ -109,15 +117,24 @@ fn cubic(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramete
     vec![("k3", arm.joint.cubic)]
 }
 
-fn bilinear(arm: &mut Arm, _: &Scales, shape: [f64; 4], size: f64) -> Parameters {
-    arm.joint.bilinear = sign(shape[0]) * size;
-    vec![("asymmetry", arm.joint.bilinear)]
+/// One-sided, or with a knee on either side.
+fn bilinear(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+    let change = sign(shape[0]) * size;
+    if shape[1] < 0.5 {
+        arm.joint.bilinear = [change, -change, 0.0];
+        return vec![("one_sided_change", change)];
+    }
+    // Beyond the knee less is bent, so that more must change; softer by a half at most.
+    let change = (2.0 * change).max(-0.5);
+    let knee = scales.deformation * between(0.1, 0.5, shape[2]);
+    arm.joint.bilinear = [change, change, knee];
+    vec![("change", change), ("knee", knee)]
 }
 
 fn quadratic_damping(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
     let damping = size * scales.deformation / scales.rate.powi(2);
     arm.joint.quadratic_damping = damping * arm.joint.stiffness;
-    vec![("damping", damping)]
+    vec![("coefficient", damping)]
 }
 
 fn ripple(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
@@ -143,5 +160,8 @@ fn drift(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramete
 fn creep(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let time_constant = log_between(4.0, 60.0, shape[0]) / scales.natural_frequency;
     arm.joint.creep = Some([size * arm.joint.stiffness, time_constant]);
-    vec![("share", size), ("time_constant", time_constant)]
+    vec![
+        ("relative_stiffness", size),
+        ("time_constant", time_constant),
+    ]
 }
