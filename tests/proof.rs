@@ -45,7 +45,7 @@ fn the_same_seed_gives_the_same_bytes() {
 
 #[test]
 fn recordings_are_whole_and_the_true_machine_leaves_the_noise() {
-    for (index, case) in cases(24).iter().enumerate() {
+    for (index, case) in cases(16).iter().enumerate() {
         for recording in [&case.train, &case.test] {
             for channel in &recording.channels {
                 assert!(channel.time.len() > 200, "case {index}");

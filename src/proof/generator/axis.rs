@@ -33,8 +33,6 @@ pub struct Axis {
     pub loss: [f64; 2],
     /// Time constant, s, with which the force follows its command; 0 for none.
     pub lag: f64,
-    /// Time, s, by which the force comes later than its command.
-    pub delay: f64,
 }
 
 /// The axis on its way through a programme.

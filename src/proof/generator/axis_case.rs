@@ -135,7 +135,7 @@ fn forces(axis: &Axis, programme: &Programme) -> Forces {
     }
 }
 
-/// The recording, and the positions without noise. A late force is recorded before it acts.
+/// The recording, and the positions without noise.
 fn record(
     draw: &mut Draw,
     axis: &Axis,
@@ -143,10 +143,9 @@ fn record(
     (rate, noise): (f64, &Noise),
     name: &str,
 ) -> (Recording, Vec<f64>) {
-    let count = ((programme.duration - axis.delay) * rate) as usize;
+    let count = (programme.duration * rate) as usize;
     let time: Vec<f64> = (0..count).map(|k| k as f64 / rate).collect();
-    let early: Vec<f64> = time.iter().map(|t| t + axis.delay).collect();
-    let force = run(axis, programme, &early, true);
+    let force = run(axis, programme, &time, true);
     let position = run(axis, programme, &time, false);
     let mut seen = position.clone();
     noise.add(draw, &mut seen);

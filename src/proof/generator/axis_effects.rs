@@ -92,10 +92,6 @@ pub const ENTRIES: &[Entry] = &[
         axis.lag = share / forces.rate;
         vec![("time_constant", axis.lag)]
     }),
-    ("drive_delay", true, |axis, forces, share, _| {
-        axis.delay = share / forces.rate;
-        vec![("delay", axis.delay)]
-    }),
     (
         "position_dependent_friction",
         false,

@@ -4,6 +4,9 @@
 //! steps that end where something sticks, slips or touches. It shares no equation of motion with the
 //! models that are fitted to its recordings.
 //!
+//! What no fit can see is not hidden: an offset of the clocks and a delay of sensor or drive (each fit
+//! takes an offset of the clocks for granted), faults of the drive where the motor side is measured.
+//!
 //! The same seed and index give the same case, to the bit.
 
 mod axis;
