@@ -59,8 +59,12 @@ impl Driven<'_> {
     fn arriving(&self, command: f64) -> f64 {
         let axis = self.axis;
         let mut force = command.signum() * (command.abs() - axis.dead_zone).max(0.0);
-        if axis.loss[0] != 0.0 {
-            force *= 1.0 - axis.loss[0] * (force / axis.loss[1]).powi(2);
+        let [share, reference] = axis.loss;
+        if share != 0.0 {
+            // Iron that is full gives no less for more current.
+            let peak = reference / (3.0 * share).sqrt();
+            force = force.clamp(-peak, peak);
+            force *= 1.0 - share * (force / reference).powi(2);
         }
         match axis.saturation {
             0.0 => force,

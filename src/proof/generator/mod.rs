@@ -81,7 +81,21 @@ const AXES: f64 = 0.15;
 /// # Ok::<(), quell_trajectories::PlanError>(())
 /// ```
 pub fn generate(seed: u64, index: u64) -> Result<Case, PlanError> {
-    let mut draw = Draw::new(seed, index);
+    let mut case = attempt(seed, index)?;
+    for again in 1..ATTEMPTS {
+        if case.is_finite() {
+            break;
+        }
+        case = attempt(seed, index + (again << 32))?;
+    }
+    Ok(case)
+}
+
+/// Draws after which a machine that runs away is no longer drawn again.
+const ATTEMPTS: u64 = 8;
+
+fn attempt(seed: u64, stream: u64) -> Result<Case, PlanError> {
+    let mut draw = Draw::new(seed, stream);
     if draw.chance(AXES) {
         axis_case::generate(&mut draw)
     } else {
@@ -120,6 +134,13 @@ impl Plan {
 }
 
 impl Case {
+    /// Whether all that was recorded is a number.
+    fn is_finite(&self) -> bool {
+        let channels = self.train.channels.iter().chain(&self.test.channels);
+        let mut values = channels.flat_map(|channel| channel.columns.iter().flatten());
+        values.all(|value| value.is_finite())
+    }
+
     /// Rms over the noise on the test with the true machine, of which only the sensor's clock and frame
     /// are fitted: the floor that a diagnosis can reach.
     pub fn oracle(&self) -> f64 {
