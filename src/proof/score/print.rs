@@ -41,7 +41,7 @@ impl Score {
             ]
         };
         let rows = self.lines().into_iter().map(row);
-        table(&["score", "cases", "share", "95 %", "aim"], rows)
+        table(1, &["score", "cases", "share", "95 %", "aim"], rows)
     }
 
     fn spreads_text(&self) -> String {
@@ -49,7 +49,7 @@ impl Score {
             let figures = [spread.mean, spread.median, spread.ninth_decile].map(number);
             [name.to_string()].into_iter().chain(figures)
         });
-        table(&["figure", "mean", "median", "90th percentile"], rows)
+        table(1, &["figure", "mean", "median", "90th percentile"], rows)
     }
 
     fn confusion_text(&self) -> String {
@@ -70,7 +70,7 @@ impl Score {
             .zip(&letters)
             .map(|(name, letter)| format!("{letter} {name}"))
             .collect();
-        format!("{}{}\n", table(&header, rows), key.join(", "))
+        format!("{}{}\n", table(1, &header, rows), key.join(", "))
     }
 }
 
@@ -100,11 +100,11 @@ fn wrong_text(cases: &[&Judged]) -> String {
         "refit / noise",
         "test / noise",
     ];
-    table(&header, rows)
+    table(4, &header, rows)
 }
 
-/// Columns set apart by two spaces, figures to the right.
-fn table<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> String
+/// Columns set apart by two spaces; so many with words to the left, figures to the right.
+fn table<R>(words: usize, header: &[&str], rows: impl IntoIterator<Item = R>) -> String
 where
     R: IntoIterator<Item = String>,
 {
@@ -114,9 +114,9 @@ where
         table.add_row(row.into_iter().collect::<Vec<_>>());
     }
     for column in table.column_iter_mut() {
-        let first = column.index == 0;
+        let (first, word) = (column.index == 0, column.index < words);
         column.set_padding((if first { 0 } else { 2 }, 0));
-        column.set_cell_alignment(if first {
+        column.set_cell_alignment(if word {
             CellAlignment::Left
         } else {
             CellAlignment::Right
