@@ -56,11 +56,12 @@
     };
   }
 
-  // The ordinate: what is drawn, the level lines, zero where stems begin, and a margin.
-  function yRange(spec, levels, stems) {
+  // The ordinate: what is drawn, the level lines, shaded stretches, zero where stems begin, and a margin.
+  function yRange(spec, levels, shades, stems) {
     return (u, low, high) => {
       if (low == null) [low, high] = spec.log ? [1, 10] : [0, 1];
-      for (const { at } of levels) if (!spec.log || at > 0) {
+      const edges = shades.filter((s) => s.upright).flatMap((s) => [{ at: s.from }, { at: s.to }]);
+      for (const { at } of [...levels, ...edges]) if (!spec.log || at > 0) {
         low = Math.min(low, at);
         high = Math.max(high, at);
       }
@@ -71,6 +72,27 @@
         [low, high] = [stems && low === 0 ? 0 : low - margin, stems && high === 0 ? 0 : high + margin];
       }
       return [spec.from ?? low, spec.to ?? high];
+    };
+  }
+
+  // Shaded stretches, below the curves.
+  function shade(chart) {
+    return (u) => {
+      const { ctx, bbox } = u;
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+      ctx.clip();
+      ctx.fillStyle = colour("quiet");
+      for (const { from, to, upright } of chart.shades) {
+        const spec = upright ? chart.y : chart.x;
+        if (spec.log && !(from > 0 && to > 0)) continue;
+        const [a, b] = [from, to].map((at) => u.valToPos(at, upright ? "y" : "x", true));
+        ctx.globalAlpha = upright ? 0.2 : 0.12;
+        if (upright) ctx.fillRect(bbox.left, Math.min(a, b), bbox.width, Math.abs(b - a));
+        else ctx.fillRect(a, bbox.top, b - a, bbox.height);
+      }
+      ctx.restore();
     };
   }
 
@@ -117,6 +139,24 @@
         let left = x + 6 * px;
         if (left + width > bbox.left + bbox.width - 4 * px) left = x - width - 6 * px;
         let middle = bbox.top + 12 * px;
+        const hit = () => placed.some((p) =>
+          Math.abs(p.middle - middle) < 17 * px && left - 8 * px < p.right && p.left < left + width + 8 * px);
+        for (let row = 0; hit() && row < 12; row++) middle += 18 * px;
+        placed.push({ left, right: left + width, middle });
+        notes.push([label, left, middle]);
+      }
+      for (const { from, to, label, upright } of chart.shades) {
+        if (!label) continue;
+        const width = ctx.measureText(label).width, end = bbox.left + bbox.width;
+        let left = end - width - 6 * px, middle = bbox.top + 12 * px;
+        if (upright) {
+          middle = u.valToPos(Math.max(from, to), "y", true) - 10 * px;
+          if (middle < bbox.top + 8 * px) middle = bbox.top + 12 * px;
+        } else {
+          const [a, b] = [from, to].map((at) => u.valToPos(at, "x", true));
+          if (b < bbox.left || a > end) continue;
+          left = Math.max(bbox.left, Math.min(Math.max(a, bbox.left) + 6 * px, left));
+        }
         const hit = () => placed.some((p) =>
           Math.abs(p.middle - middle) < 17 * px && left - 8 * px < p.right && p.left < left + width + 8 * px);
         for (let row = 0; hit() && row < 12; row++) middle += 18 * px;
@@ -177,7 +217,8 @@
         label: s.name, stroke: () => stroke(s), width: 1.75, value: measured(chart.y),
         dash: DASHES[Math.floor(s.colour / 7) % 3], points: { show: false },
       };
-      if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: 6, fill: stroke(s) } });
+      if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "90" });
+      if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, fill: stroke(s) } });
       if (chart.kind === "stems") one.paths = () => null;
       if (s.kind === "band") {
         Object.assign(one, { width: 0, band: true });
@@ -192,14 +233,14 @@
     const tables = chart.series.map((s) => (s.kind === "band" ? [s.x, s.y, s.low] : [s.x, s.y]));
     const data = uPlot.join(tables);
     const { made, bands } = uplotSeries(chart);
-    const hooks = { draw: [annotate(chart)] };
+    const hooks = { drawClear: [shade(chart)], draw: [annotate(chart)] };
     if (chart.kind === "stems") hooks.draw.unshift(stems(chart));
     const width = root.dataset.paper ? 680 : host.clientWidth;
     return new uPlot({
       width, height: Math.round(Math.max(230, Math.min(360, width * 0.45))),
       scales: {
         x: { time: false, distr: chart.x.log ? 3 : 1, range: xRange(chart.x, chart.kind === "stems") },
-        y: { distr: chart.y.log ? 3 : 1, range: yRange(chart.y, chart.levels, chart.kind === "stems") },
+        y: { distr: chart.y.log ? 3 : 1, range: yRange(chart.y, chart.levels, chart.shades, chart.kind === "stems") },
       },
       axes: [axis(chart.x, false), axis(chart.y, true)],
       series: made, bands, hooks,

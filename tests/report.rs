@@ -1,7 +1,7 @@
 //! One report with every element: complete in itself, escaped, thinned. It is written to the
 //! target directory, to be looked at: `target/tmp/report.html`.
 
-use quell::report::{Bars, Cell, Chart, Figure, Page, Table, Verdict};
+use quell::report::{Bars, Cell, Chain, Chart, Figure, Page, Table, Verdict};
 
 /// A name as an attacker would give it to a recording.
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>&\"'";
@@ -175,7 +175,28 @@ fn page() -> Page {
                 .note("Smaller is better."),
         )
         .heading("Sensors")
+        .chain(
+            Chain::new("Where the noise comes from")
+                .station("motor", "moves")
+                .station(HOSTILE, "measures")
+                .marked("here")
+                .beside("floor", "shakes"),
+        )
         .chart(long_noise())
+        .chart(
+            Chart::lines("Predicted", "time", "s", "position", "mm")
+                .broad("recorded", &f, &a)
+                .series("predicted", &f, &a)
+                .shade_x(20.0, 30.0, "not fitted to")
+                .shade_y(-0.5, 0.5, "noise")
+                .shade_x(f64::NAN, 3.0, "nowhere"),
+        )
+        .bars(
+            Bars::new("What is left", "%", ["this", "that"])
+                .series("left", &[3.0, 4000.0])
+                .marked(0)
+                .up_to(100.0),
+        )
         .chart(
             Chart::lines("Spectrum", "frequency", "Hz", "gain", "")
                 .series("gain", &f, &a)
@@ -221,6 +242,21 @@ fn a_long_series_is_thinned_and_says_so() {
     assert!(html.contains("of 50000 samples are drawn"));
     assert!(html.contains(",43.2198,"), "the one spike is still there");
     assert!(html.len() < 1_000_000, "{} bytes", html.len());
+}
+
+#[test]
+fn what_is_marked_and_shaded_is_on_the_page() {
+    let html = page().render();
+    assert_eq!(html.matches("<li class=\"mark\">").count(), 1);
+    assert_eq!(html.matches("<li class=\"beside\">").count(), 1);
+    assert!(html.contains("{\"from\":20,\"to\":30,\"label\":\"not fitted to\",\"upright\":false}"));
+    assert!(
+        !html.contains("nowhere\",\"upright"),
+        "a stretch without an end is left out"
+    );
+    // 3 of 100 %, on a track that leaves a quarter for the number; the bar that is cut off fills it.
+    assert!(html.contains("width:2.25%;background:var(--plain)"));
+    assert!(html.contains("width:75.00%;background:var(--quiet)"));
 }
 
 #[test]

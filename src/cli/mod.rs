@@ -6,6 +6,7 @@
 
 pub mod choices;
 pub mod compare;
+pub mod diagnose;
 pub mod effort;
 pub mod error;
 pub mod identify;
@@ -15,6 +16,7 @@ pub mod model_file;
 pub mod moves;
 pub mod output;
 pub mod robot_args;
+pub mod score;
 pub mod shape;
 pub mod shaping;
 pub mod simulate;

@@ -4,6 +4,7 @@ mod document;
 mod limits;
 mod motion;
 mod planned;
+pub mod predicted;
 mod recorded;
 mod setup;
 mod slopes;

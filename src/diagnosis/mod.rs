@@ -2,11 +2,32 @@
 //!
 //! A pure function from a model and recordings to a [`Diagnosis`]; it never sees names of files.
 
+mod baseline;
+mod conclude;
 mod document;
+mod draw;
+mod explanation;
+mod fit;
+mod locate;
+mod noise;
+mod problem;
+mod remarks;
+mod run;
+mod score;
+mod screen;
+mod search;
+mod split;
+mod summary;
 mod traces;
+mod units;
+mod whitening;
 
+pub use baseline::DiagnosisError;
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
     Verdict,
 };
+pub use locate::{Dynamics, Located, Residual, locate};
+pub use run::{Options, Outcome, Progress, diagnose};
+pub use score::{Predicted, Score, predict, score};
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

@@ -7,12 +7,51 @@
 //! Forces are in the unit of the model: N or N.m where an inertia is known; divided by the joint's
 //! stiffness, so in rad, where only its natural frequency is (`flexible_joint`, `oscillator`).
 
+mod asymmetric_friction;
+mod backlash;
+mod base_mode;
+mod bilinear_stiffness;
+mod clock_skew;
+mod cogging;
 mod coulomb_friction;
+mod cubic;
 mod cubic_stiffness;
+mod dead_zone;
+mod deformation_gain;
+mod drive_delay;
+mod drive_lag;
+mod end_stop;
+mod external_disturbance;
+mod force_offset;
+mod gravity_load;
+mod grid;
+mod hysteretic_stiffness;
 mod law;
+mod misalignment;
 mod parameter;
+mod payload_change;
+mod pose_dependent_frequency;
+mod presliding_hysteresis;
+mod quadratic_damping;
+mod quadratic_drag;
+mod quantisation;
+mod rate_limit;
+mod saturation;
 mod scales;
+mod second_mode;
+mod sensor_delay;
+mod sensor_drift;
+mod sensor_gain;
 mod sensor_lag;
+mod sensor_lag_second_order;
+mod stiction;
+mod stiffness_drift;
+mod stribeck_friction;
+mod torque_constant_nonlinearity;
+mod transmission_ripple;
+mod viscoelastic_creep;
+mod viscous_drag;
+mod viscous_friction;
 
 pub use law::{Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, Sensor};
 pub use parameter::{Parameter, Quantity};
@@ -80,8 +119,45 @@ pub struct Effect {
 /// The catalogue.
 pub const EFFECTS: &[&Effect] = &[
     &coulomb_friction::COULOMB_FRICTION,
+    &stribeck_friction::STRIBECK_FRICTION,
+    &asymmetric_friction::ASYMMETRIC_FRICTION,
+    &stiction::STICTION,
+    &viscous_friction::VISCOUS_FRICTION,
+    &force_offset::FORCE_OFFSET,
+    &cogging::COGGING,
+    &dead_zone::DEAD_ZONE,
+    &saturation::SATURATION,
+    &rate_limit::RATE_LIMIT,
+    &torque_constant_nonlinearity::TORQUE_CONSTANT_NONLINEARITY,
+    &drive_lag::DRIVE_LAG,
+    &drive_delay::DRIVE_DELAY,
+    &presliding_hysteresis::PRESLIDING_HYSTERESIS,
+    &hysteretic_stiffness::HYSTERETIC_STIFFNESS,
+    &backlash::BACKLASH,
     &cubic_stiffness::CUBIC_STIFFNESS,
+    &bilinear_stiffness::BILINEAR_STIFFNESS,
+    &quadratic_damping::QUADRATIC_DAMPING,
+    &viscoelastic_creep::VISCOELASTIC_CREEP,
+    &stiffness_drift::STIFFNESS_DRIFT,
+    &transmission_ripple::TRANSMISSION_RIPPLE,
+    &viscous_drag::VISCOUS_DRAG,
+    &quadratic_drag::QUADRATIC_DRAG,
+    &gravity_load::GRAVITY_LOAD,
+    &pose_dependent_frequency::POSE_DEPENDENT_FREQUENCY,
+    &payload_change::PAYLOAD_CHANGE,
+    &end_stop::END_STOP,
+    &second_mode::SECOND_MODE,
+    &base_mode::BASE_MODE,
+    &sensor_delay::SENSOR_DELAY,
     &sensor_lag::SENSOR_LAG,
+    &sensor_lag_second_order::SENSOR_LAG_SECOND_ORDER,
+    &sensor_gain::SENSOR_GAIN,
+    &deformation_gain::DEFORMATION_GAIN,
+    &misalignment::MISALIGNMENT,
+    &sensor_drift::SENSOR_DRIFT,
+    &quantisation::QUANTISATION,
+    &clock_skew::CLOCK_SKEW,
+    &external_disturbance::EXTERNAL_DISTURBANCE,
 ];
 
 impl Effect {

@@ -1,6 +1,12 @@
 //! A sensor that follows the motion with a first-order lag.
 
+use super::cubic::cubic_coefficients;
 use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
+
+/// Steps shorter than this, in time constants, take a series.
+pub(super) const SHORT: f64 = 0.25;
+/// Its terms: `0.25^12 / 12!` is far below the rounding.
+pub(super) const TERMS: usize = 12;
 
 struct Lag {
     time_constant: f64,
@@ -11,26 +17,52 @@ impl Sensor for Lag {
         self.time_constant > 0.0
     }
 
-    /// Exact for the cubic through values and rates: with the polynomial `p = y - T y' + T^2 y'' - T^3
-    /// y'''` the answer of `T z' + z = y` is `p + (z_0 - p_0) exp(-s / T)`.
     fn filter(&self, time: &[f64], curve: &mut [[f64; 2]]) {
-        let tau = self.time_constant;
-        let Some(&first) = curve.first() else { return };
-        let (mut z, mut before) = (first[0], first);
-        curve[0][1] = (first[0] - z) / tau;
-        for k in 1..time.len() {
-            let (h, now) = (time[k] - time[k - 1], curve[k]);
-            let slope = (now[0] - before[0]) / h;
-            let c2 = (3.0 * slope - 2.0 * before[1] - now[1]) / h;
-            let c3 = (before[1] + now[1] - 2.0 * slope) / (h * h);
-            let particular = |y: f64, v: f64, a: f64| y - tau * (v - tau * (a - tau * 6.0 * c3));
-            let start = particular(before[0], before[1], 2.0 * c2);
-            let end = particular(now[0], now[1], 2.0 * c2 + 6.0 * c3 * h);
-            z = end + (z - start) * (-h / tau).exp();
-            curve[k] = [z, (now[0] - z) / tau];
-            before = now;
+        if self.time_constant > 0.0 {
+            first_order(self.time_constant, time, curve);
         }
     }
+}
+
+/// Answer of `T z' + z = y` and its rate, in the place of `y`; before the first sample `y` was constant.
+///
+/// Exact for the cubic through values and rates: with the polynomial `p = y - T y' + T^2 y'' - T^3 y^(3)`
+/// the answer is `p + (z_0 - p_0) exp(-s / T)`.
+pub(super) fn first_order(tau: f64, time: &[f64], curve: &mut [[f64; 2]]) {
+    let Some(&first) = curve.first() else { return };
+    let (mut z, mut before) = (first[0], first);
+    curve[0][1] = 0.0;
+    for k in 1..time.len() {
+        let (h, now) = (time[k] - time[k - 1], curve[k]);
+        let [_, _, c2, c3] = cubic_coefficients(before, now, h);
+        z = match h < SHORT * tau {
+            true => short_step(
+                z,
+                h / tau,
+                [before[0], h * before[1], h * h * c2, h * h * h * c3],
+            ),
+            false => {
+                let particular = |y, v, a| y - tau * (v - tau * (a - tau * 6.0 * c3));
+                let start = particular(before[0], before[1], 2.0 * c2);
+                let end = particular(now[0], now[1], 2.0 * c2 + 6.0 * c3 * h);
+                end + (z - start) * (-h / tau).exp()
+            }
+        };
+        curve[k] = [z, (now[0] - z) / tau];
+        before = now;
+    }
+}
+
+/// Taylor's series of the answer after a step of `x` time constants, for an input with these
+/// coefficients in the part of the step: the polynomial would cancel.
+fn short_step(z: f64, x: f64, input: [f64; 4]) -> f64 {
+    let (mut sum, mut term) = (z, z);
+    for n in 0..TERMS {
+        let driven = input.get(n).copied().unwrap_or(0.0);
+        term = x * (driven - term) / (n + 1) as f64;
+        sum += term;
+    }
+    sum
 }
 
 /// First-order lag `T z' + z = y` of the sensor.

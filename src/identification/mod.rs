@@ -9,8 +9,9 @@ mod prepare;
 mod run;
 mod stretches;
 
+pub use crate::model::ModelError;
 pub use amplitude::{AmplitudeDependence, CycleDamping};
-pub use nominal_model::{ModelError, NominalModel};
+pub use nominal_model::NominalModel;
 pub use prepare::{IdentificationError, Series, prepare};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;

@@ -35,6 +35,9 @@ pub struct PositionLoop {
     pub velocity_gain: f64,
     /// Largest output; infinite where there is none.
     pub limit: f64,
+    /// Period of the controller, s: it reads the position at its ticks, takes the backward difference
+    /// for the velocity and holds its output. 0 for a loop that never sleeps.
+    pub sample_time: f64,
 }
 
 /// The linear chain.
@@ -44,6 +47,8 @@ pub struct Linear {
     pub motor: MotorSide,
     /// Inertia and ground damping of the link, if there is one.
     pub link: Option<(f64, f64)>,
+    /// Whether the input is the link's position; the chain then says what force holds it there.
+    pub link_is_input: bool,
     /// Stiffness of the transmission in the equation's unit of force.
     pub stiffness: f64,
     /// Damping across the transmission.
@@ -56,6 +61,21 @@ pub struct Linear {
     pub position_loop: Option<PositionLoop>,
     /// What a law's force of 1 is in the equation's unit.
     pub unit_force: f64,
+}
+
+impl Linear {
+    /// Nothing that moves: what a kind starts from.
+    pub const NONE: Self = Self {
+        motor: MotorSide::Fixed,
+        link: None,
+        link_is_input: false,
+        stiffness: 0.0,
+        damping: 0.0,
+        motor_gain: 0.0,
+        link_gain: 0.0,
+        position_loop: None,
+        unit_force: 1.0,
+    };
 }
 
 /// A force law at a place, and its memory.
@@ -218,6 +238,7 @@ impl Chain {
             position_gain,
             velocity_gain,
             limit,
+            ..
         } = position_loop;
         let wanted = velocity_gain * (position_gain * (input - motion.motor[0]) - motion.motor[1]);
         let wanted = wanted.clamp(-limit, limit);

@@ -70,12 +70,14 @@ pub const FLEXIBLE_JOINT: Kind = Kind {
             Place::Environment,
         ],
     },
+    takes: |_, _| true,
     hold: |_| Hold::Spline,
     linear: |p, _| {
         let (w, xi) = (p[0] * TAU, p[1]);
         Linear {
             motor: MotorSide::Prescribed,
             link: Some((1.0, 0.0)),
+            link_is_input: false,
             stiffness: w * w,
             damping: 2.0 * xi * w,
             motor_gain: 0.0,

@@ -12,7 +12,8 @@ pub struct Key {
     pub name: &'static str,
     /// Its unit, where the name does not say it.
     pub quantity: Quantity,
-    /// Value if the file does not give it; none where it must.
+    /// Value if the file does not give it; none where it must. One outside the range switches a term
+    /// off: it may be written too, and is not fitted.
     pub default: Option<f64>,
     /// Least and greatest value that makes sense.
     pub range: (f64, f64),
@@ -33,6 +34,8 @@ pub struct Kind {
     pub outputs: &'static [Role],
     /// Places at which it can lack physics, when driven by this input.
     pub places: fn(Role) -> &'static [Place],
+    /// Whether an input of this role can drive it, for these values of the keys.
+    pub takes: fn(&[f64], Role) -> bool,
     /// What its input does between samples unless the file says otherwise.
     pub hold: fn(Role) -> Hold,
     /// The chain for values of the keys.
@@ -43,12 +46,23 @@ pub struct Kind {
     pub normalised: bool,
 }
 
-/// All kinds.
-pub const KINDS: &[&Kind] = &[&super::flexible_joint::FLEXIBLE_JOINT];
+/// All kinds. Those of one name differ in the keys that they must be given.
+pub const KINDS: &[&Kind] = &[
+    &super::flexible_joint::FLEXIBLE_JOINT,
+    &super::rigid_axis::RIGID_AXIS,
+    &super::oscillator::OSCILLATOR,
+    &super::oscillator::SPRING_AND_DAMPER,
+    &super::two_mass::TWO_MASS,
+];
 
 impl Kind {
-    /// The kind of this name.
+    /// The first kind of this name.
     pub fn from_name(name: &str) -> Option<&'static Self> {
         KINDS.iter().copied().find(|kind| kind.name == name)
+    }
+
+    /// Index of a key.
+    pub fn key(&self, name: &str) -> Option<usize> {
+        self.keys.iter().position(|key| key.name == name)
     }
 }

@@ -3,18 +3,58 @@
 //! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
 
 pub mod chain;
+mod experiment;
+mod file;
 mod flexible_joint;
 mod integrate;
 mod kind;
+mod oscillator;
+mod output;
 mod piecewise;
+mod predict;
+mod rigid_axis;
 mod trace;
+mod two_mass;
 
+pub use experiment::{Experiment, Output};
+pub use file::ModelError;
 pub use integrate::{Kick, Timed, integrate};
 pub use kind::{KINDS, Key, Kind};
 pub use piecewise::{Cubic, Grid, Hold};
+pub use predict::{Prediction, Simulated, Term, simulate};
 pub use trace::{Kinematics, Trace, hermite};
 
 use crate::effects::{Effect, Place};
+use crate::recording::Role;
+use crate::signal::SignalError;
+
+/// Why a recording does not suit a model.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// No channel can drive the model.
+    #[error("recording \"{recording}\" has no channel that drives a {kind}: one of {inputs}")]
+    NoInput {
+        /// Name of the recording.
+        recording: String,
+        /// Kind of the model.
+        kind: &'static str,
+        /// Roles that can drive it.
+        inputs: String,
+    },
+    /// No channel that the model predicts.
+    #[error("recording \"{recording}\" has no channel that a {kind} predicts: one of {outputs}")]
+    NothingPredicted {
+        /// Name of the recording.
+        recording: String,
+        /// Kind of the model.
+        kind: &'static str,
+        /// Roles that it predicts.
+        outputs: String,
+    },
+    /// A channel is bad, or a sensor's frame cannot be learned.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+}
 
 /// One number of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,5 +111,27 @@ impl Model {
     pub fn value(&self, name: &str) -> Option<f64> {
         let index = self.kind.keys.iter().position(|key| key.name == name)?;
         Some(self.values[index].value)
+    }
+
+    /// Natural frequency, Hz, and damping ratio of the mode, where the kind has one.
+    pub fn mode(&self) -> Option<(f64, f64)> {
+        let (frequency, damping) = self.kind.mode?;
+        Some((self.values[frequency].value, self.values[damping].value))
+    }
+
+    /// Fastest angular frequency of the linear chain, rad/s; the smallest number above 0 where it has
+    /// no spring.
+    pub fn fastest(&self) -> f64 {
+        let linear = (self.kind.linear)(&self.keys(), self.kind.inputs[0]);
+        let mut mobility = linear.link.map_or(0.0, |link| 1.0 / link.0);
+        if let chain::MotorSide::Free { inertia, .. } = linear.motor {
+            mobility += 1.0 / inertia;
+        }
+        (linear.stiffness * mobility).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether a channel of this role can drive the model as it is.
+    pub fn takes(&self, role: Role) -> bool {
+        self.kind.inputs.contains(&role) && (self.kind.takes)(&self.keys(), role)
     }
 }

@@ -223,7 +223,7 @@ fn hint(text: &str) -> &'static str {
 
 /// The candidate that a misspelt name resembles most, if any does: at most a third of its letters
 /// differ, by insertions, deletions, substitutions and swaps.
-pub(super) fn nearest(
+pub(crate) fn nearest(
     name: &str,
     candidates: impl IntoIterator<Item = &'static str>,
 ) -> Option<&'static str> {

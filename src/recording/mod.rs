@@ -28,6 +28,7 @@ mod table;
 mod unit;
 mod write;
 
+pub(crate) use error::nearest;
 pub use error::{Place, Problem, RecordingError};
 pub use manifest::MANIFEST;
 pub use role::{ROLES, Role, RoleEntry};

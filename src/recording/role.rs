@@ -120,6 +120,14 @@ impl Role {
             .map(|entry| entry.role)
     }
 
+    /// Whether it is a position of the axis.
+    pub fn is_position(self) -> bool {
+        matches!(
+            self,
+            Self::CommandPosition | Self::MotorPosition | Self::LinkPosition
+        )
+    }
+
     /// Whether the channel is what drives the machine, rather than what a sensor saw of it:
     /// such channels are piecewise constant by intention.
     pub fn is_input(self) -> bool {

@@ -14,6 +14,8 @@ pub struct Bars {
     categories: Vec<String>,
     series: Vec<(String, Vec<f64>)>,
     level: Option<(f64, String)>,
+    marked: Vec<usize>,
+    limit: Option<f64>,
     note: Option<String>,
 }
 
@@ -35,6 +37,18 @@ impl Bars {
     /// One value for each category.
     pub fn series(mut self, name: impl Into<String>, values: &[f64]) -> Self {
         self.series.push((name.into(), values.to_vec()));
+        self
+    }
+
+    /// Marks the bars of the category at this place as the ones to look at.
+    pub fn marked(mut self, category: usize) -> Self {
+        self.marked.push(category);
+        self
+    }
+
+    /// The value at which bars are cut off, so that one of them does not hide the others.
+    pub fn up_to(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
         self
     }
 
@@ -67,6 +81,7 @@ impl Bars {
             .chain(level)
             .filter(|value| value.is_finite())
             .fold(0.0, f64::max);
+        let largest = self.limit.map_or(largest, |limit| largest.min(limit));
         let share = if largest > 0.0 { value / largest } else { 0.0 };
         if share.is_finite() {
             75.0 * share.clamp(0.0, 1.0)
@@ -94,6 +109,10 @@ impl Bars {
 
     fn row(&self, category: usize, colour: &dyn Fn(&str) -> Option<usize>) -> String {
         let name = &self.categories[category];
+        let (plain, class) = match self.marked.contains(&category) {
+            true => ("plain", "name marked"),
+            false => ("quiet", "name"),
+        };
         let bar = |(series, values): &(String, Vec<f64>)| {
             let value = values.get(category).copied().unwrap_or(f64::NAN);
             let owner = if self.series.len() > 1 { series } else { name };
@@ -101,7 +120,7 @@ impl Bars {
                 "<div class=\"bar\"><i style=\"width:{:.2}%;background:var(--{})\"></i>\
                  <span>{} {}</span></div>",
                 self.percent(value),
-                colour(owner).map_or("quiet".into(), |slot| format!("c{}", slot % COLOURS)),
+                colour(owner).map_or(plain.into(), |slot| format!("c{}", slot % COLOURS)),
                 number(value),
                 escape(&self.unit),
             )
@@ -112,7 +131,7 @@ impl Bars {
             .as_ref()
             .map(|(value, _)| format!("<hr style=\"left:{:.2}%\">", self.percent(*value)));
         format!(
-            "<div class=\"name\">{}</div><div class=\"track\">{bars}{}</div>",
+            "<div class=\"{class}\">{}</div><div class=\"track\">{bars}{}</div>",
             escape(name),
             level.unwrap_or_default(),
         )

@@ -16,7 +16,17 @@ pub struct Chart {
     series: Vec<Series>,
     markers: Vec<Line>,
     levels: Vec<Line>,
+    shades: Vec<Shade>,
     note: Option<String>,
+}
+
+/// A shaded stretch of the abscissa or, `upright`, of the ordinate.
+#[derive(Clone, Debug, PartialEq)]
+struct Shade {
+    from: f64,
+    to: f64,
+    label: String,
+    upright: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +58,7 @@ impl Chart {
             series: Vec::new(),
             markers: Vec::new(),
             levels: Vec::new(),
+            shades: Vec::new(),
             note: None,
         }
     }
@@ -70,6 +81,11 @@ impl Chart {
     /// is not finite interrupts the curve, an `x` that is not finite is left out.
     pub fn series(self, name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
         self.push(name.into(), "line", x, y, &[])
+    }
+
+    /// A broad pale curve, so that curves which are added after it and lie on it are seen.
+    pub fn broad(self, name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        self.push(name.into(), "broad", x, y, &[])
     }
 
     /// Points that no line connects.
@@ -110,6 +126,26 @@ impl Chart {
             label: label.into(),
         });
         self
+    }
+
+    /// Shades the abscissa from `from` to `to` over the whole height, with a few words ("" for none).
+    pub fn shade_x(mut self, from: f64, to: f64, label: impl Into<String>) -> Self {
+        self.shades.push(Shade {
+            from,
+            to,
+            label: label.into(),
+            upright: false,
+        });
+        self
+    }
+
+    /// Shades the ordinate from `from` to `to` over the whole width, with a few words.
+    pub fn shade_y(self, from: f64, to: f64, label: impl Into<String>) -> Self {
+        let mut chart = self.shade_x(from, to, label);
+        if let Some(shade) = chart.shades.last_mut() {
+            shade.upright = true;
+        }
+        chart
     }
 
     /// A logarithmic abscissa; what is not above 0 is left out.
@@ -219,14 +255,33 @@ impl Chart {
                 .collect();
             list.join(",")
         };
+        let drawn = self
+            .shades
+            .iter()
+            .filter(|s| s.from.is_finite() && s.to.is_finite());
+        let shades: Vec<_> = drawn.map(Shade::json).collect();
         format!(
-            "{{\"kind\":\"{}\",\"x\":{},\"y\":{},\"series\":[{}],\"markers\":[{}],\"levels\":[{}]}}",
+            "{{\"kind\":\"{}\",\"x\":{},\"y\":{},\"series\":[{}],\"markers\":[{}],\"levels\":[{}],\
+             \"shades\":[{}]}}",
             self.kind,
             self.x.json(),
             self.y.json(),
             series.join(","),
             lines(&self.markers),
             lines(&self.levels),
+            shades.join(","),
+        )
+    }
+}
+
+impl Shade {
+    fn json(&self) -> String {
+        format!(
+            "{{\"from\":{},\"to\":{},\"label\":{},\"upright\":{}}}",
+            json_number(self.from, 10),
+            json_number(self.to, 10),
+            json_string(&self.label),
+            self.upright,
         )
     }
 }

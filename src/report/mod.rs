@@ -1,7 +1,7 @@
 //! One self-contained HTML page.
 //!
 //! A [`Page`] begins with what matters: its title, a verdict in one sentence, the key figures.
-//! Tables, [`Chart`]s and [`Bars`] follow in the order in which they are added. The page asks
+//! Tables, [`Chart`]s, [`Bars`] and [`Chain`]s follow in the order in which they are added. The page asks
 //! nothing of the network (its content security policy forbids it), follows the reader's light or
 //! dark scheme, fits a phone and prints.
 //!
@@ -22,6 +22,7 @@
 //! ```
 
 mod bars;
+mod chain;
 mod chart;
 mod figure;
 mod html;
@@ -31,6 +32,7 @@ mod table;
 mod thin;
 
 pub use bars::Bars;
+pub use chain::Chain;
 pub use chart::Chart;
 pub use figure::Figure;
 pub use html::number;

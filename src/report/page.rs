@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::html::escape;
-use super::{Bars, Chart, Figure, Table};
+use super::{Bars, Chain, Chart, Figure, Table};
 
 const UPLOT_SCRIPT: &str = include_str!("../../assets/uplot-1.6.32/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uplot-1.6.32/uPlot.min.css");
@@ -48,6 +48,7 @@ enum Block {
     Table(Table),
     Chart(Chart),
     Bars(Bars),
+    Chain(Chain),
 }
 
 /// A report; see the [module](super).
@@ -117,6 +118,11 @@ impl Page {
     /// Adds a bar chart.
     pub fn bars(self, bars: Bars) -> Self {
         self.push(Block::Bars(bars))
+    }
+
+    /// Adds a row of stations.
+    pub fn chain(self, chain: Chain) -> Self {
+        self.push(Block::Chain(chain))
     }
 
     /// Adds a line at the foot of the page: the command, the seed, the files it came from.
@@ -250,6 +256,7 @@ impl Page {
             Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
             Block::Table(table) => table.render(slot),
             Block::Bars(bars) => bars.render(slot),
+            Block::Chain(chain) => chain.render(),
             Block::Chart(chart) => {
                 charts += 1;
                 chart.render(charts - 1)

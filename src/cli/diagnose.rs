@@ -1,0 +1,193 @@
+//! `quell diagnose`: what physics a model lacks, from what was recorded.
+
+mod findings;
+mod head;
+mod motion;
+mod next;
+pub mod page;
+mod place;
+mod ranking;
+mod record;
+mod remedy;
+pub(super) mod shown;
+mod text;
+mod words;
+
+use super::{CliError, output};
+use crate::diagnosis::{Diagnosis, Traces};
+use crate::recording::Recording;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::{Path, PathBuf};
+
+/// The model with the physics in it.
+const MODEL: &str = "model.toml";
+/// Steps of the progress bar.
+const STEPS: f64 = 1000.0;
+
+/// Says what physics a model lacks, from recordings: names it, puts it into the model, and shows
+/// the fit before and after.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell diagnose --model model.toml arm7
+  quell diagnose --model model.toml monday tuesday --held-out friday --out friday-report
+  quell diagnose --model model.toml arm7 --json
+
+The model says what is believed, such as
+  kind = \"flexible_joint\"
+  natural_frequency_hz = 8.2
+  damping_ratio = 0.06
+  lever_arm_m = 1.8
+  tip_height_m = 0.9
+Its parameters are refitted first, and what is still missing is looked for in the catalogue of
+effects. Without --held-out the last third of the moves judges what the rest was fitted to.
+
+Verdicts: no_mismatch, named, ambiguous (several explanations fit alike; the next move would tell),
+partly_explained, unexplained. The folder of --out gets report.html, diagnosis.json and model.toml
+with the physics in it, which `quell simulate` and `quell score` run.")]
+pub struct Args {
+    /// What is believed of the machine.
+    #[arg(long, value_name = "FILE")]
+    pub model: PathBuf,
+    /// The manifests, or the folders that hold a recording.toml.
+    #[arg(required = true, value_name = "RECORDING")]
+    pub recordings: Vec<PathBuf>,
+    /// A recording to judge by, which nothing is fitted to; may be repeated.
+    #[arg(long, value_name = "RECORDING")]
+    pub held_out: Vec<PathBuf>,
+    /// The folder for report, diagnosis and model.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Prints diagnosis.json instead of text.
+    #[arg(long)]
+    pub json: bool,
+    /// Threads to work with [default: one a core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
+    /// Seed of the bootstrap: the same seed gives the same intervals.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// What is to be diagnosed.
+pub struct Task<'a> {
+    /// The model's file.
+    pub model: &'a Path,
+    /// What to fit to.
+    pub train: &'a [Recording],
+    /// What to judge by; empty where part of the former is kept apart.
+    pub held_out: &'a [Recording],
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+/// What came of it.
+pub struct Outcome {
+    /// The diagnosis.
+    pub diagnosis: Diagnosis,
+    /// The text of the model with the physics in it.
+    pub model: String,
+    /// What the report draws.
+    pub traces: Traces,
+}
+
+/// Reads, lets `diagnose` work behind a progress bar, writes and prints.
+///
+/// # Errors
+/// [`CliError::Input`] where model or recordings are refused.
+pub fn run_with(
+    args: &Args,
+    diagnose: impl FnOnce(&Task, &(dyn Fn(f64, &str) + Sync)) -> Result<Outcome, CliError> + Send,
+) -> Result<(), CliError> {
+    apart(&args.model, &args.out)?;
+    let read = |paths: &[PathBuf]| -> Result<Vec<Recording>, CliError> {
+        let all = paths.iter().map(|path| Ok(Recording::from_path(path)?));
+        all.collect()
+    };
+    let (train, held_out) = (read(&args.recordings)?, read(&args.held_out)?);
+    let task = Task {
+        model: &args.model,
+        train: &train,
+        held_out: &held_out,
+        seed: args.seed,
+    };
+    let bar = bar();
+    let progress = |done: f64, what: &str| {
+        bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);
+        bar.set_message(what.to_string());
+    };
+    let outcome = on_threads(args.jobs, || diagnose(&task, &progress));
+    bar.finish_and_clear();
+    let outcome = outcome??;
+    let names: Vec<_> = train
+        .iter()
+        .chain(&held_out)
+        .map(|one| one.name.clone())
+        .collect();
+    let files = write(args, &outcome, &names)?;
+    if args.json {
+        return output::json(&outcome.diagnosis);
+    }
+    let case = page::Case {
+        diagnosis: &outcome.diagnosis,
+        traces: &outcome.traces,
+    };
+    output::text(&text::text(&case, &files))
+}
+
+/// Refuses to write over the model that is read.
+fn apart(model: &Path, out: &Path) -> Result<(), CliError> {
+    let real = |path: &Path| path.canonicalize().ok();
+    match (real(model), real(&out.join(MODEL))) {
+        (Some(read), Some(written)) if read == written => {
+            let text = format!(
+                "--out {}: the model that is given would be written over",
+                out.display()
+            );
+            Err(CliError::input(text).with_help("give another folder, --out DIR"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Drawn on stderr where that is a terminal.
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::new(STEPS as u64);
+    match ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// Runs `work` with so many threads.
+fn on_threads<T: Send>(jobs: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, CliError> {
+    let Some(jobs) = jobs else {
+        return Ok(work());
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs));
+    Ok(pool.build().map_err(CliError::failure)?.install(work))
+}
+
+/// Writes the three files, and returns them, the report first.
+fn write(args: &Args, outcome: &Outcome, names: &[String]) -> Result<Vec<PathBuf>, CliError> {
+    output::folder(&args.out)?;
+    let model = args.model.display().to_string();
+    let page = page::page(&outcome.diagnosis, &outcome.traces, &model, names).footnote(format!(
+        "quell diagnose --model {model}, seed {}",
+        args.seed
+    ));
+    let mut document =
+        serde_json::to_string_pretty(&outcome.diagnosis).map_err(CliError::failure)?;
+    document.push('\n');
+    let files = [
+        ("report.html", page.render()),
+        ("diagnosis.json", document),
+        (MODEL, outcome.model.clone()),
+    ];
+    let mut written = Vec::new();
+    for (name, content) in files {
+        written.push(args.out.join(name));
+        output::file(&args.out.join(name), content)?;
+    }
+    Ok(written)
+}

@@ -1,0 +1,154 @@
+//! What is missing: each finding in plain words, and its parameters.
+
+use super::page::Case;
+use super::shown::Shown;
+use super::{head, remedy, words};
+use crate::diagnosis::{Finding, Verdict};
+use crate::report::{Page, Table, number};
+
+/// Every finding, what it means, what may be done about it, and its parameters.
+pub fn section(page: Page, case: &Case) -> Page {
+    let mut page = page;
+    for finding in &case.diagnosis.findings {
+        page = explained(page, finding);
+    }
+    if case.diagnosis.verdict == Verdict::PartlyExplained {
+        let fit = &case.diagnosis.fit;
+        page = page.text(format!(
+            "That is not all: with it the misfit is still {} times the noise. What remains \
+             could be given to none of the effects that were tried.",
+            number(head::ratio_of(&fit.after, fit)),
+        ));
+    }
+    table(page, case)
+}
+
+/// The effects that cannot be told apart.
+pub fn set(page: Page, case: &Case) -> Page {
+    let mut page = page;
+    for finding in &case.diagnosis.findings {
+        if finding.alternatives.is_empty() {
+            page = explained(page, finding);
+            continue;
+        }
+        let names = words::list(&words::set(finding), "or");
+        page = page.heading(format!("{}?", words::capital(&names)));
+        page = page.text(format!(
+            "One of them is missing {}; these recordings cannot tell which.",
+            words::at(&finding.place)
+        ));
+        for effect in std::iter::once(&finding.effect).chain(&finding.alternatives) {
+            if let Some(physics) = words::physics(effect) {
+                page = page.text(format!(
+                    "{}: {physics}",
+                    words::capital(&words::effect(effect))
+                ));
+            }
+        }
+        if !finding.evidence.is_empty() {
+            page = page.text(finding.evidence.clone());
+        }
+    }
+    page
+}
+
+/// The parameters of the explanation that was written into the model.
+pub fn parameters(page: Page, case: &Case) -> Page {
+    let names = words::findings(&case.diagnosis.findings);
+    let page = page.heading("Its size").text(format!(
+        "The model that was written has {names}; the other explanations fit with a size of their \
+         own.",
+    ));
+    table(page, case)
+}
+
+/// What is known of a mismatch that has no name.
+pub fn unknown(page: Page, case: &Case) -> Page {
+    let location = &case.diagnosis.location;
+    let mut page = page.heading("What is known of it");
+    let mut known = Vec::new();
+    if let Some(place) = &location.place {
+        known.push(format!("it sits in the {place} ({})", words::place(place)));
+    }
+    if !location.phases.is_empty() {
+        known.push(format!(
+            "it is strongest during {}",
+            words::list(&location.phases, "and")
+        ));
+    }
+    if let Some(coordinate) = &location.coordinate {
+        known.push(format!("it follows the {}", words::effect(coordinate)));
+    }
+    if let Some(frequency) = location.frequency_hz {
+        known.push(format!("it stands out at {} Hz", number(frequency)));
+    }
+    if !known.is_empty() {
+        page = page.text(format!("{}.", words::capital(&words::list(&known, "and"))));
+    }
+    let look = location.place.as_ref().and_then(|place| remedy::at(place));
+    let tried = format!(
+        "{} explanations were fitted, and none brings the misfit down to the noise on moves that \
+         it was not fitted to. The model is left as it was but for its own parameters.",
+        case.diagnosis.candidates.len(),
+    );
+    page = page.text(tried);
+    match look {
+        Some(look) => page.text(look),
+        None => page,
+    }
+}
+
+/// A finding under its name: evidence, physics, and what to do.
+fn explained(page: Page, finding: &Finding) -> Page {
+    let name = words::capital(&words::effect(&finding.effect));
+    let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
+    let page = match finding.evidence.is_empty() {
+        true => page,
+        false => page.text(finding.evidence.clone()),
+    };
+    let page = means(page, &finding.effect, &finding.place);
+    match finding.alternatives.as_slice() {
+        [] => page,
+        others => {
+            let others: Vec<_> = others.iter().map(|name| words::effect(name)).collect();
+            let others = words::list(&others, "or");
+            page.text(format!("The data would allow {others} in its place."))
+        }
+    }
+}
+
+/// The physics in a sentence or two, and what to do.
+fn means(page: Page, effect: &str, place: &str) -> Page {
+    let parts = [
+        words::physics(effect),
+        remedy::remedy(effect, place).map(|remedy| format!("What to do: {remedy}")),
+    ];
+    parts.into_iter().flatten().fold(page, Page::text)
+}
+
+fn table(page: Page, case: &Case) -> Page {
+    let mut table = Table::new("Parameters")
+        .text_column("effect")
+        .text_column("parameter")
+        .column("value", "")
+        .column("95 % interval", "")
+        .text_column("unit");
+    let mut rows = 0;
+    for finding in &case.diagnosis.findings {
+        for parameter in &finding.parameters {
+            let shown = Shown::of(&parameter.unit, parameter.value);
+            rows += 1;
+            table = table.row([
+                words::capital(&words::effect(&finding.effect)).into(),
+                words::effect(&parameter.name).into(),
+                shown.quoted(parameter.value, parameter.ci95).into(),
+                shown.interval(parameter.ci95).into(),
+                shown.unit.into(),
+            ]);
+        }
+    }
+    match rows {
+        0 => page,
+        _ => page.table(table),
+    }
+}

@@ -1,0 +1,146 @@
+//! The top of the page: the verdict and the key figures.
+
+use super::page::Case;
+use super::shown::{Shown, digits};
+use super::words;
+use crate::diagnosis::{Finding, Fit, Quality, Verdict};
+use crate::report::{self, Figure, Page, number};
+
+/// Title, verdict in one sentence, key figures.
+pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
+    let diagnosis = case.diagnosis;
+    let names = words::list(recording_names, "and");
+    let sign = match diagnosis.verdict {
+        Verdict::NoMismatch => report::Verdict::Good,
+        Verdict::Named | Verdict::Ambiguous => report::Verdict::Plain,
+        Verdict::PartlyExplained | Verdict::Unexplained => report::Verdict::Bad,
+    };
+    let title = match recording_names {
+        [] => "Diagnosis".into(),
+        [one] => format!("Diagnosis of {one}"),
+        [first, rest @ ..] => format!("Diagnosis of {first} and {} more", rest.len()),
+    };
+    Page::new(title)
+        .subtitle(format!("{names}, held against the model {model_name}"))
+        .verdict(sign, diagnosis.summary.clone())
+        .figures(figures(case))
+}
+
+fn figures(case: &Case) -> Vec<Figure> {
+    let diagnosis = case.diagnosis;
+    let first = diagnosis.findings.first();
+    let mut figures = vec![over_noise(case), misfit(case)];
+    match diagnosis.verdict {
+        Verdict::NoMismatch => figures.push(tried(case, "none is needed")),
+        Verdict::Unexplained => {
+            figures.push(tried(case, "none explains it"));
+            figures.extend(diagnosis.location.frequency_hz.map(frequency));
+        }
+        _ => {}
+    }
+    figures.extend(diagnosis.findings.iter().take(2).filter_map(parameter));
+    match first {
+        Some(finding) if finding.alternatives.is_empty() => figures.push(probability(finding)),
+        Some(finding) => figures.push(set_size(finding)),
+        None => {}
+    }
+    figures
+}
+
+/// `before → after`, or `before` alone where there is no other model.
+fn arrow(before: String, after: String, has_after: bool) -> String {
+    match has_after {
+        true => format!("{before} \u{2192} {after}"),
+        false => before,
+    }
+}
+
+/// Held out where it is known, else over what was fitted.
+fn rms_of(quality: &Quality) -> f64 {
+    match quality.held_out_rms.is_finite() {
+        true => quality.held_out_rms,
+        false => quality.train_rms,
+    }
+}
+
+/// The held-out residual over the noise.
+pub fn ratio_of(quality: &Quality, fit: &Fit) -> f64 {
+    match quality.held_out_over_noise.is_finite() {
+        true => quality.held_out_over_noise,
+        false => quality.train_rms / fit.noise_std,
+    }
+}
+
+fn over_noise(case: &Case) -> Figure {
+    let fit = &case.diagnosis.fit;
+    let [before, after] = [&fit.before, &fit.after].map(|quality| times(ratio_of(quality, fit)));
+    let value = arrow(before, after, case.has_after());
+    Figure::text("misfit, times the noise", value).note("1 is noise alone; on moves not fitted to")
+}
+
+/// A ratio with two digits behind the point, one from ten on.
+pub fn times(ratio: f64) -> String {
+    match ratio {
+        ratio if !ratio.is_finite() => number(ratio),
+        ratio if ratio < 10.0 => format!("{ratio:.2}"),
+        ratio => format!("{ratio:.1}"),
+    }
+}
+
+fn misfit(case: &Case) -> Figure {
+    let fit = &case.diagnosis.fit;
+    let shown = case.misfit_unit();
+    let [before, after] = [&fit.before, &fit.after].map(|quality| shown.number(rms_of(quality)));
+    let noise = shown.number(fit.noise_std);
+    Figure::text("misfit, rms", arrow(before, after, case.has_after()))
+        .unit(shown.unit.clone())
+        .note(format!("the noise is {noise} {}", shown.unit))
+}
+
+fn tried(case: &Case, note: &str) -> Figure {
+    let count = case.diagnosis.candidates.len();
+    Figure::text("explanations tried", count.to_string()).note(note)
+}
+
+fn frequency(frequency: f64) -> Figure {
+    Figure::text("stands out at", number(digits(frequency, 3)))
+        .unit("Hz")
+        .note("in the misfit's spectrum")
+}
+
+/// The first parameter of a finding, with its interval.
+fn parameter(finding: &Finding) -> Option<Figure> {
+    let parameter = finding.parameters.first()?;
+    let shown = Shown::of(&parameter.unit, parameter.value);
+    let name = match parameter.name.as_str() {
+        name if finding.effect.contains(name) => words::effect(&finding.effect),
+        name => format!(
+            "{}: {}",
+            words::effect(&finding.effect),
+            words::effect(name)
+        ),
+    };
+    let figure = Figure::text(name, shown.quoted(parameter.value, parameter.ci95));
+    let interval = format!("95 %: {}", shown.interval(parameter.ci95));
+    Some(figure.unit(shown.unit.clone()).note(interval))
+}
+
+fn set_size(finding: &Finding) -> Figure {
+    let count = 1 + finding.alternatives.len();
+    Figure::text("explanations that fit alike", count.to_string())
+        .note(words::list(&words::set(finding), "or"))
+}
+
+fn probability(finding: &Finding) -> Figure {
+    let percent = 100.0 * finding.probability;
+    let text = match percent {
+        p if p > 99.0 => "> 99".into(),
+        p if p < 1.0 => "< 1".into(),
+        p => format!("{p:.0}"),
+    };
+    let note = format!(
+        "for {}, among what was tried",
+        words::effect(&finding.effect)
+    );
+    Figure::text("probability", text).unit("%").note(note)
+}

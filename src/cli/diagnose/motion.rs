@@ -1,0 +1,188 @@
+//! Recorded, before and after over time, and the residuals.
+
+use super::page::Case;
+use super::shown::{Shown, peak};
+use super::words;
+use crate::diagnosis::{OutputTrace, Verdict};
+use crate::report::{Chart, Page};
+use core::ops::Range;
+
+/// Samples that the close look holds at least and at most.
+const CLOSE: (usize, usize) = (60, 1500);
+/// Part of the recording that the close look shows.
+const CLOSE_PART: usize = 6;
+
+/// How many times larger the misfit was before, for the one after to get a chart of its own.
+const LARGER: f64 = 3.0;
+
+/// What the curves are called, on the whole page.
+pub struct Names {
+    /// Of the given model, refitted.
+    pub before: String,
+    /// Of the model with the findings.
+    pub after: String,
+}
+
+const RECORDED: &str = "recorded";
+
+/// The names for a case.
+pub fn names(case: &Case) -> Names {
+    let findings = &case.diagnosis.findings;
+    let before = match case.has_after() {
+        true => "before: the model, refitted",
+        false => "the model, refitted",
+    };
+    let after = match findings.len() {
+        0..=2 => words::findings(findings),
+        _ => "all that was found".into(),
+    };
+    Names {
+        before: before.into(),
+        after: format!("after: with {after}"),
+    }
+}
+
+/// Charts of the most telling output.
+pub fn section(page: Page, case: &Case) -> Page {
+    let Some(trace) = case
+        .traces
+        .outputs
+        .first()
+        .filter(|trace| !trace.time.is_empty())
+    else {
+        return page;
+    };
+    let names = names(case);
+    let close = close_look(trace);
+    let heading = match case.diagnosis.verdict {
+        Verdict::NoMismatch => "Recorded and predicted",
+        Verdict::Unexplained => "What the model misses",
+        _ => "What it changes",
+    };
+    let (from, to) = (trace.time[close.start], trace.time[close.end - 1]);
+    let title = format!("{}, {from:.2} to {to:.2} s: a close look", trace.name);
+    let note = match case.diagnosis.verdict {
+        Verdict::NoMismatch => "The stretch with the largest misfit of all; it is noise.",
+        _ => "The stretch in which the model misses most.",
+    };
+    let near = curves(case, trace, close, title, &names).note(note);
+    let all = 0..trace.time.len();
+    let whole = curves(
+        case,
+        trace,
+        all.clone(),
+        format!("{}, the whole recording", trace.name),
+        &names,
+    );
+    let page = page
+        .heading(heading)
+        .chart(near)
+        .chart(residuals(case, trace, &names));
+    let page = enlarged(case, trace, &names)
+        .into_iter()
+        .fold(page, Page::chart);
+    page.chart(held_out(whole, trace))
+}
+
+/// Recorded, before and after over a range of samples.
+fn curves(
+    case: &Case,
+    trace: &OutputTrace,
+    range: Range<usize>,
+    title: String,
+    names: &Names,
+) -> Chart {
+    let shown = Shown::of(&trace.unit, peak(&trace.recorded));
+    let time = part(&trace.time, &range);
+    let values = |values: &[f64]| shown.values(part(values, &range));
+    let chart = Chart::lines(title, "time", "s", quantity(trace), shown.unit.clone())
+        .broad(RECORDED, time, &values(&trace.recorded))
+        .series(&names.before, time, &values(&trace.before));
+    match case.has_after() {
+        true => chart.series(&names.after, time, &values(&trace.after)),
+        false => chart,
+    }
+}
+
+/// What is left of the recording, before and after, with the noise.
+fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
+    let chart = misfit(case, trace, "Misfit: recorded less predicted");
+    let chart = over_time(case, chart, trace, &names.before, &trace.before);
+    let chart = match case.has_after() {
+        true => over_time(case, chart, trace, &names.after, &trace.after),
+        false => chart,
+    };
+    chart
+        .note("A model that lacks nothing leaves noise: 95 % of its misfit stays in the grey band.")
+}
+
+/// What is left after, enlarged, where it is too small to be seen beside what was before.
+fn enlarged(case: &Case, trace: &OutputTrace, names: &Names) -> Option<Chart> {
+    let [before, after] = [&trace.before, &trace.after].map(|model| peak(&residual(trace, model)));
+    if !case.has_after() || before < LARGER * after {
+        return None;
+    }
+    let chart = misfit(case, trace, "Misfit after, enlarged");
+    Some(over_time(case, chart, trace, &names.after, &trace.after))
+}
+
+/// A chart of misfit with the noise and what was held out.
+fn misfit(case: &Case, trace: &OutputTrace, title: &str) -> Chart {
+    let shown = case.misfit_unit();
+    let two = 2.0 * trace.noise_std * shown.factor;
+    let chart = Chart::lines(title, "time", "s", "misfit", shown.unit);
+    held_out(chart, trace).shade_y(-two, two, "noise, ± 2 standard deviations")
+}
+
+fn over_time(case: &Case, chart: Chart, trace: &OutputTrace, name: &str, model: &[f64]) -> Chart {
+    let values = case.misfit_unit().values(&residual(trace, model));
+    chart.series(name, &trace.time, &values)
+}
+
+/// Marks what was held out of the fit.
+fn held_out(chart: Chart, trace: &OutputTrace) -> Chart {
+    let all = trace.held_out.iter().enumerate();
+    all.fold(chart, |chart, (index, &[from, to])| {
+        let label = if index == 0 { "not fitted to" } else { "" };
+        chart.shade_x(from, to, label)
+    })
+}
+
+/// The stretch with the largest misfit before.
+fn close_look(trace: &OutputTrace) -> Range<usize> {
+    let count = trace.time.len();
+    let length = (count / CLOSE_PART).clamp(CLOSE.0, CLOSE.1).min(count);
+    let energy =
+        residual(trace, &trace.before)
+            .into_iter()
+            .map(|residual| match residual.is_finite() {
+                true => residual * residual,
+                false => 0.0,
+            });
+    let mut sums = vec![0.0];
+    for value in energy {
+        sums.push(sums[sums.len() - 1] + value);
+    }
+    let inside = |start: &usize| sums[start + length] - sums[*start];
+    let best = (0..=count - length).max_by(|a, b| inside(a).total_cmp(&inside(b)));
+    let start = best.unwrap_or(0);
+    start..start + length
+}
+
+fn part<'a>(values: &'a [f64], range: &Range<usize>) -> &'a [f64] {
+    let end = range.end.min(values.len());
+    &values[range.start.min(end)..end]
+}
+
+/// Recorded less predicted; not a number where either is missing.
+pub fn residual(trace: &OutputTrace, predicted: &[f64]) -> Vec<f64> {
+    let of =
+        |(index, recorded): (usize, &f64)| recorded - predicted.get(index).unwrap_or(&f64::NAN);
+    trace.recorded.iter().enumerate().map(of).collect()
+}
+
+/// The role's name as words: the last part of the trace's.
+fn quantity(trace: &OutputTrace) -> String {
+    let role = trace.name.rsplit([' ', '/', ':']).next();
+    words::effect(role.unwrap_or(&trace.name))
+}

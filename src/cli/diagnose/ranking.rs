@@ -1,0 +1,121 @@
+//! What else was considered.
+
+use super::page::Case;
+use super::shown::digits;
+use super::{head, words};
+use crate::diagnosis::Verdict;
+use crate::report::{Bars, Page, Table, number};
+
+/// Candidates that are drawn, and that are listed, at most.
+const DRAWN: usize = 10;
+const LISTED: usize = 20;
+/// Percent of the misfit at which a bar is cut off.
+const CUT: f64 = 130.0;
+
+/// The ranking, as bars and as a table.
+pub fn section(page: Page, case: &Case) -> Page {
+    let candidates = &case.diagnosis.candidates;
+    if candidates.is_empty() {
+        return page;
+    }
+    let heading = match case.diagnosis.verdict {
+        Verdict::Unexplained => "What was tried",
+        _ => "What else was considered",
+    };
+    page.heading(heading)
+        .text(introduction(case))
+        .bars(bars(case))
+        .table(table(case))
+}
+
+fn introduction(case: &Case) -> String {
+    let diagnosis = case.diagnosis;
+    let alternatives: Vec<_> = diagnosis
+        .findings
+        .iter()
+        .flat_map(|finding| &finding.alternatives)
+        .collect();
+    let names: Vec<_> = alternatives
+        .iter()
+        .map(|name| words::effect(name))
+        .collect();
+    match (diagnosis.verdict, names.len()) {
+        (Verdict::Unexplained, _) => "Each explanation was fitted together with the model's own \
+             parameters and judged by moves that it had not seen."
+            .into(),
+        (_, 0) => format!(
+            "Each explanation was fitted together with the model's own parameters and judged by \
+             moves that it had not seen. None comes as close as {}.",
+            words::findings(&diagnosis.findings)
+        ),
+        _ => format!(
+            "Each explanation was fitted together with the model's own parameters and judged by \
+             moves that it had not seen. The data cannot tell {} from {}.",
+            words::findings(&diagnosis.findings),
+            words::list(&names, "or")
+        ),
+    }
+}
+
+fn bars(case: &Case) -> Bars {
+    let drawn = &case.diagnosis.candidates[..case.diagnosis.candidates.len().min(DRAWN)];
+    let names = drawn
+        .iter()
+        .map(|one| words::capital(&words::effect(&one.effect)));
+    let percent: Vec<_> = drawn.iter().map(|one| 100.0 * one.held_out_ratio).collect();
+    let fit = &case.diagnosis.fit;
+    let floor = digits(100.0 / head::ratio_of(&fit.before, fit).powi(2), 2);
+    let title = "What each explanation leaves of the misfit, on moves that it was not fitted to";
+    let bars = Bars::new(title, "%", names)
+        .series("left", &percent)
+        .up_to(CUT)
+        .note("Chi-squared, relative to the model without the effect; the shorter, the better.");
+    let marked = (0..drawn.len()).filter(|&k| words::in_set(case.diagnosis, &drawn[k].effect));
+    let bars = marked.fold(bars, Bars::marked);
+    match floor.is_finite() {
+        true => bars.level(floor, "noise alone, about"),
+        false => bars,
+    }
+}
+
+fn table(case: &Case) -> Table {
+    let candidates = &case.diagnosis.candidates;
+    let mut table = Table::new("The ranking")
+        .text_column("explanation")
+        .text_column("place")
+        .column("delta BIC", "")
+        .column("held-out ratio", "");
+    for one in candidates.iter().take(LISTED) {
+        let name = words::capital(&words::effect(&one.effect));
+        let numbers = [one.delta_bic, one.held_out_ratio];
+        let [bic, ratio] = numbers.map(crate::report::Cell::from);
+        table = table.row([name.into(), one.place.clone().into(), bic, ratio]);
+        if words::in_set(case.diagnosis, &one.effect) {
+            table = table.marked();
+        }
+    }
+    let rest = candidates.len().saturating_sub(LISTED);
+    let more = match rest {
+        0 => String::new(),
+        rest => format!(" {rest} more are in diagnosis.json."),
+    };
+    table.note(format!(
+        "Delta BIC: evidence against the model without the effect, below -10 is strong. Held-out \
+         ratio: chi-squared on moves not fitted to, over that without the effect.{more}"
+    ))
+}
+
+/// For a model that lacks nothing: how much was looked for.
+pub fn nothing(page: Page, case: &Case) -> Page {
+    let candidates = &case.diagnosis.candidates;
+    let Some(best) = candidates.first() else {
+        return page;
+    };
+    page.heading("What was looked for").text(format!(
+        "{} explanations were tried, and none predicts moves that it was not fitted to better than \
+         chance would let it. The best of them, {}, leaves {} % of the misfit, and that is noise.",
+        candidates.len(),
+        words::effect(&best.effect),
+        number((1000.0 * best.held_out_ratio).round() / 10.0),
+    ))
+}

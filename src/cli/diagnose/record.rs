@@ -1,0 +1,68 @@
+//! For the record: every output, what was fitted besides, remarks.
+
+use super::motion::residual;
+use super::page::Case;
+use super::shown::{Shown, rms};
+use crate::report::{Page, Table};
+
+/// The last section.
+pub fn section(page: Page, case: &Case) -> Page {
+    let mut page = page;
+    if !case.diagnosis.remarks.is_empty() {
+        page = page.heading("Remarks");
+    }
+    for remark in &case.diagnosis.remarks {
+        page = page.text(remark.clone());
+    }
+    if !case.traces.outputs.is_empty() || !case.diagnosis.nuisances.is_empty() {
+        page = page.heading("For the record");
+    }
+    if !case.traces.outputs.is_empty() {
+        page = page.table(outputs(case));
+    }
+    match case.diagnosis.nuisances.is_empty() {
+        true => page,
+        false => page.table(nuisances(case)),
+    }
+}
+
+/// Misfit of each output of each recording.
+fn outputs(case: &Case) -> Table {
+    let after = case.has_after();
+    let mut table = Table::new("Every recording and output")
+        .text_column("recording and output")
+        .column("noise", "")
+        .column(if after { "misfit before" } else { "misfit" }, "rms");
+    if after {
+        table = table.column("misfit after", "rms");
+    }
+    table = table.text_column("unit").column("over noise", "");
+    for trace in &case.traces.outputs {
+        let [before, with] =
+            [&trace.before, &trace.after].map(|model| rms(residual(trace, model).into_iter()));
+        let shown = Shown::of(&trace.unit, before);
+        let last = if after { with } else { before };
+        let mut row = vec![
+            trace.name.clone().into(),
+            (trace.noise_std * shown.factor).into(),
+            (before * shown.factor).into(),
+        ];
+        if after {
+            row.push((with * shown.factor).into());
+        }
+        row.extend([shown.unit.into(), (last / trace.noise_std).into()]);
+        table = table.row(row);
+    }
+    table
+}
+
+fn nuisances(case: &Case) -> Table {
+    let table = Table::new("Fitted besides")
+        .text_column("parameter")
+        .column("value", "")
+        .note("The model's own parameters as refitted, clock and output offsets.");
+    let all = case.diagnosis.nuisances.iter();
+    all.fold(table, |table, (name, value)| {
+        table.row([name.clone().into(), (*value).into()])
+    })
+}

@@ -1,0 +1,144 @@
+//! Units that a reader likes: millimetres rather than metres, degrees or milliradians.
+
+use crate::report::number;
+
+/// For values of at least the size, the factor and the unit to show them in; the last one holds for
+/// all that is smaller.
+const PREFERRED: &[(&str, &[(f64, f64, &str)])] = &[
+    (
+        "rad",
+        &[
+            (0.02, 180.0 / core::f64::consts::PI, "deg"),
+            (2e-5, 1e3, "mrad"),
+            (0.0, 1e6, "urad"),
+        ],
+    ),
+    ("m", &[(0.5, 1.0, "m"), (2e-5, 1e3, "mm"), (0.0, 1e6, "um")]),
+    (
+        "rad/s",
+        &[
+            (0.02, 180.0 / core::f64::consts::PI, "deg/s"),
+            (0.0, 1e3, "mrad/s"),
+        ],
+    ),
+    ("m/s", &[(0.1, 1.0, "m/s"), (0.0, 1e3, "mm/s")]),
+    ("V", &[(0.1, 1.0, "V"), (0.0, 1e3, "mV")]),
+    ("s", &[(0.2, 1.0, "s"), (0.0, 1e3, "ms")]),
+];
+
+/// Shares of a unit below which a smaller one is taken.
+const TOO_SMALL: f64 = 0.02;
+
+/// How values of a unit are shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// What the values are multiplied by.
+    pub factor: f64,
+    /// Their unit then; empty for a number.
+    pub unit: String,
+    from: String,
+}
+
+impl Shown {
+    /// For values of this unit whose largest has this size.
+    pub fn of(unit: &str, size: f64) -> Self {
+        let entry = PREFERRED.iter().find(|entry| entry.0 == unit);
+        let fit = entry.and_then(|entry| entry.1.iter().find(|row| size.abs() >= row.0));
+        let (factor, shown) = match fit {
+            Some(&(_, factor, shown)) => (factor, shown),
+            None if unit == "1" => (1.0, ""),
+            None => (1.0, unit),
+        };
+        Self {
+            factor,
+            unit: shown.into(),
+            from: unit.into(),
+        }
+    }
+
+    /// The same unit for smaller values, unless they would nearly vanish in it.
+    pub fn beside(&self, size: f64) -> Self {
+        match (size * self.factor).abs() >= TOO_SMALL {
+            true => self.clone(),
+            false => Self::of(&self.from, size),
+        }
+    }
+
+    /// Values as they are shown.
+    pub fn values(&self, values: &[f64]) -> Vec<f64> {
+        values.iter().map(|value| value * self.factor).collect()
+    }
+
+    /// One number to three digits, without its unit.
+    pub fn number(&self, value: f64) -> String {
+        number(digits(value * self.factor, 3))
+    }
+
+    /// A value to the digits that its interval carries: two of half the interval's width.
+    pub fn quoted(&self, value: f64, interval: [f64; 2]) -> String {
+        let half = 0.5 * (interval[1] - interval[0]).abs() * self.factor;
+        number(to_digits_of(value * self.factor, half))
+    }
+
+    /// `low to high`, to the digits that it carries.
+    pub fn interval(&self, interval: [f64; 2]) -> String {
+        let [low, high] = interval.map(|edge| self.quoted(edge, interval));
+        format!("{low} to {high}")
+    }
+}
+
+/// `value` to so many significant digits.
+pub fn digits(value: f64, count: usize) -> f64 {
+    let rounded = format!("{value:.*e}", count.saturating_sub(1));
+    rounded.parse().unwrap_or(value)
+}
+
+/// `value` rounded to two significant digits of `spread`.
+fn to_digits_of(value: f64, spread: f64) -> f64 {
+    if !(spread.is_finite() && spread > 0.0) {
+        return value;
+    }
+    let step = 10_f64.powi(spread.log10().floor() as i32 - 1);
+    (value / step).round() * step
+}
+
+/// The largest magnitude among the finite values.
+pub fn peak(values: &[f64]) -> f64 {
+    let finite = values.iter().copied().filter(|value| value.is_finite());
+    finite.fold(0.0, |peak, value| peak.max(value.abs()))
+}
+
+/// The root mean square of the finite values; not a number where there are none.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for value in values.filter(|value| value.is_finite()) {
+        sum += value * value;
+        count += 1;
+    }
+    (sum / count as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_suit_the_size() {
+        let shown = Shown::of("rad", 0.0021);
+        assert_eq!(
+            (shown.number(0.0021), shown.unit.as_str()),
+            ("2.1".into(), "mrad")
+        );
+        assert_eq!(shown.beside(1e-6).unit, "urad");
+        assert_eq!(Shown::of("rad", 0.17).unit, "deg");
+        assert_eq!(Shown::of("N.s/m", 0.17).unit, "N.s/m");
+    }
+
+    #[test]
+    fn a_value_has_the_digits_of_its_interval() {
+        let shown = Shown::of("N", 20.0);
+        assert_eq!(shown.quoted(20.4172, [19.9, 20.9]), "20.42");
+        assert_eq!(shown.interval([19.913, 20.921]), "19.91 to 20.92");
+        assert_eq!(shown.quoted(1234.0, [1000.0, 1400.0]), "1230");
+    }
+}

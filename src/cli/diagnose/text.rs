@@ -1,0 +1,151 @@
+//! What the verb prints for people.
+
+use std::path::PathBuf;
+
+use super::page::Case;
+use super::shown::Shown;
+use super::{head, next, remedy, words};
+use crate::cli::output;
+use crate::diagnosis::{Finding, Fit, NextMove, Verdict};
+use crate::report::number;
+
+/// The verdict, the findings, the fit, what to do next, and the files that were written.
+pub(super) fn text(case: &Case, files: &[PathBuf]) -> String {
+    let diagnosis = case.diagnosis;
+    let mut parts = vec![format!("{}\n", diagnosis.summary)];
+    parts.push(parameters(&diagnosis.findings));
+    parts.push(fit(case));
+    let mut lines: Vec<String> = diagnosis.findings.iter().flat_map(what_to_know).collect();
+    if diagnosis.verdict == Verdict::Unexplained {
+        lines.extend(
+            diagnosis
+                .location
+                .place
+                .as_deref()
+                .and_then(remedy::at)
+                .map(String::from),
+        );
+    }
+    lines.extend(
+        diagnosis
+            .next_move
+            .iter()
+            .flat_map(|next| next_move(next, next::is_angle(case))),
+    );
+    lines.extend(diagnosis.remarks.iter().map(|remark| format!("- {remark}")));
+    parts.push(lines.iter().map(|line| format!("{line}\n")).collect());
+    let files: Vec<_> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    if !files.is_empty() {
+        parts.push(format!("Written: {}\n", files.join(", ")));
+    }
+    parts.retain(|part| !part.is_empty());
+    parts.join("\n")
+}
+
+/// A line for each parameter; nothing where there is none.
+fn parameters(findings: &[Finding]) -> String {
+    let all = findings
+        .iter()
+        .flat_map(|finding| finding.parameters.iter().map(move |p| (finding, p)));
+    let rows: Vec<_> = all
+        .map(|(finding, parameter)| {
+            let shown = Shown::of(&parameter.unit, parameter.value);
+            [
+                words::effect(&finding.effect),
+                finding.place.clone(),
+                words::effect(&parameter.name),
+                shown.quoted(parameter.value, parameter.ci95),
+                shown.interval(parameter.ci95),
+                shown.unit,
+            ]
+        })
+        .collect();
+    match rows.is_empty() {
+        true => String::new(),
+        false => output::table(
+            [
+                "missing",
+                "place",
+                "parameter",
+                "value",
+                "95 % interval",
+                "unit",
+            ],
+            rows,
+        ),
+    }
+}
+
+fn fit(case: &Case) -> String {
+    let Fit {
+        before,
+        after,
+        noise_std,
+        ..
+    } = &case.diagnosis.fit;
+    let shown = case.misfit_unit();
+    let over = |quality| head::times(head::ratio_of(quality, &case.diagnosis.fit));
+    let rows = [
+        (
+            "held out, over the noise".to_string(),
+            over(before),
+            over(after),
+        ),
+        (
+            format!("held out, {} rms", shown.unit),
+            shown.number(before.held_out_rms),
+            shown.number(after.held_out_rms),
+        ),
+        (
+            format!("fitted, {} rms", shown.unit),
+            shown.number(before.train_rms),
+            shown.number(after.train_rms),
+        ),
+    ];
+    let table = match case.has_after() {
+        true => output::table(
+            ["misfit", "before", "after"],
+            rows.map(|(name, before, after)| [name, before, after]),
+        ),
+        false => output::table(["misfit", ""], rows.map(|(name, before, _)| [name, before])),
+    };
+    format!(
+        "{table}noise: {} {}\n",
+        shown.number(*noise_std),
+        shown.unit
+    )
+}
+
+/// What to do about a finding, and what it could be instead.
+fn what_to_know(finding: &Finding) -> Vec<String> {
+    let name = words::capital(&words::effect(&finding.effect));
+    let others: Vec<_> = finding
+        .alternatives
+        .iter()
+        .map(|other| words::effect(other))
+        .collect();
+    let doubt = (!others.is_empty())
+        .then(|| format!("{name} cannot be told from {}.", words::list(&others, "or")));
+    let remedy = remedy::remedy(&finding.effect, &finding.place);
+    let remedy = remedy
+        .filter(|_| others.is_empty())
+        .map(|remedy| format!("{name}: {remedy}"));
+    remedy.into_iter().chain(doubt).collect()
+}
+
+fn next_move(next: &NextMove, is_angle: bool) -> Vec<String> {
+    let unit = if is_angle { "deg" } else { "m" };
+    let line = |one| {
+        let [distance, speed, acceleration, pause] = next::shown(one, is_angle).map(number);
+        format!(
+            "  move {distance} {unit} at {speed} {unit}/s and {acceleration} {unit}/s^2, wait {pause} s"
+        )
+    };
+    let first = format!("Next: {}", next.why);
+    std::iter::once(first)
+        .chain(next.moves.iter().map(line))
+        .collect()
+}

@@ -1,0 +1,85 @@
+//! `quell score`: how well a model predicts a recording that it has never seen.
+
+use super::diagnose::shown::Shown;
+use super::{CliError, output};
+use crate::recording::Recording;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Scores a model on a recording: its error over the noise.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell score model.toml arm7
+  quell score out/model.toml test/recording.toml --json
+
+Only the clock offset, the output's offset and the sensor's frame are fitted; the model's parameters
+and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.")]
+pub struct Args {
+    /// The model, such as the one that `quell diagnose` wrote.
+    pub model: PathBuf,
+    /// The manifest, or the folder that holds its recording.toml.
+    pub recording: PathBuf,
+    /// Prints JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How well a model predicts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// Root mean square error of the first output, in `unit`.
+    pub rms: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Standard deviation of the noise.
+    pub noise_std: f64,
+    /// The former over the latter.
+    pub rms_over_noise: f64,
+    /// `100 (1 - |error| / |recorded - mean|)`, percent.
+    pub fit_percent: f64,
+}
+
+/// Reads, lets `score` work, and prints.
+///
+/// # Errors
+/// [`CliError::Input`] where model or recording is refused.
+pub fn run_with(
+    args: &Args,
+    score: impl FnOnce(&Path, &Recording) -> Result<Score, CliError>,
+) -> Result<(), CliError> {
+    let recording = Recording::from_path(&args.recording)?;
+    let score = score(&args.model, &recording)?;
+    match args.json {
+        true => output::json(&score),
+        false => output::text(&text(&score)),
+    }
+}
+
+fn text(score: &Score) -> String {
+    let shown = Shown::of(&score.unit, score.rms);
+    let unit = &shown.unit;
+    let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));
+    format!(
+        "rms {rms} {unit}, {:.3} times the noise of {noise} {unit}; fit {:.2} %\n",
+        score.rms_over_noise, score.fit_percent
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_has_one_unit() {
+        let score = Score {
+            rms: 6.12e-6,
+            unit: "rad".into(),
+            noise_std: 6e-6,
+            rms_over_noise: 1.02,
+            fit_percent: 99.21,
+        };
+        let expected = "rms 6.12 urad, 1.020 times the noise of 6 urad; fit 99.21 %\n";
+        assert_eq!(text(&score), expected);
+    }
+}

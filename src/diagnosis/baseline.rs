@@ -1,0 +1,252 @@
+//! The given model, refitted: problem, noise floor, held-out part.
+
+use super::fit::{Fitted, Projector};
+use super::noise::noise;
+use super::problem::{Point, Problem, Rows};
+use super::split;
+use super::whitening::Whitening;
+use crate::effects::Scales;
+use crate::model::{Experiment, ExperimentError, Kind, Model, simulate};
+use std::f64::consts::TAU;
+
+/// Believed standard deviations beyond which a key of the model may not run: what is not known within
+/// three of them is another machine.
+const FARTHEST: f64 = 3.0;
+
+/// The experiments of a diagnosis and what is held out of them.
+pub struct Data {
+    /// What is fitted.
+    pub experiments: Vec<Experiment>,
+    /// Its fitted rows.
+    pub train: Vec<Vec<Rows>>,
+    /// Its held-out rows; empty where whole recordings are held out.
+    pub held_out: Vec<Vec<Rows>>,
+    /// Recordings that are held out as a whole.
+    pub apart: Vec<Experiment>,
+}
+
+impl Data {
+    /// From experiments, and others that are held out; without these the last third of the moves.
+    pub fn new(experiments: Vec<Experiment>, apart: Vec<Experiment>) -> Self {
+        let (mut train, mut held_out) = (Vec::new(), Vec::new());
+        for experiment in &experiments {
+            if apart.is_empty() {
+                let parts = split::last_third(experiment);
+                train.push(parts.train);
+                held_out.push(parts.held_out);
+            } else {
+                train.push(split::whole(experiment));
+                held_out.push(vec![Vec::new(); experiment.outputs.len()]);
+            }
+        }
+        Self {
+            experiments,
+            train,
+            held_out,
+            apart,
+        }
+    }
+
+    /// The same experiments, split in turns.
+    pub fn interleave(&mut self, stretch: f64) {
+        for (index, experiment) in self.experiments.iter().enumerate() {
+            let parts = split::interleaved(experiment, stretch);
+            self.train[index] = parts.train;
+            self.held_out[index] = parts.held_out;
+        }
+    }
+}
+
+/// The problem of fitting a model to experiments; noise white, at the level of third differences.
+pub fn problem<'a>(
+    model: &Model,
+    experiments: &'a [Experiment],
+    rows: Vec<Vec<Rows>>,
+) -> Problem<'a> {
+    let kind = model.kind;
+    let whitening = experiments.iter().map(first_guess).collect();
+    let mut beliefs = Vec::new();
+    let mut bounds = Vec::new();
+    let mut free = Vec::new();
+    for (index, (key, value)) in kind.keys.iter().zip(&model.values).enumerate() {
+        let std = value.std.map_or(key.belief, |std| match key.range.0 > 0.0 {
+            true => std / value.value,
+            false => std,
+        });
+        if !value.fixed && std > 0.0 && (model.given[index] || key.default.is_none()) {
+            free.push(index);
+        }
+        beliefs.push((value.value, if std > 0.0 { std } else { f64::INFINITY }));
+        bounds.push(limits(key.range, value.bounds, value.value, std));
+    }
+    let scales = scales(kind, &model.keys(), experiments, model);
+    Problem {
+        kind,
+        experiments,
+        rows,
+        whitening,
+        free,
+        beliefs,
+        bounds,
+        departures: departures(model, experiments),
+        departure_scale: departure_scale(&scales),
+        scales,
+    }
+}
+
+fn limits(range: (f64, f64), given: Option<(f64, f64)>, value: f64, std: f64) -> (f64, f64) {
+    if let Some((low, high)) = given {
+        return (low.max(range.0), high.min(range.1));
+    }
+    let far = FARTHEST * std;
+    let (low, high) = match range.0 > 0.0 {
+        true => (value * (-far).exp(), value * far.exp()),
+        false => (value - far, value + far),
+    };
+    (low.max(range.0), high.min(range.1))
+}
+
+/// A free motor side has a velocity at the start that no sensor has measured.
+fn departures(model: &Model, experiments: &[Experiment]) -> Vec<usize> {
+    let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
+    match (linear.motor, linear.link) {
+        (crate::model::chain::MotorSide::Free { .. }, None) => vec![1],
+        (crate::model::chain::MotorSide::Free { .. }, Some(_)) => vec![0, 1, 2, 3],
+        (crate::model::chain::MotorSide::Fixed, _) => vec![2, 3],
+        (crate::model::chain::MotorSide::Prescribed, _) => Vec::new(),
+    }
+}
+
+fn departure_scale(scales: &Scales) -> [f64; 4] {
+    let travel = scales.travel().max(scales.deformation);
+    [
+        0.01 * travel,
+        0.1 * scales.velocity,
+        0.1 * scales.deformation,
+        0.1 * scales.deformation_rate,
+    ]
+}
+
+fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
+    let guess = |output: &crate::model::Output| {
+        let floor = crate::signal::noise_floor(&output.values).standard_deviation;
+        let size = output.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        // A recording without any noise: the rounding of a number written with nine digits.
+        let least = (1e-9 * size).max(f64::MIN_POSITIVE);
+        let level = output.noise_witness.unwrap_or(floor);
+        Whitening::white(level.max(least))
+    };
+    experiment.outputs.iter().map(guess).collect()
+}
+
+/// How large the motion is that the model itself makes.
+pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Model) -> Scales {
+    let experiment = &experiments[0];
+    let simulated = simulate(kind, keys, &model.terms(), experiment, &[0.0; 4]);
+    let trace = &simulated.trace;
+    let most = |f: &dyn Fn(usize) -> f64| {
+        let values = (0..trace.time.len()).map(f).filter(|v| v.is_finite());
+        values.fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()))
+    };
+    let deformation = most(&|k| trace.link[k][0] - trace.motor[k][0]);
+    let position = |k: usize| trace.link[k][0];
+    let finite = (0..trace.time.len())
+        .map(position)
+        .filter(|v| v.is_finite());
+    let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    let linear = (kind.linear)(keys, experiment.input);
+    let input = experiment
+        .input_values
+        .iter()
+        .fold(0.0f64, |m, v| m.max(v.abs()));
+    let span = experiment.span();
+    let mode = kind.mode.map(|(f, xi)| (keys[f] * TAU, keys[xi]));
+    let fastest = model.fastest();
+    let fastest = if fastest > 1e-6 {
+        fastest
+    } else {
+        TAU / (span.1 - span.0) * 10.0
+    };
+    let elastic = linear.stiffness * deformation / linear.unit_force;
+    let driven = linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force;
+    let output = &experiment.outputs[0];
+    Scales {
+        deformation,
+        deformation_rate: most(&|k| trace.link[k][1] - trace.motor[k][1]),
+        position: if range.0 < range.1 { range } else { (0.0, 1.0) },
+        velocity: most(&|k| trace.link[k][1]),
+        acceleration: most(&|k| trace.link[k][2]),
+        force: if elastic > 0.0 && linear.link.is_some() {
+            elastic
+        } else {
+            driven.max(f64::MIN_POSITIVE)
+        },
+        input: input.max(f64::MIN_POSITIVE),
+        natural_frequency: mode.map_or(fastest, |mode| mode.0),
+        damping_ratio: mode.map_or(0.05, |mode| mode.1),
+        span,
+        sample_time: (span.1 - span.0) / output.values.len().max(1) as f64,
+        suspects: Vec::new(),
+        suspect_frequencies: Vec::new(),
+        suspect_orders: Vec::new(),
+    }
+}
+
+/// The best of several starts of the frequency, and whether the arm already rang at the start.
+pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fitted {
+    let mut starts = vec![start.clone()];
+    if let Some((frequency, _)) = problem.kind.mode {
+        for factor in [0.85, 0.93, 1.08, 1.18] {
+            let mut other = start.clone();
+            let (low, high) = problem.bounds[frequency];
+            other.keys[frequency] = (other.keys[frequency] * factor).clamp(low, high);
+            starts.push(other);
+        }
+    }
+    let mut costs: Vec<(f64, Point)> = starts
+        .into_iter()
+        .map(|point| {
+            let short = problem.fit(&point, projector, 3);
+            (short.cost, short.point)
+        })
+        .collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    problem.fit(&costs[0].1, projector, 30)
+}
+
+/// Sets level and colour of the noise from the residual at a point.
+pub fn measure_noise(problem: &mut Problem, point: &Point) {
+    let decay = match problem.kind.mode {
+        Some((f, xi)) => TAU * point.keys[f] * point.keys[xi],
+        None => problem.scales.natural_frequency * problem.scales.damping_ratio,
+    };
+    for e in 0..problem.experiments.len() {
+        let (raw, _) = problem.raw(point, e);
+        for (k, residual) in raw.iter().enumerate() {
+            let experiment = &problem.experiments[e];
+            let output = &experiment.outputs[k];
+            problem.whitening[e][k] = noise(experiment, output, residual, decay);
+        }
+    }
+}
+
+/// Why a diagnosis cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    /// No recording was given.
+    #[error("no recording was given")]
+    NoRecording,
+    /// A recording does not suit the model.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// The model runs away on its own recording.
+    #[error(
+        "the model's simulation of \"{recording}\" is not finite: check its parameters and units"
+    )]
+    RunsAway {
+        /// Name of the recording.
+        recording: String,
+    },
+}

@@ -1,0 +1,156 @@
+//! An explanation: a structure, fitted, and how it does on what was held out.
+
+use super::baseline::{self, Data};
+use super::fit::{Fitted, Projector};
+use super::problem::{Point, Problem, Rows};
+use super::split;
+use crate::effects::Place;
+use crate::model::Model;
+use nalgebra::DVector;
+
+/// A fitted structure and its figures.
+#[derive(Clone)]
+pub struct Explanation {
+    /// Where the fit ended.
+    pub fitted: Fitted,
+    /// Sum of squares of the whitened residual on the fitted rows.
+    pub train: f64,
+    /// The same on the held-out rows.
+    pub held_out: f64,
+}
+
+impl Explanation {
+    /// Names and places of the effects that were added to the model.
+    pub fn effects(&self) -> Vec<(&'static str, Place)> {
+        let point = &self.fitted.point;
+        let added = &point.terms[point.fixed_terms..];
+        added
+            .iter()
+            .map(|term| (term.effect.name, term.place))
+            .collect()
+    }
+
+    /// Number of shared unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.fitted.globals.len()
+    }
+}
+
+/// Judges fits of one problem.
+pub struct Judge<'a> {
+    /// The model as it was given.
+    pub model: &'a Model,
+    /// The recordings.
+    pub data: &'a Data,
+    /// Number of fitted rows.
+    pub train_rows: usize,
+    /// Number of held-out rows.
+    pub held_out_rows: usize,
+    /// Noise of recordings that are held out as a whole.
+    pub apart_noise: Vec<Vec<super::whitening::Whitening>>,
+}
+
+impl<'a> Judge<'a> {
+    /// For a problem over the data's experiments.
+    pub fn new(model: &'a Model, data: &'a Data, problem: &Problem) -> Self {
+        let count = |rows: &[Vec<Rows>]| -> usize {
+            let ranges = rows.iter().flatten().flatten();
+            ranges.map(|range| range.len()).sum()
+        };
+        let apart: usize = data.apart.iter().map(|e| e.samples()).sum();
+        Self {
+            model,
+            data,
+            train_rows: count(&problem.rows),
+            held_out_rows: count(&data.held_out) + apart,
+            apart_noise: Vec::new(),
+        }
+    }
+
+    /// A fit with its figures.
+    pub fn judge(&self, problem: &Problem, projector: &Projector, fitted: Fitted) -> Explanation {
+        let train = fitted.cost - problem.disbelief(&fitted.point);
+        let held_out = self.held_out(problem, projector, &fitted.point);
+        Explanation {
+            fitted,
+            train,
+            held_out,
+        }
+    }
+
+    /// Sum of squares on what was held out. Clock, offset and frame are those of the fitted rows; a
+    /// recording that is held out as a whole has its own fitted.
+    pub fn held_out(&self, problem: &Problem, projector: &Projector, point: &Point) -> f64 {
+        if !self.data.apart.is_empty() {
+            return self.apart(point);
+        }
+        let sum = |e: usize| -> f64 {
+            let residual = self.explained(problem, projector, point, e);
+            let mut rows = Vec::new();
+            for (k, ranges) in self.data.held_out[e].iter().enumerate() {
+                for range in ranges {
+                    problem.whitening[e][k].apply(&residual[k][range.clone()], &mut rows);
+                }
+            }
+            let finite = |r: &f64| {
+                if r.is_finite() {
+                    r.min(1e12).powi(2)
+                } else {
+                    1e24
+                }
+            };
+            rows.iter().map(finite).sum()
+        };
+        (0..problem.experiments.len()).map(sum).sum()
+    }
+
+    /// Recorded minus predicted over a whole experiment, the linear nuisances of the fitted rows taken
+    /// out.
+    pub fn explained(
+        &self,
+        problem: &Problem,
+        projector: &Projector,
+        point: &Point,
+        e: usize,
+    ) -> Vec<Vec<f64>> {
+        let (mut raw, _) = problem.raw(point, e);
+        let whole = problem.complete(e, &raw);
+        let coefficients = coefficients(problem, projector, e, &whole);
+        let mut next = coefficients.iter();
+        for (output, residual) in problem.experiments[e].outputs.iter().zip(&mut raw) {
+            for column in &output.columns {
+                let c = next.next().copied().unwrap_or(0.0);
+                for (r, b) in residual.iter_mut().zip(column) {
+                    *r -= c * b;
+                }
+            }
+        }
+        raw
+    }
+
+    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted.
+    fn apart(&self, point: &Point) -> f64 {
+        let rows = self.data.apart.iter().map(split::whole).collect();
+        let mut problem = baseline::problem(self.model, &self.data.apart, rows);
+        problem.free.clear();
+        if !self.apart_noise.is_empty() {
+            problem.whitening.clone_from(&self.apart_noise);
+        }
+        let mut start = problem.start(self.model);
+        start.keys.clone_from(&point.keys);
+        start.terms.clone_from(&point.terms);
+        start.fixed_terms = start.terms.len();
+        let projector = Projector::new(&problem);
+        problem.fit(&start, &projector, 10).cost
+    }
+}
+
+/// Coefficients of the linear nuisances of one experiment.
+fn coefficients(problem: &Problem, _: &Projector, e: usize, rows: &DVector<f64>) -> Vec<f64> {
+    let columns = problem.linear(e);
+    if columns.ncols() == 0 {
+        return Vec::new();
+    }
+    let solved = columns.svd(true, true).solve(rows, 1e-10);
+    solved.map_or_else(|_| Vec::new(), |c| c.iter().copied().collect())
+}

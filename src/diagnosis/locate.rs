@@ -1,0 +1,228 @@
+//! Where a model and a recording part: by place in the chain, in time, over a coordinate, in
+//! frequency. It says where to look; names are given by simulation.
+
+mod colour;
+mod coordinate;
+mod correlation;
+mod frequency;
+mod orders;
+mod peaks;
+mod phases;
+mod place;
+mod search;
+mod sensor_side;
+mod smoother;
+mod stretches;
+mod suspects;
+mod transition;
+
+use std::f64::consts::TAU;
+
+use super::{CoordinateTrace, Location};
+use smoother::{Smoothed, Smoother};
+use transition::Path;
+
+/// Most suspects of a kind.
+const MOST: usize = 8;
+/// Fewest stamps of which anything can be said.
+const FEWEST: usize = 32;
+
+/// Dynamics of a model's error: `e'' + 2 xi w e' + w^2 e = d`; both 0 for a free mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dynamics {
+    /// `w`, rad/s.
+    pub natural_frequency: f64,
+    /// `xi`.
+    pub damping_ratio: f64,
+}
+
+/// What a refitted model leaves of one output of one recording.
+#[derive(Clone, Copy, Debug)]
+pub struct Residual<'a> {
+    /// Stamps, s, increasing; they may be irregular or have gaps.
+    pub time: &'a [f64],
+    /// Recorded minus model.
+    pub residual: &'a [f64],
+    /// Standard deviation of the noise.
+    pub noise_std: f64,
+    /// Position, velocity and acceleration of the motor side at the stamps.
+    pub motor: &'a [[f64; 3]],
+    /// The same of the link as the model simulates it; the motor side's where there is no link.
+    pub link: &'a [[f64; 3]],
+    /// What a missing force passes before the output shows it.
+    pub dynamics: Dynamics,
+    /// The output is not reached through dynamics: the residual itself is what is missing, and the
+    /// place is the sensor.
+    pub sensor_only: bool,
+}
+
+/// Where the mismatch sits.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Located {
+    /// Where, in words and numbers; empty where neither side is above chance.
+    pub location: Location,
+    /// Missing force at the stamps, divided by the inertia: an acceleration of the output (for
+    /// `sensor_only` the output itself).
+    pub missing: Vec<f64>,
+    /// Its standard deviation.
+    pub missing_std: Vec<f64>,
+    /// Log-likelihood gain of a missing force over noise, white or coloured: how much the equation of
+    /// motion is at fault.
+    pub dynamic_gain: f64,
+    /// Log-likelihood gain of the best of what a sensor could make of the motion.
+    pub sensor_gain: f64,
+    /// The coordinate that it follows best, above chance. Units are left to the caller.
+    pub coordinate: Option<CoordinateTrace>,
+    /// Share of the variance that each coordinate explains, corrected for chance.
+    pub explained: Vec<(String, f64)>,
+    /// Share of the chi-squared above the noise in each phase of the motion.
+    pub phases: Vec<(String, f64)>,
+    /// Instants at which something seems to happen, s; the most suspicious first, at most 8.
+    pub suspects: Vec<f64>,
+    /// Angular frequencies that stand out of the residual, rad/s; the strongest first, at most 8.
+    pub suspect_frequencies: Vec<f64>,
+    /// Radians per unit of position of forces periodic in position; the strongest first, at most 8.
+    pub suspect_orders: Vec<f64>,
+}
+
+/// Locates the mismatch behind a residual.
+///
+/// The missing force `d` in `e'' + 2 xi w e' + w^2 e = d` is a random walk whose intensity has the
+/// greatest likelihood; a smoother gives it at each stamp. It is held against coordinates, positions
+/// and instants; the residual against what a sensor makes of the motion, phases and frequencies. The
+/// equation of motion is at fault where the force gains more than coloured noise would and more than
+/// the sensor does, each gain less the half logarithm of the length for each of its parameters
+/// (Schwarz, 1978).
+///
+/// A residual that is too short or not finite is located nowhere. Cost is linear in the length but
+/// for sorting.
+///
+/// Source: Kristensen, Madsen and Jorgensen, "A method for systematic improvement of stochastic
+/// grey-box models", Computers and Chemical Engineering 28 (2004).
+pub fn locate(residual: &Residual) -> Located {
+    let n = residual.time.len();
+    if !usable(residual) {
+        return Located {
+            missing: vec![0.0; n],
+            missing_std: vec![0.0; n],
+            ..Located::default()
+        };
+    }
+    let smoother = smoother(residual);
+    let scaled: Vec<f64> = residual
+        .residual
+        .iter()
+        .map(|r| r / residual.noise_std)
+        .collect();
+    let (intensity, likelihood) = smoother.fit(&scaled);
+    let mut smoothed = smoother.smooth(&scaled, intensity);
+    for value in smoothed.missing.iter_mut().chain(&mut smoothed.missing_std) {
+        *value *= residual.noise_std;
+    }
+    let dynamic_gain = (likelihood - colour::likelihood(residual.time, &scaled)).max(0.0);
+    put_together(residual, smoothed, dynamic_gain)
+}
+
+/// Everything that is read off the missing force and the residual.
+fn put_together(residual: &Residual, smoothed: Smoothed, dynamic_gain: f64) -> Located {
+    let labels = phases::label(residual);
+    let moving = coordinate::moving(&labels);
+    let (phases, strong_phases) = phases::chi_squared(residual, &labels);
+    let sensor = sensor_side::sensor_side(
+        residual.time,
+        residual.residual,
+        residual.motor,
+        residual.link,
+    );
+    let orders = orders::orders(residual, &smoothed.missing, &moving);
+    let suspects = suspects::suspects(residual, &smoothed, &moving, time_scale(residual));
+    let frequencies = frequency::frequencies(residual.time, residual.residual, &residual.dynamics);
+    let (explained, mut coordinate) = coordinate::best(residual, &smoothed.missing, &moving);
+    let found = place::Evidence {
+        residual,
+        missing: &smoothed.missing,
+        dynamic_gain,
+        sensor: &sensor,
+        suspects: &suspects,
+        orders: &orders,
+    }
+    .place(&mut coordinate);
+    let mut location = Location::default();
+    if let Some(place) = found {
+        let memory = correlation::length(residual.time, residual.residual);
+        location = Location {
+            place: Some(place.name().into()),
+            phases: strong_phases,
+            times_s: stretches::strong(residual, time_scale(residual), memory.samples),
+            coordinate: coordinate.as_ref().map(|c| c.coordinate.clone()),
+            frequency_hz: frequencies.first().map(|f| f / TAU),
+        };
+    } else {
+        coordinate = None;
+    }
+    Located {
+        location,
+        missing: smoothed.missing,
+        missing_std: smoothed.missing_std,
+        dynamic_gain,
+        sensor_gain: sensor.gain,
+        coordinate,
+        explained,
+        phases,
+        suspects: suspects.iter().map(|s| s.time).collect(),
+        suspect_frequencies: frequencies,
+        suspect_orders: orders.iter().map(|o| o.0).collect(),
+    }
+}
+
+fn usable(residual: &Residual) -> bool {
+    let n = residual.time.len();
+    let lengths = [
+        residual.residual.len(),
+        residual.motor.len(),
+        residual.link.len(),
+    ];
+    let motion = residual.motor.iter().chain(residual.link).flatten();
+    let mut values = residual.time.iter().chain(residual.residual).chain(motion);
+    let Dynamics {
+        natural_frequency,
+        damping_ratio,
+    } = residual.dynamics;
+    n >= FEWEST
+        && lengths == [n; 3]
+        && values.all(|x| x.is_finite())
+        && residual.time.windows(2).all(|w| w[1] > w[0])
+        && residual.noise_std.is_finite()
+        && residual.noise_std > 0.0
+        && (natural_frequency.is_finite() && natural_frequency >= 0.0)
+        && (damping_ratio.is_finite() && damping_ratio >= 0.0)
+        && residual.residual.iter().any(|r| *r != 0.0)
+}
+
+/// The period of the mode; where there is none, ten samples or a fiftieth of the recording.
+fn time_scale(residual: &Residual) -> f64 {
+    let n = residual.time.len();
+    let span = residual.time[n - 1] - residual.time[0];
+    let w = residual.dynamics.natural_frequency;
+    if w > 0.0 && !residual.sensor_only {
+        (TAU / w).clamp(3.0 * span / (n - 1) as f64, 0.25 * span)
+    } else {
+        (10.0 * span / (n - 1) as f64).max(0.02 * span)
+    }
+}
+
+fn smoother(residual: &Residual) -> Smoother {
+    let Dynamics {
+        natural_frequency: w,
+        damping_ratio,
+    } = residual.dynamics;
+    let scale = time_scale(residual);
+    if residual.sensor_only {
+        return Smoother::new(Path::Direct, 1.0, residual.time, scale);
+    }
+    let path = Path::Motion {
+        damping: 2.0 * damping_ratio * w,
+        stiffness: w * w,
+    };
+    Smoother::new(path, TAU / scale, residual.time, scale)
+}

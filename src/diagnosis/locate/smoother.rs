@@ -1,0 +1,210 @@
+//! The missing force as a random walk: Kalman filter, likelihood, smoother.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::search::maximum;
+use super::transition::{Path, Transition};
+
+/// Relative change of the covariance from one stamp to the next below which it stays as it is.
+const STEADY: f64 = 1e-12;
+
+/// The state-space model of a residual, for the intervals of its stamps.
+pub(super) struct Smoother {
+    transitions: Vec<Transition>,
+    /// Which transition leads from each stamp to the next.
+    which: Vec<usize>,
+    /// The walk is taken to have begun at rest this much before the first stamp: the initial
+    /// covariance is its share of the walk, so that no walk means no error.
+    before: Transition,
+    /// Model time for one second.
+    rate: f64,
+}
+
+/// What the smoother makes of a residual.
+pub(super) struct Smoothed {
+    /// Missing force, in units of the residual times `rate^2`.
+    pub missing: Vec<f64>,
+    /// Its standard deviation.
+    pub missing_std: Vec<f64>,
+    /// For the interval before each stamp: log-likelihood gain of a jump of the velocity.
+    pub velocity_jump: Vec<f64>,
+    /// The same for a jump of the missing force.
+    pub force_jump: Vec<f64>,
+}
+
+/// One pass of the filter, all that the smoother needs.
+#[derive(Clone, Copy)]
+struct Pass {
+    state: Vector3<f64>,
+    covariance: Matrix3<f64>,
+    innovation: f64,
+    variance: f64,
+}
+
+impl Smoother {
+    /// `lead` is the time before the first stamp at which the walk began, s.
+    pub fn new(path: Path, rate: f64, time: &[f64], lead: f64) -> Self {
+        let path = match path {
+            Path::Motion { damping, stiffness } => Path::Motion {
+                damping: damping / rate,
+                stiffness: stiffness / (rate * rate),
+            },
+            Path::Direct => Path::Direct,
+        };
+        let mut lengths: Vec<f64> = Vec::new();
+        let mut transitions = Vec::new();
+        let mut which = Vec::with_capacity(time.len());
+        for pair in time.windows(2) {
+            let interval = (pair[1] - pair[0]).max(0.0) * rate;
+            // Stamps carry rounding; an interval that differs by 1e-9 is the same.
+            let same = |known: &f64| (known - interval).abs() <= 1e-9 * interval;
+            let known = lengths.iter().rev().take(4).position(same);
+            which.push(match known {
+                Some(back) => lengths.len() - 1 - back,
+                None => {
+                    lengths.push(interval);
+                    transitions.push(Transition::new(path, interval));
+                    lengths.len() - 1
+                }
+            });
+        }
+        Self {
+            transitions,
+            which,
+            before: Transition::new(path, lead * rate),
+            rate,
+        }
+    }
+
+    /// The intensity of the walk (relative to the variance of the noise) of greatest likelihood, and
+    /// that likelihood's logarithm. The noise's variance is concentrated out.
+    pub fn fit(&self, residual: &[f64]) -> (f64, f64) {
+        // In model time one unit of intensity moves the error by about the noise in one time unit.
+        let (q, gain) = maximum(-25.0, 25.0, 2.5, |log| self.likelihood(residual, log.exp()));
+        (q.exp(), gain)
+    }
+
+    /// Log-likelihood, the noise's variance concentrated out, constants left out.
+    pub fn likelihood(&self, residual: &[f64], intensity: f64) -> f64 {
+        let (mut squares, mut logs) = (0.0, 0.0);
+        self.filter(residual, intensity, |pass| {
+            squares += pass.innovation * pass.innovation / pass.variance;
+            logs += pass.variance.ln();
+        });
+        let n = residual.len() as f64;
+        -0.5 * n * (squares / n).max(f64::MIN_POSITIVE).ln() - 0.5 * logs
+    }
+
+    fn filter(&self, residual: &[f64], intensity: f64, mut each: impl FnMut(&Pass)) {
+        let mut state = Vector3::zeros();
+        let mut covariance = self.before.noise * intensity;
+        let mut steady: Option<usize> = None;
+        for (k, r) in residual.iter().enumerate() {
+            let variance = covariance[(0, 0)] + 1.0;
+            let pass = Pass {
+                state,
+                covariance,
+                innovation: r - state[0],
+                variance,
+            };
+            each(&pass);
+            let Some(&which) = self.which.get(k) else {
+                return;
+            };
+            let step = &self.transitions[which];
+            let gain = covariance.column(0) / variance;
+            state = step.phi * (state + gain * pass.innovation);
+            if steady == Some(which) {
+                continue;
+            }
+            let next = symmetric(
+                step.phi * updated(&covariance, &gain) * step.phi.transpose()
+                    + step.noise * intensity,
+            );
+            let settled = (0..3)
+                .all(|i| (next[(i, i)] - covariance[(i, i)]).abs() <= STEADY * covariance[(i, i)]);
+            steady = settled.then_some(which);
+            covariance = next;
+        }
+    }
+
+    /// Smoothed missing force and the gains of jumps, for this intensity.
+    ///
+    /// The Rauch-Tung-Striebel estimate in the form of Bierman (1973, "Fixed interval smoothing with
+    /// discrete measurements"), which inverts no covariance. Its adjoint variables are the auxiliary
+    /// residuals of de Jong and Penzer (1998, "Diagnosing shocks in time series"): `(b' r)^2 / b' N b`
+    /// is the chi-squared of a jump of the state along `b`.
+    pub fn smooth(&self, residual: &[f64], intensity: f64) -> Smoothed {
+        let mut passes = Vec::with_capacity(residual.len());
+        self.filter(residual, intensity, |pass| passes.push(*pass));
+        let n = passes.len();
+        let squares: f64 = passes
+            .iter()
+            .map(|p| p.innovation * p.innovation / p.variance)
+            .sum();
+        let noise = (squares / n.max(1) as f64).max(f64::MIN_POSITIVE);
+        let mut found = Smoothed {
+            missing: vec![0.0; n],
+            missing_std: vec![0.0; n],
+            velocity_jump: vec![0.0; n],
+            force_jump: vec![0.0; n],
+        };
+        let (mut adjoint, mut information) = (Vector3::zeros(), Matrix3::zeros());
+        let scale = self.rate * self.rate;
+        for (k, pass) in passes.iter().enumerate().rev() {
+            (adjoint, information) = self.backward(k, pass, &adjoint, &information);
+            let smoothed = pass.state + pass.covariance * adjoint;
+            let row = pass.covariance.column(2);
+            let variance = pass.covariance[(2, 2)] - row.dot(&(information * row));
+            found.missing[k] = smoothed[2] * scale;
+            found.missing_std[k] = (variance.max(0.0) * noise).sqrt() * scale;
+            found.velocity_jump[k] = jump(&adjoint, &information, 1) / noise;
+            found.force_jump[k] = jump(&adjoint, &information, 2) / noise;
+        }
+        found
+    }
+
+    /// Adjoint and its information before stamp `k`, from those after it.
+    fn backward(
+        &self,
+        k: usize,
+        pass: &Pass,
+        adjoint: &Vector3<f64>,
+        information: &Matrix3<f64>,
+    ) -> (Vector3<f64>, Matrix3<f64>) {
+        let mut before = Vector3::zeros();
+        let mut known = Matrix3::zeros();
+        if let Some(&which) = self.which.get(k) {
+            let mut leads = Matrix3::identity();
+            let gain = pass.covariance.column(0) / pass.variance;
+            leads.set_column(0, &(leads.column(0) - gain));
+            let leads = self.transitions[which].phi * leads;
+            before = leads.transpose() * adjoint;
+            known = symmetric(leads.transpose() * information * leads);
+        }
+        before[0] += pass.innovation / pass.variance;
+        known[(0, 0)] += 1.0 / pass.variance;
+        (before, known)
+    }
+}
+
+/// Half the chi-squared of a jump along one component of the state.
+fn jump(adjoint: &Vector3<f64>, information: &Matrix3<f64>, component: usize) -> f64 {
+    let known = information[(component, component)];
+    if known > f64::MIN_POSITIVE {
+        0.5 * adjoint[component] * adjoint[component] / known
+    } else {
+        0.0
+    }
+}
+
+/// Joseph's form of the update by one measurement of the first state with variance 1:
+/// `(I - K h') P (I - K h')' + K K'`.
+fn updated(covariance: &Matrix3<f64>, gain: &Vector3<f64>) -> Matrix3<f64> {
+    let left = covariance - gain * covariance.row(0);
+    left - left.column(0) * gain.transpose() + gain * gain.transpose()
+}
+
+fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
+    (matrix + matrix.transpose()) * 0.5
+}

@@ -1,0 +1,175 @@
+//! Instants at which something happens: knocks, forces that set in, a payload that is taken.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::correlation::length;
+use super::smoother::Smoothed;
+use super::{MOST, Residual};
+
+/// Chance that noise alone shows an instant.
+const FALSE_ALARM: f64 = 0.01;
+/// Candidates for a lasting change.
+const CANDIDATES: usize = 200;
+
+/// What kind of event an instant is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A jump of the velocity: a knock.
+    Knock,
+    /// A jump of the missing force.
+    Onset,
+    /// From there on the force follows the motion otherwise.
+    Change,
+}
+
+/// An instant at which something happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Suspect {
+    /// When, s.
+    pub time: f64,
+    /// What.
+    pub kind: Kind,
+    /// Log-likelihood gain.
+    pub gain: f64,
+}
+
+/// The most suspicious first, at least `apart` seconds from one another.
+pub(super) fn suspects(
+    residual: &Residual,
+    smoothed: &Smoothed,
+    at: &[usize],
+    apart: f64,
+) -> Vec<Suspect> {
+    let mut found = jumps(residual.time, &smoothed.velocity_jump, Kind::Knock);
+    found.extend(jumps(residual.time, &smoothed.force_jump, Kind::Onset));
+    found.extend(change(residual, &smoothed.missing, at));
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut kept: Vec<Suspect> = Vec::new();
+    for suspect in found {
+        if kept.len() < MOST && kept.iter().all(|k| (k.time - suspect.time).abs() > apart) {
+            kept.push(suspect);
+        }
+    }
+    kept
+}
+
+/// Local maxima of a jump's gain that noise would not make: half a chi-squared of one degree exceeds
+/// `g` with a probability below `exp(-g)`, at `n` stamps in two directions.
+fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<Suspect> {
+    let n = gain.len();
+    let threshold = (2.0 * n as f64 / FALSE_ALARM).ln();
+    (1..n.saturating_sub(1))
+        .filter(|&k| gain[k] > threshold && gain[k] > gain[k - 1] && gain[k] >= gain[k + 1])
+        .map(|k| Suspect {
+            time: time[k],
+            kind,
+            gain: gain[k],
+        })
+        .collect()
+}
+
+/// The stamp from which the regression of the force on `1`, acceleration, velocity and rate (or
+/// position) has other coefficients than before: the supremum of likelihood ratios (Andrews, 1993),
+/// for as many independent values as the force has.
+fn change(residual: &Residual, force: &[f64], at: &[usize]) -> Option<Suspect> {
+    let n = at.len();
+    if n < 64 {
+        return None;
+    }
+    let rows = regressors(residual, at);
+    let mut sums = vec![Sums::default()];
+    for (row, &k) in rows.iter().zip(at) {
+        let mut next = *sums.last()?;
+        next.add(row, force[k]);
+        sums.push(next);
+    }
+    let whole = *sums.last()?;
+    let mut best = (0, 0.0);
+    // Each side keeps a twentieth, so that its coefficients mean something.
+    for candidate in 0..CANDIDATES {
+        let k = n / 20 + candidate * (n - n / 10) / CANDIDATES;
+        let split = sums[k].left() + whole.minus(&sums[k]).left();
+        let gain = 0.5 * n as f64 * (whole.left() / split.max(f64::MIN_POSITIVE)).ln();
+        if gain > best.1 {
+            best = (k, gain);
+        }
+    }
+    let stamps: Vec<f64> = at.iter().map(|&k| residual.time[k]).collect();
+    let series: Vec<f64> = at.iter().map(|&k| force[k]).collect();
+    let gain = best.1 / length(&stamps, &series).samples;
+    (gain > threshold()).then(|| Suspect {
+        time: stamps[best.0],
+        kind: Kind::Change,
+        gain,
+    })
+}
+
+/// Half the chi-squared of four degrees, tail `exp(-g) (1 + g)`, that all candidates together exceed
+/// by chance with the false alarm's probability (Bonferroni).
+fn threshold() -> f64 {
+    let log = (CANDIDATES as f64 / FALSE_ALARM).ln();
+    (0..20).fold(log, |g: f64, _| log + (1.0 + g).ln())
+}
+
+/// Regressors of unit mean square.
+fn regressors(residual: &Residual, at: &[usize]) -> Vec<Vector4<f64>> {
+    let has_link = at
+        .iter()
+        .any(|&k| residual.link[k][0] != residual.motor[k][0]);
+    let mut rows: Vec<Vector4<f64>> = at
+        .iter()
+        .map(|&k| {
+            let (motor, link) = (residual.motor[k], residual.link[k]);
+            let last = if has_link {
+                link[1] - motor[1]
+            } else {
+                motor[0]
+            };
+            Vector4::new(1.0, link[2], link[1], last)
+        })
+        .collect();
+    let squares = rows
+        .iter()
+        .fold(Vector4::zeros(), |s, r| s + r.component_mul(r));
+    let scale = squares.map(|s: f64| (s / at.len() as f64).sqrt().max(f64::MIN_POSITIVE));
+    rows.iter_mut()
+        .for_each(|row| row.component_div_assign(&scale));
+    rows
+}
+
+/// Normal equations of a regression.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    matrix: Matrix4<f64>,
+    right: Vector4<f64>,
+    square: f64,
+    count: f64,
+}
+
+impl Sums {
+    fn add(&mut self, row: &Vector4<f64>, value: f64) {
+        self.matrix += row * row.transpose();
+        self.right += row * value;
+        self.square += value * value;
+        self.count += 1.0;
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        Self {
+            matrix: self.matrix - other.matrix,
+            right: self.right - other.right,
+            square: self.square - other.square,
+            count: self.count - other.count,
+        }
+    }
+
+    /// Sum of squares that the regression leaves. A ridge of 1e-6 keeps regressors that do not move
+    /// on one side harmless.
+    fn left(&self) -> f64 {
+        let ridge = Matrix4::identity() * (1e-6 * self.count);
+        match (self.matrix + ridge).cholesky() {
+            Some(factor) => (self.square - self.right.dot(&factor.solve(&self.right))).max(0.0),
+            None => self.square,
+        }
+    }
+}

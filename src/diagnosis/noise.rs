@@ -1,0 +1,80 @@
+//! The noise floor of an output: level and colour.
+
+use super::whitening::Whitening;
+use crate::model::{Experiment, Output};
+use crate::recording::Role;
+use crate::signal::{Motion, RestRule, noise_floor, phases};
+
+/// Fewest samples of rest that tell the colour of the noise.
+const FEWEST: usize = 150;
+
+/// Noise of an output from the residual of a refitted model.
+///
+/// From stretches where the motor side rests and the vibration, which decays at `decay` (1/s), has died
+/// away; their mean is taken out. Where there is no such rest, from third differences, which do not see
+/// what is smooth. Never below what rounding makes.
+pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: f64) -> Whitening {
+    let floor = noise_floor(&output.values);
+    let white = noise_floor(residual).standard_deviation;
+    let rounding = floor.quantisation.map_or(0.0, |q| q / 12f64.sqrt());
+    let least = rounding.max(f64::MIN_POSITIVE);
+    let quiet = quiet(experiment, output, decay);
+    let stretches: Vec<Vec<f64>> = quiet
+        .iter()
+        .map(|range| detrended(&residual[range.clone()]))
+        .collect();
+    let count: usize = stretches.iter().map(Vec::len).sum();
+    let views: Vec<&[f64]> = stretches.iter().map(Vec::as_slice).collect();
+    let found = match count >= FEWEST {
+        true => Whitening::fit(&views),
+        false => Whitening::white(white),
+    };
+    // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
+    // quieter than its differences in motion does not either.
+    if found.deviation < least || found.innovation < 0.7 * white {
+        return Whitening::white(white.max(least));
+    }
+    found
+}
+
+/// Stretches of rest in which nothing rings any more.
+fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::Range<usize>> {
+    if !matches!(
+        experiment.input,
+        Role::MotorPosition | Role::CommandPosition
+    ) {
+        return Vec::new();
+    }
+    let (time, values) = (&experiment.input_time, &experiment.input_values);
+    let found = phases(time, values, RestRule::from_values(values)).unwrap_or_default();
+    // After five time constants 0.7 % of the vibration is left.
+    let settled = 5.0 / decay;
+    let at = |t: f64| output.time.partition_point(|s| *s < t);
+    let mut ranges = Vec::new();
+    for (index, phase) in found.iter().enumerate() {
+        if phase.motion == Motion::Rest {
+            let start = phase.start + if index == 0 { 0.0 } else { settled };
+            let range = at(start + 0.01)..at(phase.end - 0.01);
+            if range.len() >= 20 {
+                ranges.push(range);
+            }
+        }
+    }
+    ranges
+}
+
+/// Without its mean and slope.
+fn detrended(values: &[f64]) -> Vec<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let centre = (n - 1.0) / 2.0;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (k, value) in values.iter().enumerate() {
+        let x = k as f64 - centre;
+        product += x * (value - mean);
+        square += x * x;
+    }
+    let slope = product / square.max(1.0);
+    let rest = |(k, v): (usize, &f64)| v - mean - slope * (k as f64 - centre);
+    values.iter().enumerate().map(rest).collect()
+}

@@ -1,0 +1,243 @@
+//! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
+
+use super::whitening::Whitening;
+use crate::effects::Effect;
+use crate::effects::{Place, Scales};
+use crate::model::{Experiment, Kind, Model, Term, simulate};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Rows of one output that count, as ranges of samples.
+pub type Rows = Vec<Range<usize>>;
+
+/// What is known, and what is to be explained.
+pub struct Problem<'a> {
+    /// Structure of the model.
+    pub kind: &'static Kind,
+    /// The recordings, or windows of them.
+    pub experiments: &'a [Experiment],
+    /// For each experiment and output the rows that are fitted.
+    pub rows: Vec<Vec<Rows>>,
+    /// For each experiment and output what makes its noise white and of unit variance.
+    pub whitening: Vec<Vec<Whitening>>,
+    /// Keys of the model that are free.
+    pub free: Vec<usize>,
+    /// Beliefs on the keys: value, standard deviation (of the logarithm where `logarithmic`).
+    pub beliefs: Vec<(f64, f64)>,
+    /// Bounds on the keys.
+    pub bounds: Vec<(f64, f64)>,
+    /// Components of the start (see [`simulate`]) that are free.
+    pub departures: Vec<usize>,
+    /// Typical sizes of these components.
+    pub departure_scale: [f64; 4],
+    /// How large the motion is.
+    pub scales: Scales,
+}
+
+/// What an experiment alone has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Local {
+    /// Clock offset of each output, s.
+    pub clocks: Vec<f64>,
+    /// Departure of the start.
+    pub departure: [f64; 4],
+}
+
+/// A point in the space of unknowns.
+#[derive(Clone)]
+pub struct Point {
+    /// Values of the kind's keys.
+    pub keys: Vec<f64>,
+    /// Effects with their values.
+    pub terms: Vec<Term>,
+    /// Effects before this one belong to the given model and are not fitted.
+    pub fixed_terms: usize,
+    /// What each experiment alone has.
+    pub locals: Vec<Local>,
+}
+
+/// A scalar unknown that all experiments share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Global {
+    /// A key of the model.
+    Key(usize),
+    /// A parameter of an effect: term, parameter.
+    Parameter(usize, usize),
+}
+
+impl Point {
+    /// The point without an effect.
+    pub fn without(&self, term: usize) -> Self {
+        let mut point = self.clone();
+        point.terms.remove(term);
+        point
+    }
+
+    /// The point with one more effect.
+    pub fn with(&self, effect: &'static Effect, place: Place, values: Vec<f64>) -> Self {
+        let mut point = self.clone();
+        point.terms.push(Term {
+            effect,
+            place,
+            values,
+        });
+        point
+    }
+}
+
+impl Problem<'_> {
+    /// Starting point: the model's values, clocks as a first guess has them.
+    pub fn start(&self, model: &Model) -> Point {
+        let local = |experiment: &Experiment| Local {
+            clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
+            departure: [0.0; 4],
+        };
+        let terms = model.terms();
+        Point {
+            keys: model.keys(),
+            fixed_terms: terms.len(),
+            terms,
+            locals: self.experiments.iter().map(local).collect(),
+        }
+    }
+
+    /// The shared unknowns at a point's structure.
+    pub fn globals(&self, point: &Point) -> Vec<Global> {
+        let keys = self.free.iter().map(|&key| Global::Key(key));
+        let parameters = (point.fixed_terms..point.terms.len()).flat_map(|term| {
+            let count = point.terms[term].values.len();
+            (0..count).map(move |parameter| Global::Parameter(term, parameter))
+        });
+        keys.chain(parameters).collect()
+    }
+
+    /// Whether an unknown is fitted by its logarithm.
+    fn logarithmic(&self, global: Global) -> bool {
+        matches!(global, Global::Key(key) if self.kind.keys[key].range.0 > 0.0)
+    }
+
+    /// Value of an unknown as the fit sees it.
+    pub fn get(&self, point: &Point, global: Global) -> f64 {
+        let value = match global {
+            Global::Key(key) => point.keys[key],
+            Global::Parameter(term, parameter) => point.terms[term].values[parameter],
+        };
+        match self.logarithmic(global) {
+            true => value.ln(),
+            false => value,
+        }
+    }
+
+    /// Sets an unknown, kept within its bounds.
+    pub fn set(&self, point: &mut Point, global: Global, value: f64) {
+        let value = match self.logarithmic(global) {
+            true => value.exp(),
+            false => value,
+        };
+        let (low, high) = self.limits(point, global);
+        let value = value.clamp(low, high);
+        match global {
+            Global::Key(key) => point.keys[key] = value,
+            Global::Parameter(term, parameter) => point.terms[term].values[parameter] = value,
+        }
+    }
+
+    /// Bounds of an unknown, in its own unit.
+    pub fn limits(&self, point: &Point, global: Global) -> (f64, f64) {
+        match global {
+            Global::Key(key) => self.bounds[key],
+            Global::Parameter(term, parameter) => {
+                (point.terms[term].effect.parameters[parameter].bounds)(&self.scales)
+            }
+        }
+    }
+
+    /// Typical size of an unknown as the fit sees it.
+    pub fn typical(&self, point: &Point, global: Global) -> f64 {
+        match global {
+            Global::Key(key) => match self.logarithmic(global) {
+                true => 1.0,
+                false => point.keys[key].abs().max(1e-3),
+            },
+            Global::Parameter(term, parameter) => {
+                let parameter = &point.terms[term].effect.parameters[parameter];
+                (parameter.typical)(&self.scales).abs()
+            }
+        }
+    }
+
+    /// Residuals of one experiment at a point: recorded minus predicted for each output, and the rates
+    /// of the prediction.
+    pub fn raw(&self, point: &Point, experiment: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+        let local = &point.locals[experiment];
+        let data = &self.experiments[experiment];
+        let simulated = simulate(self.kind, &point.keys, &point.terms, data, &local.departure);
+        let mut residuals = Vec::with_capacity(data.outputs.len());
+        let mut rates = Vec::with_capacity(data.outputs.len());
+        for (output, &clock) in data.outputs.iter().zip(&local.clocks) {
+            let prediction = simulated.predict(output, clock);
+            let pairs = output.values.iter().zip(&prediction.values);
+            residuals.push(pairs.map(|(y, p)| y - p).collect());
+            rates.push(prediction.rates);
+        }
+        (residuals, rates)
+    }
+
+    /// Weighted, whitened rows of one experiment from one series an output.
+    pub fn weigh(&self, experiment: usize, series: &[Vec<f64>]) -> Vec<f64> {
+        let mut rows = Vec::new();
+        for (output, values) in series.iter().enumerate() {
+            let whitening = &self.whitening[experiment][output];
+            for range in &self.rows[experiment][output] {
+                whitening.apply(&values[range.clone()], &mut rows);
+            }
+        }
+        rows
+    }
+
+    /// Weighted residuals of one experiment, the witness' rows at their end. NaN (a simulation that ran
+    /// away) becomes a large number, so that the fit turns back.
+    pub fn residuals(&self, point: &Point, experiment: usize) -> DVector<f64> {
+        let (raw, _) = self.raw(point, experiment);
+        self.complete(experiment, &raw)
+    }
+
+    /// Weighted rows of residuals that are at hand, the witness' rows at their end.
+    pub fn complete(&self, experiment: usize, raw: &[Vec<f64>]) -> DVector<f64> {
+        let mut rows = self.weigh(experiment, raw);
+        for row in &mut rows {
+            if !row.is_finite() || row.abs() > 1e12 {
+                *row = 1e12;
+            }
+        }
+        for output in &self.experiments[experiment].outputs {
+            rows.extend(output.witness.iter().map(|(_, value)| value));
+        }
+        DVector::from_vec(rows)
+    }
+
+    /// Columns of the linear nuisances of one experiment, the witness' rows at their end.
+    pub fn linear(&self, experiment: usize) -> DMatrix<f64> {
+        let outputs = &self.experiments[experiment].outputs;
+        let zeros: Vec<Vec<f64>> = outputs.iter().map(|o| vec![0.0; o.values.len()]).collect();
+        let witnesses: usize = outputs.iter().map(|output| output.witness.len()).sum();
+        let (mut columns, mut before) = (Vec::new(), 0);
+        for (index, output) in outputs.iter().enumerate() {
+            for (c, column) in output.columns.iter().enumerate() {
+                let mut series = zeros.clone();
+                series[index] = column.clone();
+                let mut rows = self.weigh(experiment, &series);
+                let own = output.witness.iter().map(|(weights, _)| weights[c]);
+                rows.extend(vec![0.0; before]);
+                rows.extend(own);
+                rows.extend(vec![0.0; witnesses - before - output.witness.len()]);
+                columns.push(DVector::from_vec(rows));
+            }
+            before += output.witness.len();
+        }
+        match columns.is_empty() {
+            true => DMatrix::zeros(0, 0),
+            false => DMatrix::from_columns(&columns),
+        }
+    }
+}

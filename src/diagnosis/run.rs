@@ -1,0 +1,212 @@
+//! From a model and recordings to a diagnosis.
+
+use super::baseline::{Data, DiagnosisError, measure_noise, problem, refit};
+use super::conclude::{better_model, conclude, reported};
+use super::document::Diagnosis;
+use super::draw::draw;
+use super::explanation::{Explanation, Judge};
+use super::fit::{Fitted, Projector};
+use super::locate::{Dynamics, Located, Residual, locate};
+use super::problem::Problem;
+use super::search::{Found, Search, ratio};
+use super::traces::Traces;
+use crate::model::{Experiment, Model, simulate};
+use crate::recording::Recording;
+use std::f64::consts::TAU;
+
+/// What the caller may choose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { seed: 1 }
+    }
+}
+
+/// All that a diagnosis gives.
+pub struct Outcome {
+    /// What it says.
+    pub diagnosis: Diagnosis,
+    /// The model with the findings in it.
+    pub model: Model,
+    /// What a report draws.
+    pub traces: Traces,
+}
+
+/// How told: the share of the work that is done, and what is being done.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
+
+/// Says what physics a model lacks, from recordings of the machine.
+///
+/// `held_out` recordings judge what `train` was fitted to; without them the last third of the moves is
+/// kept apart. The same input gives the same answer.
+///
+/// # Errors
+/// [`DiagnosisError`] where a recording does not suit the model.
+pub fn diagnose(
+    model: &Model,
+    train: &[Recording],
+    held_out: &[Recording],
+    _options: &Options,
+    progress: Progress,
+) -> Result<Outcome, DiagnosisError> {
+    progress(0.0, "reading the recordings");
+    if train.is_empty() {
+        return Err(DiagnosisError::NoRecording);
+    }
+    let mut data = Data::new(experiments(model, train)?, experiments(model, held_out)?);
+    let first = investigate(model, &data, progress, Vec::new());
+    if data.apart.is_empty() && first.surprised {
+        // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
+        // of every move instead.
+        let stretch = INTERLEAVED_PERIODS * first.period;
+        data.interleave(stretch);
+        let remark = "What was held out differs from what was fitted: something changed with time. \
+            Stretches of every move were held out instead of the last moves.";
+        let second = investigate(model, &data, progress, vec![remark.into()]);
+        return Ok(second.outcome);
+    }
+    Ok(first.outcome)
+}
+
+/// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
+/// not the noise of its neighbours.
+const INTERLEAVED_PERIODS: f64 = 3.0;
+/// Held-out chi-squared per row over the fitted part's, above which something changed with time.
+const SURPRISE: f64 = 2.0;
+
+fn experiments(model: &Model, recordings: &[Recording]) -> Result<Vec<Experiment>, DiagnosisError> {
+    let mut all = Vec::new();
+    for recording in recordings {
+        all.push(Experiment::new(model, recording)?);
+    }
+    Ok(all)
+}
+
+struct Investigation {
+    outcome: Outcome,
+    /// Whether the held-out part is worse than the fitted one by more than chance.
+    surprised: bool,
+    /// Period of the mode, s.
+    period: f64,
+}
+
+fn investigate(
+    model: &Model,
+    data: &Data,
+    progress: Progress,
+    mut remarks: Vec<String>,
+) -> Investigation {
+    progress(0.05, "refitting the model");
+    let mut problem = problem(model, &data.experiments, data.train.clone());
+    let (fitted, projector) = baseline(model, &mut problem);
+    let judge = Judge::new(model, data, &problem);
+    let baseline: Explanation = judge.judge(&problem, &projector, fitted);
+    progress(0.1, "locating the mismatch");
+    let located = located(&problem, &judge, &projector, &baseline);
+    problem.scales.suspects.clone_from(&located.suspects);
+    problem
+        .scales
+        .suspect_frequencies
+        .clone_from(&located.suspect_frequencies);
+    problem
+        .scales
+        .suspect_orders
+        .clone_from(&located.suspect_orders);
+    progress(0.15, "screening the catalogue");
+    let search = Search {
+        problem: &problem,
+        projector: &projector,
+        judge: &judge,
+        progress,
+    };
+    let found = search.run(baseline);
+    let surprised = surprised(&judge, &found);
+    remarks.extend(super::remarks::remarks(&problem, &found));
+    let diagnosis = conclude(&search, &found, &located, remarks);
+    let told = reported(diagnosis.verdict, &found);
+    let traces = draw(&search, &found.baseline, told, &located);
+    Investigation {
+        outcome: Outcome {
+            model: better_model(model, told),
+            diagnosis,
+            traces,
+        },
+        surprised,
+        period: problem.scales.period(),
+    }
+}
+
+fn surprised(judge: &Judge, found: &Found) -> bool {
+    let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
+    let held = per_row(found.best.held_out, judge.held_out_rows);
+    let fitted = per_row(found.best.train, judge.train_rows);
+    judge.held_out_rows > 0 && ratio(held, fitted.max(1.0)) > SURPRISE
+}
+
+/// The given model, refitted, with the noise that it leaves measured.
+fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
+    let mut projector = Projector::new(problem);
+    let start = problem.start(model);
+    let first = refit(problem, &start, &projector);
+    measure_noise(problem, &first.point);
+    projector = Projector::new(problem);
+    let mut fitted = problem.fit(&first.point, &projector, 20);
+    if problem.departures.is_empty() {
+        // Two more unknowns an experiment: the arm may already ring when the recording starts.
+        problem.departures = vec![2, 3];
+        let ringing = problem.fit(&fitted.point, &projector, 20);
+        let experiments = problem.experiments;
+        let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
+        let unit = (ringing.cost / rows).max(1.0);
+        let price = 2.0 * experiments.len() as f64 * rows.ln() + super::search::STRONG;
+        if (fitted.cost - ringing.cost) / unit > price {
+            fitted = ringing;
+        } else {
+            problem.departures.clear();
+        }
+    }
+    (fitted, projector)
+}
+
+/// Where the residual of the first output sits.
+fn located(
+    problem: &Problem,
+    judge: &Judge,
+    projector: &Projector,
+    baseline: &Explanation,
+) -> Located {
+    let point = &baseline.fitted.point;
+    let residual = judge.explained(problem, projector, point, 0);
+    let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
+    let simulated = simulate(
+        problem.kind,
+        &point.keys,
+        &point.terms,
+        experiment,
+        &local.departure,
+    );
+    let output = &experiment.outputs[0];
+    let (motor, link) = simulated.kinematics(&output.time, local.clocks[0]);
+    let mode = problem
+        .kind
+        .mode
+        .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
+    let (natural_frequency, damping_ratio) = mode.unwrap_or((0.0, 0.0));
+    locate(&Residual {
+        time: &output.time,
+        residual: &residual[0],
+        noise_std: problem.whitening[0][0].deviation,
+        motor: &motor,
+        link: &link,
+        dynamics: Dynamics {
+            natural_frequency,
+            damping_ratio,
+        },
+        sensor_only: false,
+    })
+}

@@ -1,0 +1,97 @@
+//! What is fitted and what is kept apart.
+
+use super::problem::Rows;
+use crate::model::Experiment;
+use crate::recording::Role;
+use crate::signal::{Motion, RestRule, phases};
+
+/// Shortest part of a recording that is worth keeping apart, samples.
+const FEWEST: usize = 50;
+
+/// Rows of an experiment that are fitted, and rows that are held out, an output each.
+pub struct Split {
+    /// Fitted.
+    pub train: Vec<Rows>,
+    /// Held out.
+    pub held_out: Vec<Rows>,
+}
+
+/// All rows are fitted.
+pub fn whole(experiment: &Experiment) -> Vec<Rows> {
+    let all = |output: &crate::model::Output| vec![0..output.values.len()];
+    experiment.outputs.iter().map(all).collect()
+}
+
+/// Keeps the last third of the moves apart; the last third of the time where there are fewer than three
+/// moves.
+pub fn last_third(experiment: &Experiment) -> Split {
+    let (first, last) = experiment.span();
+    let starts = move_starts(experiment);
+    let boundary = match starts.len() {
+        0..=2 => first + (last - first) * 2.0 / 3.0,
+        n => starts[(2 * n).div_ceil(3)],
+    };
+    at(experiment, boundary)
+}
+
+/// Keeps apart what comes after an instant.
+fn at(experiment: &Experiment, boundary: f64) -> Split {
+    let (mut train, mut held_out) = (Vec::new(), Vec::new());
+    for output in &experiment.outputs {
+        let n = output.values.len();
+        let k = output.time.partition_point(|t| *t < boundary);
+        let k = if n >= 3 * FEWEST {
+            k.clamp(FEWEST, n - FEWEST)
+        } else {
+            n
+        };
+        train.push(vec![0..k]);
+        held_out.push(if k < n { vec![k..n] } else { Vec::new() });
+    }
+    Split { train, held_out }
+}
+
+/// Every third stretch is held out, so that each part of the recording is in both: for what happens at
+/// a time.
+pub fn interleaved(experiment: &Experiment, stretch: f64) -> Split {
+    let (mut train, mut held_out) = (Vec::new(), Vec::new());
+    let (first, last) = experiment.span();
+    let count = (((last - first) / stretch).floor() as usize).max(6);
+    for output in &experiment.outputs {
+        let (mut fitted, mut kept) = (Vec::new(), Vec::new());
+        for k in 0..count {
+            let edge = |k: usize| {
+                let t = first + (last - first) * k as f64 / count as f64;
+                output.time.partition_point(|s| *s < t)
+            };
+            let end = if k + 1 == count {
+                output.values.len()
+            } else {
+                edge(k + 1)
+            };
+            let range = edge(k)..end;
+            if k % 3 == 1 {
+                kept.push(range);
+            } else {
+                fitted.push(range);
+            }
+        }
+        train.push(fitted);
+        held_out.push(kept);
+    }
+    Split { train, held_out }
+}
+
+/// Instants at which the motor side starts to move, where it is an input.
+pub fn move_starts(experiment: &Experiment) -> Vec<f64> {
+    if !matches!(
+        experiment.input,
+        Role::MotorPosition | Role::CommandPosition
+    ) {
+        return Vec::new();
+    }
+    let (time, values) = (&experiment.input_time, &experiment.input_values);
+    let found = phases(time, values, RestRule::from_values(values)).unwrap_or_default();
+    let moving = found.iter().filter(|phase| phase.motion == Motion::Moving);
+    moving.map(|phase| phase.start).collect()
+}

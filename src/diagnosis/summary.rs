@@ -1,0 +1,71 @@
+//! The verdict in one sentence.
+
+use super::document::{Diagnosis, Verdict};
+
+/// One sentence, as an engineer would write it.
+pub fn summary(diagnosis: &Diagnosis) -> String {
+    let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
+    let times = |x: f64| match x < 10.0 {
+        true => format!("{x:.2}"),
+        false => format!("{x:.0}"),
+    };
+    let change = format!(
+        "on moves that were held out the residual falls from {} to {} times the noise",
+        times(before.held_out_over_noise),
+        times(after.held_out_over_noise)
+    );
+    match diagnosis.verdict {
+        Verdict::NoMismatch => format!(
+            "Nothing is missing: with its parameters refitted the model explains the recording down to \
+             the noise ({} times the noise on moves that were held out).",
+            times(before.held_out_over_noise)
+        ),
+        Verdict::Named => format!("The model lacks {}: {change}.", names(diagnosis)),
+        Verdict::Ambiguous => format!(
+            "The model lacks {}, which this recording cannot tell from {}: {change}.",
+            names(diagnosis),
+            alternatives(diagnosis)
+        ),
+        Verdict::PartlyExplained => format!(
+            "The model lacks something like {}, but that is not all: {change}.",
+            names(diagnosis)
+        ),
+        Verdict::Unexplained => format!(
+            "Something is missing that the catalogue does not explain{}: the residual is {} times the \
+             noise on moves that were held out.",
+            place(diagnosis),
+            times(before.held_out_over_noise)
+        ),
+    }
+}
+
+fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+fn names(diagnosis: &Diagnosis) -> String {
+    let name = |finding: &super::document::Finding| match finding.place.as_str() {
+        "environment" => words(&finding.effect),
+        "sensor" => format!("{} (in the sensor)", words(&finding.effect)),
+        "base" => format!("{} (under the robot)", words(&finding.effect)),
+        place => format!("{} (at the {place})", words(&finding.effect)),
+    };
+    let names: Vec<String> = diagnosis.findings.iter().map(name).collect();
+    names.join(" and ")
+}
+
+fn alternatives(diagnosis: &Diagnosis) -> String {
+    let all = diagnosis
+        .findings
+        .iter()
+        .flat_map(|finding| &finding.alternatives);
+    let names: Vec<String> = all.map(|name| words(name)).collect();
+    names.join(" or ")
+}
+
+fn place(diagnosis: &Diagnosis) -> String {
+    let place = diagnosis.location.place.as_ref();
+    place.map_or_else(String::new, |place| {
+        format!(" (it seems to sit in the {place})")
+    })
+}

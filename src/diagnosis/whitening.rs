@@ -1,0 +1,85 @@
+//! What makes noise white: an autoregressive filter, since real noise is not white.
+
+/// `e_t = (r_t - a_1 r_{t-1} - ... - a_p r_{t-p}) / sigma`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Whitening {
+    /// `a_1 ... a_p`; empty for white noise.
+    pub coefficients: Vec<f64>,
+    /// Standard deviation of the innovation, in the unit of the values.
+    pub innovation: f64,
+    /// Standard deviation of the noise itself.
+    pub deviation: f64,
+}
+
+/// Highest order that is tried. A second-order resonance of the sensor needs 2; mains hum and a
+/// low-pass need some more.
+const HIGHEST_ORDER: usize = 8;
+
+impl Whitening {
+    /// White noise of this standard deviation.
+    pub fn white(deviation: f64) -> Self {
+        Self {
+            coefficients: Vec::new(),
+            innovation: deviation,
+            deviation,
+        }
+    }
+
+    /// The filter for stretches of noise: Yule-Walker by the Levinson-Durbin recursion, the order of
+    /// least BIC. White where the stretches are too short to tell.
+    ///
+    /// Source: Brockwell and Davis, Time Series: Theory and Methods (1991), sections 8.2 and 9.3.
+    pub fn fit(stretches: &[&[f64]]) -> Self {
+        let count: usize = stretches.iter().map(|s| s.len()).sum();
+        let highest = HIGHEST_ORDER.min(count / 40);
+        let mut covariance = vec![0.0; highest + 1];
+        for stretch in stretches {
+            for (lag, sum) in covariance.iter_mut().enumerate() {
+                let pairs = stretch.iter().zip(stretch.iter().skip(lag));
+                *sum += pairs.map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        let n = count.max(1) as f64;
+        let variance = covariance[0] / n;
+        let mut best = Self::white(variance.sqrt());
+        let mut best_score = n * variance.max(f64::MIN_POSITIVE).ln();
+        let (mut a, mut error) = (Vec::<f64>::new(), covariance[0]);
+        for order in 1..=highest {
+            let past = a.iter().enumerate();
+            let known: f64 = past.map(|(k, a)| a * covariance[order - 1 - k]).sum();
+            let reflection = (covariance[order] - known) / error.max(f64::MIN_POSITIVE);
+            let before = a.clone();
+            for k in 0..a.len() {
+                a[k] -= reflection * before[before.len() - 1 - k];
+            }
+            a.push(reflection);
+            error *= 1.0 - reflection * reflection;
+            let innovation = (error / n).max(f64::MIN_POSITIVE);
+            let score = n * innovation.ln() + n.ln() * order as f64;
+            if score < best_score {
+                best_score = score;
+                best = Self {
+                    coefficients: a.clone(),
+                    innovation: innovation.sqrt(),
+                    deviation: variance.sqrt(),
+                };
+            }
+        }
+        best
+    }
+
+    /// Appends the whitened values. The first ones, whose past is not known, are divided by the
+    /// noise's own deviation.
+    pub fn apply(&self, values: &[f64], rows: &mut Vec<f64>) {
+        let p = self.coefficients.len();
+        for (t, value) in values.iter().enumerate() {
+            if t < p {
+                rows.push(value / self.deviation);
+                continue;
+            }
+            let past = self.coefficients.iter().enumerate();
+            let expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
+            rows.push((value - expected) / self.innovation);
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Friction that depends on the direction.
+
+use super::grid::product;
+use super::{Effect, Friction, Law, Parameter, Place, Quantity};
+
+/// Coulomb friction of different size in the two directions: `F (1 + a)` and `F (1 - a)`.
+pub const ASYMMETRIC_FRICTION: Effect = Effect {
+    name: "asymmetric_friction",
+    places: &[Place::Drive, Place::Transmission],
+    physics: "Dry friction is F (1 + a) in positive and F (1 - a) in negative motion: the flanks of \
+        teeth wear on one side, seals have a lip, screws carry a load. Unlike a constant force it \
+        does not act at rest, where friction holds. Source: Armstrong-Helouvry, Control of Machines \
+        with Friction (1991), chapter 4.",
+    parameters: &[
+        Parameter {
+            name: "friction",
+            quantity: Quantity::FORCE,
+            bounds: |scales| (0.0, scales.force),
+            neutral: 0.0,
+            typical: |scales| 0.05 * scales.force,
+        },
+        Parameter {
+            name: "asymmetry",
+            quantity: Quantity::NUMBER,
+            // Friction dissipates in both directions.
+            bounds: |_| (-1.0, 1.0),
+            neutral: 0.0,
+            typical: |_| 0.2,
+        },
+    ],
+    law: |p| {
+        let friction = [p[0] * (1.0 + p[1]), p[0] * (1.0 - p[1])];
+        Law::Friction(Friction {
+            kinetic: friction,
+            breakaway: friction,
+            stribeck_velocity: 1.0,
+        })
+    },
+    starts: |scales| {
+        let friction = [0.01, 0.04, 0.12, 0.3].map(|size| size * scales.force);
+        product(&[&friction, &[-0.5, 0.5]])
+    },
+};

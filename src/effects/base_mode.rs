@@ -1,0 +1,47 @@
+//! A robot on a soft base.
+
+use super::grid::{frequencies, frequency_bounds, product};
+use super::{Effect, Law, Parameter, Place, Quantity, Resonance};
+
+/// A resonance under the robot that moves the sensor's target with the arm.
+pub const BASE_MODE: Effect = Effect {
+    name: "base_mode",
+    places: &[Place::Base],
+    physics: "The base gives way to the reaction of the arm and swings as a mode of its own. What the \
+        sensor sees of it has the sign of the arm's own deformation, since both yield to the same \
+        inertia. Only its frequency, or a sensor on the base, tells it from a mode of the arm. \
+        Source: Book, ASME J. Dynamic Systems, Measurement, and Control 115 (1993); Lew and Moon, \
+        IEEE/ASME Trans. Mechatronics 6 (2001).",
+    parameters: &[
+        Parameter {
+            name: "share",
+            quantity: Quantity::NUMBER,
+            bounds: |_| (0.0, 1.0),
+            neutral: 0.0,
+            typical: |_| 0.1,
+        },
+        Parameter {
+            name: "natural_frequency",
+            quantity: Quantity::FREQUENCY,
+            bounds: frequency_bounds,
+            neutral: 1.0,
+            typical: |scales| 1.5 * scales.natural_frequency,
+        },
+        Parameter {
+            name: "damping_ratio",
+            quantity: Quantity::NUMBER,
+            // A mode is not overdamped.
+            bounds: |_| (0.0, 0.5),
+            neutral: 0.0,
+            typical: |_| 0.05,
+        },
+    ],
+    law: |p| {
+        Law::Resonance(Resonance {
+            natural_frequency: p[1],
+            damping_ratio: p[2],
+            share: p[0],
+        })
+    },
+    starts: |scales| product(&[&[0.05], &frequencies(scales, 8), &[0.01, 0.05, 0.15]]),
+};

@@ -1,0 +1,57 @@
+//! Cogging: a force of the drive that is periodic in position.
+
+use super::grid::{PHASES, order_bounds, orders, phase_bounds, product, resonant_order};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+struct Cogging {
+    amplitude: f64,
+    order: f64,
+    phase: f64,
+}
+
+impl Force for Cogging {
+    fn force(&self, _motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
+        self.amplitude * (self.order * x + self.phase).sin()
+    }
+}
+
+/// A force periodic in the motor side's position: `F = A sin(N x + phase)`.
+pub const COGGING: Effect = Effect {
+    name: "cogging",
+    places: &[Place::Drive],
+    physics: "Magnets pull at the teeth of the stator, with or without a current: F = A sin(N x + \
+        phase), N periods in 2 pi of position, a multiple of poles and slots. Its frequency follows \
+        the speed, and it does no net work over a period. Source: Zhu and Howe, IEEE Trans. Energy \
+        Conversion 15 (2000); Hanselman, Brushless Permanent Magnet Motor Design (2003).",
+    parameters: &[
+        Parameter {
+            name: "amplitude",
+            quantity: Quantity::FORCE,
+            bounds: |scales| (0.0, 2.0 * scales.force),
+            neutral: 0.0,
+            typical: |scales| 0.05 * scales.force,
+        },
+        Parameter {
+            name: "order",
+            quantity: Quantity::new(0, -1, 0),
+            bounds: order_bounds,
+            neutral: 1.0,
+            typical: resonant_order,
+        },
+        Parameter {
+            name: "phase",
+            quantity: Quantity::NUMBER,
+            bounds: phase_bounds,
+            neutral: 0.0,
+            typical: |_| 1.0,
+        },
+    ],
+    law: |p| {
+        Law::Force(Box::new(Cogging {
+            amplitude: p[0],
+            order: p[1],
+            phase: p[2],
+        }))
+    },
+    starts: |scales| product(&[&[0.03 * scales.force], &orders(scales, 6), &PHASES]),
+};

@@ -1,0 +1,103 @@
+//! An end stop.
+
+use super::grid::{reach, typical_position};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+struct EndStop {
+    stiffness: f64,
+    position: f64,
+    damping: f64,
+    /// 1 for a stop above the range of motion, -1 for one below it.
+    side: f64,
+}
+
+impl Force for EndStop {
+    fn force(&self, _motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
+        let depth = self.side * (x - self.position);
+        if self.stiffness == 0.0 || depth <= 0.0 {
+            return 0.0;
+        }
+        // The stop pushes and never pulls.
+        let push = self.stiffness * (depth + self.damping * self.side * v);
+        self.side * push.max(0.0)
+    }
+
+    fn switch(&self, x: f64, _v: f64) -> Option<f64> {
+        (self.stiffness > 0.0).then_some(self.side * (x - self.position))
+    }
+}
+
+/// One-sided contact: `F = k max(e + T e', 0)` at a depth `e > 0` beyond the stop.
+pub const END_STOP: Effect = Effect {
+    name: "end_stop",
+    places: &[Place::Link],
+    physics: "Beyond a position the link meets a bumper that pushes with k (e + T e'), e the depth, and \
+        never pulls: it comes off when that is negative. `side` above 0 is a stop above the range of \
+        motion, below 0 one below it. The bumper's time constant T = c / k gives its coefficient of \
+        restitution. Source: Hunt and Crossley, ASME J. Applied Mechanics 42 (1975); Brogliato, \
+        Nonsmooth Mechanics (2016), chapter 2.",
+    parameters: &[
+        Parameter {
+            name: "stiffness",
+            quantity: Quantity::new(1, -1, 0),
+            bounds: |scales| (0.0, 20.0 * scales.force / scales.deformation),
+            neutral: 0.0,
+            typical: |scales| scales.force / scales.deformation,
+        },
+        Parameter {
+            name: "position",
+            quantity: Quantity::POSITION,
+            bounds: |scales| {
+                let margin = 1.05 * reach(scales) - scales.travel();
+                (scales.position.0 - margin, scales.position.1 + margin)
+            },
+            neutral: 0.0,
+            typical: typical_position,
+        },
+        Parameter {
+            name: "time_constant",
+            quantity: Quantity::TIME,
+            bounds: |scales| (0.0, scales.period()),
+            neutral: 0.0,
+            typical: |scales| 0.02 * scales.period(),
+        },
+        Parameter {
+            name: "side",
+            quantity: Quantity::NUMBER,
+            bounds: |_| (-1.0, 1.0),
+            neutral: 1.0,
+            typical: |_| 1.0,
+        },
+    ],
+    law: |p| {
+        Law::Force(Box::new(EndStop {
+            stiffness: p[0],
+            position: p[1],
+            damping: p[2],
+            side: 1f64.copysign(p[3]),
+        }))
+    },
+    starts: |scales| {
+        let stiffness = scales.force / scales.deformation;
+        let damping = 0.02 * scales.period();
+        let range = reach(scales);
+        // Depths that count are of the size of the deformation or of the range.
+        let depths = [
+            0.2 * scales.deformation,
+            scales.deformation,
+            0.02 * range,
+            0.08 * range,
+            0.25 * range,
+        ];
+        let start = |depth: f64, relative: f64, side: f64| {
+            let depth = depth.min(0.9 * range);
+            let end = [scales.position.0, scales.position.1][usize::from(side > 0.0)];
+            vec![relative * stiffness, end - side * depth, damping, side]
+        };
+        [-1.0, 1.0]
+            .into_iter()
+            .flat_map(|side| depths.map(|depth| (depth, side)))
+            .flat_map(|(depth, side)| [0.1, 2.0].map(|relative| start(depth, relative, side)))
+            .collect()
+    },
+};

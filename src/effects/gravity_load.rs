@@ -1,0 +1,52 @@
+//! Weight of the link.
+
+use super::grid::{PHASES, phase_bounds, product};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+struct Gravity {
+    amplitude: f64,
+    phase: f64,
+}
+
+impl Force for Gravity {
+    fn force(&self, _motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
+        self.amplitude * (x + self.phase).cos()
+    }
+}
+
+/// The link's weight at its angle: `F = A cos(y + phase)`.
+pub const GRAVITY_LOAD: Effect = Effect {
+    name: "gravity_load",
+    places: &[Place::Link],
+    physics: "The weight m g at a distance l from the axis resists with A cos(y + phase), A = m g l \
+        times the sine of the axis' tilt; the link hangs like a pendulum, so that the static \
+        deformation and, a little, the stiffness depend on the pose. A tilted sensor shows nearly the \
+        same. Source: Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and \
+        Control (2009), chapter 7.",
+    parameters: &[
+        Parameter {
+            name: "amplitude",
+            quantity: Quantity::FORCE,
+            bounds: |scales| (0.0, 20.0 * scales.force),
+            neutral: 0.0,
+            typical: |scales| 0.1 * scales.force,
+        },
+        Parameter {
+            name: "phase",
+            quantity: Quantity::NUMBER,
+            bounds: phase_bounds,
+            neutral: 0.0,
+            typical: |_| 1.0,
+        },
+    ],
+    law: |p| {
+        Law::Force(Box::new(Gravity {
+            amplitude: p[0],
+            phase: p[1],
+        }))
+    },
+    starts: |scales| {
+        let amplitudes = [0.01, 0.1, 0.6].map(|size| size * scales.force);
+        product(&[&amplitudes, &PHASES])
+    },
+};

@@ -1,0 +1,116 @@
+//! Values to try first: products of sizes, and where in time, frequency and position to look.
+
+use super::Scales;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Four phases a quarter turn apart: whatever the phase, one of them is within 45 degrees of it.
+pub(super) const PHASES: [f64; 4] = [-FRAC_PI_2, 0.0, FRAC_PI_2, 0.99 * PI];
+
+/// A phase may pass half a turn in either direction without meeting a bound.
+pub(super) fn phase_bounds(_scales: &Scales) -> (f64, f64) {
+    (-TAU, TAU)
+}
+
+/// The sizes of one parameter, in this unit.
+pub(super) fn sizes<const N: usize>(unit: f64, sizes: [f64; N]) -> Vec<Vec<f64>> {
+    sizes.map(|size| vec![size * unit]).to_vec()
+}
+
+/// Every combination of one value of each axis.
+pub(super) fn product(axes: &[&[f64]]) -> Vec<Vec<f64>> {
+    axes.iter().fold(vec![Vec::new()], |rows, axis| {
+        rows.iter()
+            .flat_map(|row| axis.iter().map(|value| [&row[..], &[*value]].concat()))
+            .collect()
+    })
+}
+
+/// Suspects within bounds first, then the coarse grid, `count` in all.
+fn fill(
+    suspects: &[f64],
+    coarse: impl IntoIterator<Item = f64>,
+    bounds: (f64, f64),
+    count: usize,
+) -> Vec<f64> {
+    let inside = |value: &f64| *value > bounds.0 && *value < bounds.1;
+    let suspects = suspects.iter().copied();
+    suspects.chain(coarse).filter(inside).take(count).collect()
+}
+
+/// Instants to look at.
+pub(super) fn times(scales: &Scales, count: usize) -> Vec<f64> {
+    let found = scales.suspects.len().min(count / 2);
+    let rest = count - found;
+    let coarse =
+        (0..rest).map(|k| scales.span.0 + scales.duration() * (k as f64 + 0.5) / rest as f64);
+    fill(&scales.suspects[..found], coarse, scales.span, count)
+}
+
+/// Angular frequencies of a further mode: from a soft base to a stiff part, and what stands out.
+pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
+    let own = scales.natural_frequency;
+    let highest = scales
+        .suspect_frequencies
+        .iter()
+        .copied()
+        .fold(0.0, f64::max);
+    (0.1 * own, (20.0 * own).max(2.0 * highest))
+}
+
+/// Angular frequencies to look at.
+pub(super) fn frequencies(scales: &Scales, count: usize) -> Vec<f64> {
+    let found = scales.suspect_frequencies.len().min(count / 2);
+    let coarse = [2.5, 0.6, 1.5, 4.0, 0.35, 7.0].map(|factor| factor * scales.natural_frequency);
+    let suspects = &scales.suspect_frequencies[..found];
+    fill(suspects, coarse, frequency_bounds(scales), count)
+}
+
+/// Length of the range of positions, never 0.
+pub(super) fn reach(scales: &Scales) -> f64 {
+    scales.travel().max(scales.deformation)
+}
+
+/// The order that a mode of the axis meets at full speed: `N v = w`.
+pub(super) fn resonant_order(scales: &Scales) -> f64 {
+    scales.natural_frequency / scales.velocity
+}
+
+/// Radians per unit of position that a periodic error may have.
+pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
+    let slowest = 0.5 * TAU / reach(scales);
+    let most = scales.suspect_orders.iter().copied().fold(0.0, f64::max);
+    let fastest = (300.0 * TAU / reach(scales)).max(30.0 * resonant_order(scales));
+    (
+        slowest.min(0.3 * resonant_order(scales)),
+        fastest.max(2.0 * most),
+    )
+}
+
+/// Orders to look at.
+pub(super) fn orders(scales: &Scales, count: usize) -> Vec<f64> {
+    let found = scales.suspect_orders.len().min(count.div_ceil(2));
+    let resonant = [1.0, 2.0, 0.5, 4.0].map(|factor| factor * resonant_order(scales));
+    let periods = [3.0, 10.0, 30.0].map(|periods| periods * TAU / reach(scales));
+    let coarse = resonant.into_iter().chain(periods);
+    let suspects = &scales.suspect_orders[..found];
+    fill(suspects, coarse, order_bounds(scales), count)
+}
+
+/// An instant well inside the recording, not 0.
+pub(super) fn typical_time(scales: &Scales) -> f64 {
+    not_zero(scales.span.0, scales.duration())
+}
+
+/// A position well inside the range of positions, not 0.
+pub(super) fn typical_position(scales: &Scales) -> f64 {
+    not_zero(scales.position.0, reach(scales))
+}
+
+fn not_zero(start: f64, length: f64) -> f64 {
+    let value = start + 0.6 * length;
+    if value.abs() > 0.1 * length {
+        value
+    } else {
+        start + 0.4 * length
+    }
+}

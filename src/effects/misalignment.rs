@@ -1,0 +1,51 @@
+//! A sensor that is not on the axis.
+
+use super::grid::{PHASES, phase_bounds, product, reach};
+use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
+
+struct Eccentricity {
+    amplitude: f64,
+    phase: f64,
+}
+
+impl Sensor for Eccentricity {
+    fn read(&self, reading: &Reading) -> f64 {
+        reading.value + self.amplitude * (reading.value + self.phase).sin()
+    }
+}
+
+/// An error that goes once round with the pose: `y + A sin(y + phase)`.
+pub const MISALIGNMENT: Effect = Effect {
+    name: "misalignment",
+    places: &[Place::Sensor],
+    physics: "A disc or a target that is off the axis by e at a radius r shows y + (e / r) sin(y + \
+        phase); an axis that is tilted against the sensor's frame does nearly the same. It depends \
+        on the pose only, moving or not. Source: Slocum, Precision Machine Design (1992), chapter 5; \
+        ISO 230-7, Geometric accuracy of axes of rotation.",
+    parameters: &[
+        Parameter {
+            name: "amplitude",
+            quantity: Quantity::POSITION,
+            bounds: |scales| (0.0, reach(scales)),
+            neutral: 0.0,
+            typical: |scales| 0.1 * scales.deformation,
+        },
+        Parameter {
+            name: "phase",
+            quantity: Quantity::NUMBER,
+            bounds: phase_bounds,
+            neutral: 0.0,
+            typical: |_| 1.0,
+        },
+    ],
+    law: |p| {
+        Law::Sensor(Box::new(Eccentricity {
+            amplitude: p[0],
+            phase: p[1],
+        }))
+    },
+    starts: |scales| {
+        let amplitudes = [0.02, 0.3].map(|size| size * scales.deformation);
+        product(&[&amplitudes, &PHASES])
+    },
+};

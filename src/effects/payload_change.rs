@@ -1,0 +1,59 @@
+//! A payload that is taken or set down.
+
+use super::grid::{product, times, typical_time};
+use super::{Effect, Inertia, Law, Parameter, Place, Quantity};
+
+struct Payload {
+    change: f64,
+    time: f64,
+}
+
+impl Inertia for Payload {
+    fn factor(&self, time: f64, _position: f64) -> f64 {
+        match time >= self.time {
+            true => 1.0 + self.change,
+            false => 1.0,
+        }
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        match self.change == 0.0 {
+            true => Vec::new(),
+            false => vec![self.time],
+        }
+    }
+}
+
+/// The link's inertia is `1 + a` times as large from a time on.
+pub const PAYLOAD_CHANGE: Effect = Effect {
+    name: "payload_change",
+    places: &[Place::Link],
+    physics: "From t_0 on the link's inertia is 1 + a times the one before: something was gripped, set \
+        down or lost. The frequency of vibration changes by 1 / sqrt(1 + a) at once. Source: Khalil, \
+        Gautier, Lemoine, Identification of the payload inertial parameters of industrial \
+        manipulators, IEEE ICRA (2007).",
+    parameters: &[
+        Parameter {
+            name: "change",
+            quantity: Quantity::NUMBER,
+            // Inertia stays positive.
+            bounds: |_| (-0.9, 10.0),
+            neutral: 0.0,
+            typical: |_| 0.2,
+        },
+        Parameter {
+            name: "time",
+            quantity: Quantity::TIME,
+            bounds: |scales| scales.span,
+            neutral: 0.0,
+            typical: typical_time,
+        },
+    ],
+    law: |p| {
+        Law::Inertia(Box::new(Payload {
+            change: p[0],
+            time: p[1],
+        }))
+    },
+    starts: |scales| product(&[&[-0.15, 0.2], &times(scales, 12)]),
+};

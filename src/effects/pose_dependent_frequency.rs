@@ -1,0 +1,79 @@
+//! A link whose inertia depends on its pose.
+
+use super::grid::{product, reach, typical_position};
+use super::{Effect, Inertia, Law, Parameter, Place, Quantity};
+
+/// Least factor on the inertia: it stays positive where the parabola does not.
+const LEAST: f64 = 0.1;
+
+struct Parabola {
+    curvature: f64,
+    centre: f64,
+}
+
+impl Inertia for Parabola {
+    fn factor(&self, _time: f64, position: f64) -> f64 {
+        (1.0 + self.curvature * (position - self.centre).powi(2)).max(LEAST)
+    }
+
+    fn slope(&self, time: f64, position: f64) -> f64 {
+        match self.factor(time, position) > LEAST {
+            true => 2.0 * self.curvature * (position - self.centre),
+            false => 0.0,
+        }
+    }
+}
+
+/// Inertia relative to the nominal one: `m = 1 + a (y - y_0)^2`, at least 0.1.
+pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
+    name: "pose_dependent_frequency",
+    places: &[Place::Link],
+    physics: "An arm that reaches out has more inertia than one that is folded, and vibrates more \
+        slowly: m = 1 + a (y - y_0)^2, the law of a mass that moves along a radius and, for a small \
+        range, of any smooth one (an extremum within, a slope with y_0 far off). The varying inertia \
+        also couples the velocity, m' y'^2 / 2. Source: Siciliano, Sciavicco, Villani, Oriolo, \
+        Robotics: Modelling, Planning and Control (2009), chapter 7.",
+    parameters: &[
+        Parameter {
+            name: "curvature",
+            quantity: Quantity::new(0, -2, 0),
+            bounds: |scales| {
+                let unit = reach(scales).powi(-2);
+                (-3.6 * unit, 20.0 * unit)
+            },
+            neutral: 0.0,
+            typical: |scales| 0.3 * reach(scales).powi(-2),
+        },
+        Parameter {
+            name: "centre",
+            quantity: Quantity::POSITION,
+            bounds: |scales| {
+                let reach = reach(scales);
+                (
+                    scales.position.0 - 3.0 * reach,
+                    scales.position.1 + 3.0 * reach,
+                )
+            },
+            neutral: 0.0,
+            typical: typical_position,
+        },
+    ],
+    law: |p| {
+        Law::Inertia(Box::new(Parabola {
+            curvature: p[0],
+            centre: p[1],
+        }))
+    },
+    starts: |scales| {
+        let reach = reach(scales);
+        // Inside the range, at its ends and outside; the size is the change over the range.
+        let centres = [-1.0, 0.0, 0.5, 1.0, 2.0];
+        let start = |row: Vec<f64>| {
+            let farthest = row[1].abs().max((1.0 - row[1]).abs()) * reach;
+            let centre = scales.position.0 + row[1] * reach;
+            vec![row[0] * farthest.powi(-2), centre]
+        };
+        let rows = product(&[&[-0.3, -0.05, 0.1, 0.6], &centres]);
+        rows.into_iter().map(start).collect()
+    },
+};

@@ -1,0 +1,72 @@
+//! Presliding friction after Dahl.
+
+use super::grid::product;
+use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+struct Dahl {
+    friction: f64,
+    distance: f64,
+}
+
+impl Dahl {
+    /// Bristles' relative deflection `z` in [-1, 1]: `dz/dx = (1 - s z) / x_s`, `s` the sense of the
+    /// motion. Exact for a step in one direction.
+    fn deflection(&self, x: f64, memory: &Memory) -> f64 {
+        let travel = x - memory.position;
+        let relaxed = -(-travel.abs() / self.distance).exp_m1();
+        memory.state + (travel.signum() - memory.state) * relaxed
+    }
+}
+
+impl Force for Dahl {
+    fn force(&self, _motion: &Motion, x: f64, _v: f64, memory: &Memory) -> f64 {
+        self.friction * self.deflection(x, memory)
+    }
+
+    fn advance(&self, _time: f64, x: f64, memory: &Memory) -> f64 {
+        self.deflection(x, memory)
+    }
+
+    fn switch(&self, _x: f64, v: f64) -> Option<f64> {
+        (self.friction > 0.0).then_some(v)
+    }
+}
+
+/// Friction that builds up over a distance: `dF/dx = (F_c - F sign x') / x_s`.
+pub const PRESLIDING_HYSTERESIS: Effect = Effect {
+    name: "presliding_hysteresis",
+    places: &[Place::Transmission],
+    physics: "Asperities bend like bristles before they slide: after each reversal the force goes from \
+        one side to the other over a distance x_s, dF/dx = (F_c - F sign x') / x_s. Small motion sees \
+        a spring with a loop, large motion Coulomb friction. It does not depend on speed. Source: \
+        Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1 (1968); Canudas de Wit, \
+        Olsson, Astrom, Lischinsky, IEEE Trans. Automatic Control 40 (1995).",
+    parameters: &[
+        Parameter {
+            name: "friction",
+            quantity: Quantity::FORCE,
+            bounds: |scales| (0.0, scales.force),
+            neutral: 0.0,
+            typical: |scales| 0.05 * scales.force,
+        },
+        Parameter {
+            name: "presliding_distance",
+            quantity: Quantity::POSITION,
+            // Shorter ones are Coulomb friction, and bristles too stiff to be followed.
+            bounds: |scales| (0.01 * scales.deformation, 3.0 * scales.deformation),
+            neutral: 1.0,
+            typical: |scales| 0.1 * scales.deformation,
+        },
+    ],
+    law: |p| {
+        Law::Force(Box::new(Dahl {
+            friction: p[0],
+            distance: p[1].max(f64::MIN_POSITIVE),
+        }))
+    },
+    starts: |scales| {
+        let friction = [0.01, 0.04, 0.12, 0.3].map(|size| size * scales.force);
+        let distance = [0.02, 0.08, 0.25, 0.8].map(|size| size * scales.deformation);
+        product(&[&friction, &distance])
+    },
+};

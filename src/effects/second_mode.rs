@@ -1,0 +1,46 @@
+//! A second mode of the arm.
+
+use super::grid::{frequencies, frequency_bounds, product};
+use super::{Effect, Law, Parameter, Place, Quantity, Resonance};
+
+/// A further resonance of which the sensor sees a share, of either sign.
+pub const SECOND_MODE: Effect = Effect {
+    name: "second_mode",
+    places: &[Place::Link],
+    physics: "The arm is no single spring and mass: a further mode eta'' + 2 xi w eta' + w^2 eta is \
+        driven as the first one is, and the sensor sees a share of it, negative where the mode's \
+        shape has the other sign at the sensor. Source: Meirovitch, Fundamentals of Vibrations \
+        (2001), chapter 7; Ewins, Modal Testing (2000), chapter 2.",
+    parameters: &[
+        Parameter {
+            name: "share",
+            quantity: Quantity::NUMBER,
+            bounds: |_| (-1.0, 1.0),
+            neutral: 0.0,
+            typical: |_| 0.1,
+        },
+        Parameter {
+            name: "natural_frequency",
+            quantity: Quantity::FREQUENCY,
+            bounds: frequency_bounds,
+            neutral: 1.0,
+            typical: |scales| 2.5 * scales.natural_frequency,
+        },
+        Parameter {
+            name: "damping_ratio",
+            quantity: Quantity::NUMBER,
+            // A mode is not overdamped.
+            bounds: |_| (0.0, 0.5),
+            neutral: 0.0,
+            typical: |_| 0.03,
+        },
+    ],
+    law: |p| {
+        Law::Resonance(Resonance {
+            natural_frequency: p[1],
+            damping_ratio: p[2],
+            share: p[0],
+        })
+    },
+    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 6), &[0.01, 0.05]]),
+};

@@ -1,0 +1,32 @@
+//! A sensor that shows the past.
+
+use super::grid::sizes;
+use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
+
+struct Delay {
+    delay: f64,
+}
+
+impl Sensor for Delay {
+    fn instant(&self, time: f64) -> f64 {
+        time - self.delay
+    }
+}
+
+/// A dead time of the sensor: it shows `y(t - T)`.
+pub const SENSOR_DELAY: Effect = Effect {
+    name: "sensor_delay",
+    places: &[Place::Sensor],
+    physics: "Exposure, averaging and transmission take time: the stamp t stands on what was at t - T. \
+        Where the sensor's clock has an unknown offset, the two are one. Source: Astrom and \
+        Wittenmark, Computer-Controlled Systems (1997), chapter 3.",
+    parameters: &[Parameter {
+        name: "delay",
+        quantity: Quantity::TIME,
+        bounds: |scales| (0.0, scales.period().max(20.0 * scales.sample_time)),
+        neutral: 0.0,
+        typical: |scales| 0.05 * scales.period(),
+    }],
+    law: |p| Law::Sensor(Box::new(Delay { delay: p[0] })),
+    starts: |scales| sizes(scales.period(), [0.003, 0.01, 0.03, 0.1, 0.3]),
+};

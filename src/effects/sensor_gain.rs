@@ -1,0 +1,35 @@
+//! A sensor of wrong scale.
+
+use super::grid::{reach, sizes};
+use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
+
+struct Gain {
+    error: f64,
+}
+
+impl Sensor for Gain {
+    fn read(&self, reading: &Reading) -> f64 {
+        reading.value * (1.0 + self.error)
+    }
+}
+
+/// The sensor shows `(1 + g) y`.
+pub const SENSOR_GAIN: Effect = Effect {
+    name: "sensor_gain",
+    places: &[Place::Sensor],
+    physics: "A scale, a lever arm or a calibration factor is wrong by a part g: the sensor shows (1 + g) \
+        y, at rest as in motion. On a joint's angle a hundredth of it is soon larger than the \
+        deformation. Source: Doebelin, Measurement Systems (2004), chapter 3.",
+    parameters: &[Parameter {
+        name: "error",
+        quantity: Quantity::NUMBER,
+        bounds: |_| (-0.9, 5.0),
+        neutral: 0.0,
+        typical: |scales| (0.1 * scales.deformation / reach(scales)).min(0.1),
+    }],
+    law: |p| Law::Sensor(Box::new(Gain { error: p[0] })),
+    starts: |scales| {
+        let unit = (scales.deformation / reach(scales)).min(1.0);
+        sizes(unit, [-0.3, -0.02, 0.02, 0.3])
+    },
+};

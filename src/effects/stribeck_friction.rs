@@ -1,0 +1,64 @@
+//! Stribeck friction.
+
+use super::grid::product;
+use super::{Effect, Friction, Law, Parameter, Place, Quantity};
+
+/// Dry friction that falls from its breakaway to its kinetic value as the slip gets faster.
+pub const STRIBECK_FRICTION: Effect = Effect {
+    name: "stribeck_friction",
+    places: &[Place::Drive, Place::Transmission],
+    physics: "Lubricated surfaces stick until the force exceeds F (1 + excess), and slide against \
+        F (1 + excess exp(-(v / v_s)^2)): at speed a film carries part of the load. The falling \
+        slope makes slow motion jerk (stick-slip). With no excess it is Coulomb friction. Source: \
+        Stribeck, Z. VDI 46 (1902); Bo and Pavelescu, Wear 82 (1982); Armstrong-Helouvry, Dupont, \
+        Canudas de Wit, Automatica 30 (1994).",
+    parameters: &[
+        Parameter {
+            name: "friction",
+            quantity: Quantity::FORCE,
+            bounds: |scales| (0.0, scales.force),
+            neutral: 0.0,
+            typical: |scales| 0.05 * scales.force,
+        },
+        Parameter {
+            name: "excess",
+            quantity: Quantity::NUMBER,
+            // Breakaway is not below kinetic friction.
+            bounds: |_| (0.0, 5.0),
+            neutral: 0.0,
+            typical: |_| 0.5,
+        },
+        Parameter {
+            name: "stribeck_velocity",
+            quantity: Quantity::VELOCITY,
+            bounds: |scales| {
+                let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
+                (1e-3 * slow, 3.0 * fast)
+            },
+            neutral: 1.0,
+            typical: |scales| 0.1 * speeds(scales.velocity, scales.deformation_rate).0,
+        },
+    ],
+    law: |p| {
+        Law::Friction(Friction {
+            kinetic: [p[0]; 2],
+            breakaway: [p[0] * (1.0 + p[1]); 2],
+            stribeck_velocity: p[2],
+        })
+    },
+    starts: |scales| {
+        let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
+        let friction = [0.01, 0.05, 0.2].map(|size| size * scales.force);
+        // The two sides slip at the rate of the deformation, or a drive at the speed of the axis.
+        let mut velocities = vec![0.03 * slow, 0.2 * slow];
+        if fast > 5.0 * slow {
+            velocities.extend([0.03 * fast, 0.2 * fast]);
+        }
+        product(&[&friction, &[0.3, 1.0], &velocities])
+    },
+};
+
+/// The slower and the faster of the two.
+fn speeds(a: f64, b: f64) -> (f64, f64) {
+    (a.min(b), a.max(b))
+}

@@ -1,0 +1,32 @@
+//! Viscous friction of the drive.
+
+use super::grid::sizes;
+use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+struct Viscous {
+    viscous: f64,
+}
+
+impl Force for Viscous {
+    fn force(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> f64 {
+        self.viscous * v
+    }
+}
+
+/// A force against the motor side in proportion to its speed: `F = c v`.
+pub const VISCOUS_FRICTION: Effect = Effect {
+    name: "viscous_friction",
+    places: &[Place::Drive],
+    physics: "Grease, oil and the motor's own induced voltage resist the motor side with F = c v, in \
+        addition to what the model has. Cold grease makes it several times larger. Source: \
+        Armstrong-Helouvry, Control of Machines with Friction (1991), chapter 2.",
+    parameters: &[Parameter {
+        name: "viscous",
+        quantity: Quantity::new(1, -1, 1),
+        bounds: |scales| (0.0, 10.0 * scales.force / scales.velocity),
+        neutral: 0.0,
+        typical: |scales| 0.1 * scales.force / scales.velocity,
+    }],
+    law: |p| Law::Force(Box::new(Viscous { viscous: p[0] })),
+    starts: |scales| sizes(scales.force / scales.velocity, [0.005, 0.03, 0.15, 0.6]),
+};

@@ -1,0 +1,142 @@
+//! From a channel to an output of the model; a tip position becomes the angle about the joint's axis.
+
+use super::experiment::{Experiment, Output};
+use super::{ExperimentError, Model};
+use crate::recording::{Channel, Role};
+use crate::signal::{CubicSpline, End, JointArc, register_arc};
+use nalgebra::{Matrix2, Point3, Vector2};
+use quell_shapers::Mode;
+use std::f64::consts::{PI, TAU};
+
+/// The channel as an output.
+pub(super) fn output(
+    model: &Model,
+    experiment: &Experiment,
+    channel: &Channel,
+) -> Result<Output, ExperimentError> {
+    if channel.role == Role::TipPosition {
+        return tip(model, experiment, channel);
+    }
+    let arm = model.value("lever_arm_m").unwrap_or(1.0);
+    let (mut scale, mut unit) = (1.0, channel.unit.clone());
+    let mut values = channel.columns[0].clone();
+    let in_metres = channel.unit == "m" || channel.unit == "m/s^2";
+    if in_metres && experiment.position_unit == "rad" || channel.role == Role::TipAcceleration {
+        values.iter_mut().for_each(|value| *value /= arm);
+        scale = arm;
+    }
+    if channel.unit == "1" {
+        unit = String::new();
+    }
+    Ok(Output {
+        role: match channel.role {
+            Role::TipAcceleration => Role::LinkAcceleration,
+            role => role,
+        },
+        channel: channel.role,
+        columns: vec![vec![1.0; values.len()]],
+        witness: Vec::new(),
+        time: channel.time.clone(),
+        values,
+        scale,
+        unit,
+        own_clock: channel.time != experiment.input_time,
+        clock_offset: 0.0,
+        noise_witness: None,
+    })
+}
+
+/// The angle of a tip that a tracker follows in a frame of its own.
+///
+/// Plane, circle and angle come from [`register_arc`]. What is uncertain of the circle's centre shows
+/// along the arc as `sin` and `cos` of the angle: these are free, held by what the radial coordinate
+/// says of them, whatever the circle's radius is.
+fn tip(
+    model: &Model,
+    experiment: &Experiment,
+    channel: &Channel,
+) -> Result<Output, ExperimentError> {
+    let arm = model.value("lever_arm_m").unwrap_or(1.0);
+    let arc = JointArc::from_lever_arm(arm, model.value("tip_height_m").unwrap_or(0.0))?;
+    let points: Vec<Point3<f64>> = (0..channel.time.len())
+        .map(|k| {
+            Point3::new(
+                channel.columns[0][k],
+                channel.columns[1][k],
+                channel.columns[2][k],
+            )
+        })
+        .collect();
+    let motor = CubicSpline::new(
+        &experiment.input_time,
+        &experiment.input_values,
+        End::NotAKnot,
+    )?;
+    let belief = model
+        .mode()
+        .and_then(|(f, xi)| Mode::from_hertz(f, xi.min(0.9)).ok());
+    let registration = register_arc(&arc, &motor, &channel.time, &points, belief)?;
+    let frame = registration.sensor_to_base;
+    let (mut angle, mut radius) = (Vec::new(), Vec::new());
+    let (mut turns, mut last) = (0.0, 0.0);
+    for (k, point) in points.iter().enumerate() {
+        let p = frame * point;
+        let raw = p.y.atan2(p.x);
+        if k > 0 && (raw + turns - last as f64).abs() > PI {
+            turns -= ((raw + turns - last) / TAU).round() * TAU;
+        }
+        last = raw + turns;
+        angle.push(last);
+        radius.push(p.x.hypot(p.y));
+    }
+    let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
+    angle.iter_mut().for_each(|a| *a += turn);
+    let sine: Vec<f64> = angle.iter().map(|a| -a.sin()).collect();
+    let cosine: Vec<f64> = angle.iter().map(|a| a.cos()).collect();
+    Ok(Output {
+        role: Role::LinkPosition,
+        channel: Role::TipPosition,
+        time: channel.time.clone(),
+        witness: centre(&angle, &radius, arm),
+        columns: vec![vec![1.0; angle.len()], sine, cosine],
+        values: angle,
+        scale: arm,
+        unit: "m".into(),
+        own_clock: true,
+        clock_offset: registration.clock.offset,
+        noise_witness: Some(registration.normal_rms / arm),
+    })
+}
+
+/// What the radial coordinate says of the centre: `r_i = R + c_x cos + c_y sin + noise`, `R` free, as
+/// rows for the coefficients (offset, `c_x / R`, `c_y / R`).
+fn centre(angle: &[f64], radius: &[f64], arm: f64) -> Vec<(Vec<f64>, f64)> {
+    let n = angle.len() as f64;
+    let mean = |f: &dyn Fn(usize) -> f64| (0..angle.len()).map(f).sum::<f64>() / n;
+    let (mc, ms) = (mean(&|k| angle[k].cos()), mean(&|k| angle[k].sin()));
+    let mr = mean(&|k| radius[k]);
+    let (mut normal, mut right, mut square) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
+    for k in 0..angle.len() {
+        let row = Vector2::new(angle[k].cos() - mc, angle[k].sin() - ms);
+        let value = (radius[k] - mr) / arm;
+        normal += row * row.transpose();
+        right += row * value;
+        square += value * value;
+    }
+    let Some(inverse) = normal.try_inverse() else {
+        return Vec::new();
+    };
+    let centre = inverse * right;
+    let variance = ((square - right.dot(&centre)) / (n - 3.0)).max(0.0);
+    let Some(root) = (normal / variance.max(f64::MIN_POSITIVE)).cholesky() else {
+        return Vec::new();
+    };
+    let l = root.l().transpose();
+    (0..2)
+        .map(|i| {
+            let row = vec![0.0, l[(i, 0)], l[(i, 1)]];
+            let value = l[(i, 0)] * centre.x + l[(i, 1)] * centre.y;
+            (row, value)
+        })
+        .collect()
+}

@@ -1,0 +1,85 @@
+//! Stations in a row, for where in a machine something sits.
+
+use super::html::escape;
+
+/// Boxes from left to right with arrows between them, some of them marked; boxes beside the row have
+/// no arrow.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chain {
+    title: String,
+    stations: Vec<Station>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Station {
+    name: String,
+    words: String,
+    mark: Option<String>,
+    beside: bool,
+}
+
+impl Chain {
+    /// An empty row.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a station with a few words on what it is.
+    pub fn station(self, name: impl Into<String>, words: impl Into<String>) -> Self {
+        self.push(name.into(), words.into(), false)
+    }
+
+    /// Adds a station that is not a part of the row.
+    pub fn beside(self, name: impl Into<String>, words: impl Into<String>) -> Self {
+        self.push(name.into(), words.into(), true)
+    }
+
+    /// Marks the last station as the one to look at, and says why.
+    pub fn marked(mut self, why: impl Into<String>) -> Self {
+        if let Some(station) = self.stations.last_mut() {
+            station.mark = Some(why.into());
+        }
+        self
+    }
+
+    fn push(mut self, name: String, words: String, beside: bool) -> Self {
+        self.stations.push(Station {
+            name,
+            words,
+            mark: None,
+            beside,
+        });
+        self
+    }
+
+    pub(super) fn render(&self) -> String {
+        let stations: String = self.stations.iter().map(Station::render).collect();
+        format!(
+            "<figure class=\"chart\" style=\"margin-inline:0\"><figcaption>{}</figcaption>\
+             <ol class=\"chain\">{stations}</ol></figure>\n",
+            escape(&self.title),
+        )
+    }
+}
+
+impl Station {
+    fn render(&self) -> String {
+        let class = match (&self.mark, self.beside) {
+            (Some(_), false) => " class=\"mark\"",
+            (Some(_), true) => " class=\"mark beside\"",
+            (None, false) => "",
+            (None, true) => " class=\"beside\"",
+        };
+        let mark = self.mark.as_ref();
+        let why = mark.map(|why| format!("<strong>{}</strong>", escape(why)));
+        format!(
+            "<li{class}><b>{}</b><span>{}</span>{}</li>",
+            escape(&self.name),
+            escape(&self.words),
+            why.unwrap_or_default(),
+        )
+    }
+}
