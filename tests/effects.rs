@@ -246,7 +246,7 @@ proptest! {
                     let (x, v) = (0.3 * scales.deformation, 0.2 * scales.deformation_rate);
                     let motion = Motion { time: scales.span.0 + scales.sample_time, ..motion() };
                     prop_assert!(force.force(&motion, x, v, &memory).is_finite(), "{}", effect.name);
-                    prop_assert!(force.advance(motion.time, x, &memory).is_finite(), "{}", effect.name);
+                    prop_assert!(force.advance(&motion, x, v, &memory).is_finite(), "{}", effect.name);
                 }
                 _ => {}
             }
@@ -263,7 +263,11 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
     let time: Vec<f64> = (0..series.len()).map(|k| 0.1 * k as f64).collect();
     match law {
         Law::Force(force) => {
-            if !force.breaks().is_empty() || force.switch(0.1, 0.2).is_some() {
+            if !force.breaks().is_empty()
+                || force
+                    .switch(&motion(), 0.1, 0.2, &Memory::default())
+                    .is_some()
+            {
                 return Err("steps are split".into());
             }
             let mut memory = Memory::default();
@@ -274,7 +278,7 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
                     0.0,
                     "force",
                 )?;
-                let state = force.advance(time, pair[0], &memory);
+                let state = force.advance(&motion, pair[0], pair[1], &memory);
                 memory = Memory {
                     time,
                     position: pair[0],
@@ -337,7 +341,8 @@ fn walk(force: &dyn Force, start: Memory, positions: &[f64], duration: f64) -> M
     let step = duration / positions.len() as f64;
     positions.iter().fold(start, |memory, &position| {
         let time = memory.time + step;
-        let state = force.advance(time, position, &memory);
+        let motion = Motion { time, ..motion() };
+        let state = force.advance(&motion, position, 0.0, &memory);
         Memory {
             time,
             position,
@@ -506,7 +511,12 @@ fn val_maxwell_branch_relaxes_and_creeps() {
 #[test]
 fn val_backlash_is_free_inside_and_pushes_outside() {
     let law = force("backlash", &[0.4]);
-    let total = |x: f64, v: f64| x + 0.1 * v + law.force(&motion(), x, v, &Memory::default());
+    let branch = |x: f64, v: f64| Memory {
+        position: x,
+        state: law.advance(&motion(), x, v, &Memory::default()),
+        ..Memory::default()
+    };
+    let total = |x: f64, v: f64| x + 0.1 * v + law.force(&motion(), x, v, &branch(x, v));
     for (x, v, expected) in [
         (0.15, 3.0, 0.0),
         (-0.19, -3.0, 0.0),
@@ -518,8 +528,13 @@ fn val_backlash_is_free_inside_and_pushes_outside() {
     ] {
         assert_near(total(x, v), expected, 1e-15, "force across the gap");
     }
-    let switch = |x: f64| law.switch(x, 0.0).unwrap();
-    assert!(switch(0.1) < 0.0 && switch(0.3) > 0.0 && switch(-0.3) > 0.0);
+    // From contact to lift-off at 0.05 - 0.1 / 2, from inside to the flank at 0.2, from a flank straight
+    // through the gap.
+    let switch = |memory: &Memory, x: f64, v: f64| law.switch(&motion(), x, v, memory).unwrap();
+    let (pushing, inside) = (branch(0.5, 0.0), branch(0.1, 0.0));
+    assert!(switch(&pushing, 0.25, -0.49) > 0.0 && switch(&pushing, 0.25, -0.51) < 0.0);
+    assert!(switch(&inside, 0.19, 1.0) < 0.0 && switch(&inside, 0.21, 1.0) > 0.0);
+    assert!(switch(&pushing, -0.5, -1.0) < 0.0);
 }
 
 #[test]
@@ -529,7 +544,9 @@ fn val_forces_by_hand() {
             time: 2.0,
             ..motion()
         };
-        force(name, parameters).force(&motion, x, v, &Memory::default())
+        let (law, mut memory) = (force(name, parameters), Memory::default());
+        memory.state = law.advance(&motion, x, v, &memory);
+        law.force(&motion, x, v, &memory)
     };
     for (name, parameters, x, v, expected) in [
         ("viscous_friction", vec![2.0], 0.3, -0.5, -1.0),

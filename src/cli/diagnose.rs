@@ -14,7 +14,8 @@ mod text;
 mod words;
 
 use super::{CliError, output};
-use crate::diagnosis::{Diagnosis, Traces};
+use crate::diagnosis::{Options, Outcome, diagnose};
+use crate::model::Model;
 use crate::recording::Recording;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
@@ -69,62 +70,31 @@ pub struct Args {
     pub seed: u64,
 }
 
-/// What is to be diagnosed.
-pub struct Task<'a> {
-    /// The model's file.
-    pub model: &'a Path,
-    /// What to fit to.
-    pub train: &'a [Recording],
-    /// What to judge by; empty where part of the former is kept apart.
-    pub held_out: &'a [Recording],
-    /// Seed of the bootstrap.
-    pub seed: u64,
-}
-
-/// What came of it.
-pub struct Outcome {
-    /// The diagnosis.
-    pub diagnosis: Diagnosis,
-    /// The text of the model with the physics in it.
-    pub model: String,
-    /// What the report draws.
-    pub traces: Traces,
-}
-
-/// Reads, lets `diagnose` work behind a progress bar, writes and prints.
+/// Runs the verb.
 ///
 /// # Errors
 /// [`CliError::Input`] where model or recordings are refused.
-pub fn run_with(
-    args: &Args,
-    diagnose: impl FnOnce(&Task, &(dyn Fn(f64, &str) + Sync)) -> Result<Outcome, CliError> + Send,
-) -> Result<(), CliError> {
+pub fn run(args: Args) -> Result<(), CliError> {
     apart(&args.model, &args.out)?;
+    let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>, CliError> {
         let all = paths.iter().map(|path| Ok(Recording::from_path(path)?));
         all.collect()
     };
     let (train, held_out) = (read(&args.recordings)?, read(&args.held_out)?);
-    let task = Task {
-        model: &args.model,
-        train: &train,
-        held_out: &held_out,
-        seed: args.seed,
-    };
+    let options = Options { seed: args.seed };
     let bar = bar();
     let progress = |done: f64, what: &str| {
         bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);
         bar.set_message(what.to_string());
     };
-    let outcome = on_threads(args.jobs, || diagnose(&task, &progress));
+    let work = || diagnose(&model, &train, &held_out, &options, &progress);
+    let outcome = on_threads(args.jobs, work);
     bar.finish_and_clear();
-    let outcome = outcome??;
-    let names: Vec<_> = train
-        .iter()
-        .chain(&held_out)
-        .map(|one| one.name.clone())
-        .collect();
-    let files = write(args, &outcome, &names)?;
+    let outcome = outcome?.map_err(CliError::input)?;
+    let recordings = train.iter().chain(&held_out);
+    let names: Vec<_> = recordings.map(|one| one.name.clone()).collect();
+    let files = write(&args, &outcome, &names)?;
     if args.json {
         return output::json(&outcome.diagnosis);
     }
@@ -182,7 +152,7 @@ fn write(args: &Args, outcome: &Outcome, names: &[String]) -> Result<Vec<PathBuf
     let files = [
         ("report.html", page.render()),
         ("diagnosis.json", document),
-        (MODEL, outcome.model.clone()),
+        (MODEL, outcome.model.to_toml()),
     ];
     let mut written = Vec::new();
     for (name, content) in files {

@@ -49,9 +49,11 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Compare(compare::Args),
+    Diagnose(diagnose::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
     Move(moves::Args),
+    Score(score::Args),
     Shape(shape::Args),
     Simulate(simulate::Args),
 }
@@ -60,9 +62,11 @@ impl Verb {
     fn run(self) -> Result<(), CliError> {
         match self {
             Self::Compare(args) => compare::run(args),
+            Self::Diagnose(args) => diagnose::run(args),
             Self::Identify(args) => identify::run(args),
             Self::Inspect(args) => inspect::run(args),
             Self::Move(args) => moves::run(args),
+            Self::Score(args) => score::run(args),
             Self::Shape(args) => shape::run(args),
             Self::Simulate(args) => simulate::run(args),
         }

@@ -2,9 +2,10 @@
 
 use super::diagnose::shown::Shown;
 use super::{CliError, output};
+use crate::diagnosis::{Score, score};
+use crate::model::Model;
 use crate::recording::Recording;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Scores a model on a recording: its error over the noise.
 #[derive(Debug, clap::Args)]
@@ -25,31 +26,14 @@ pub struct Args {
     pub json: bool,
 }
 
-/// How well a model predicts.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Score {
-    /// Root mean square error of the first output, in `unit`.
-    pub rms: f64,
-    /// Its unit.
-    pub unit: String,
-    /// Standard deviation of the noise.
-    pub noise_std: f64,
-    /// The former over the latter.
-    pub rms_over_noise: f64,
-    /// `100 (1 - |error| / |recorded - mean|)`, percent.
-    pub fit_percent: f64,
-}
-
-/// Reads, lets `score` work, and prints.
+/// Runs the verb.
 ///
 /// # Errors
 /// [`CliError::Input`] where model or recording is refused.
-pub fn run_with(
-    args: &Args,
-    score: impl FnOnce(&Path, &Recording) -> Result<Score, CliError>,
-) -> Result<(), CliError> {
+pub fn run(args: Args) -> Result<(), CliError> {
+    let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let recording = Recording::from_path(&args.recording)?;
-    let score = score(&args.model, &recording)?;
+    let score = score(&model, &recording).map_err(CliError::input)?;
     match args.json {
         true => output::json(&score),
         false => output::text(&text(&score)),

@@ -82,10 +82,13 @@ impl Search<'_> {
     pub fn run(&self, baseline: Explanation) -> Found {
         let mut trials = self.extend(&baseline, FITTED);
         let mut frontier: Vec<Explanation> = passed(&trials, BEAM);
-        let mut best = frontier
-            .first()
-            .cloned()
+        let mut best = self
+            .simplest(&trials, &baseline)
             .unwrap_or_else(|| baseline.clone());
+        if !frontier.is_empty() && frontier[0].effects() != best.effects() {
+            frontier.insert(0, best.clone());
+            frontier.truncate(BEAM);
+        }
         let mut pool = trials.clone();
         for depth in 1..MOST_EFFECTS {
             if frontier.is_empty() || self.explains(&baseline, &best) {
@@ -203,7 +206,33 @@ impl Search<'_> {
     pub fn explains(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
         let rows = self.judge.train_rows as f64;
         let (left, mismatch) = (explanation.train - rows, baseline.train - rows);
-        self.at_floor(explanation) || left < SHAPE * mismatch
+        // Fitted and held-out part together: what holds on moves that were never seen is not undone by a
+        // few instants of the others.
+        let all = rows + self.judge.held_out_rows as f64;
+        let pooled = explanation.train + explanation.held_out <= FLOOR * all;
+        self.at_floor(explanation) || pooled || left < SHAPE * mismatch
+    }
+
+    /// Among trials that passed, the one with the fewest unknowns of all that differ from the best fit by
+    /// less than a law's shape could be wrong, the best of these.
+    fn simplest(&self, trials: &[Trial], baseline: &Explanation) -> Option<Explanation> {
+        let sound = || {
+            trials
+                .iter()
+                .filter(|trial| trial.passed)
+                .map(|trial| &trial.explanation)
+        };
+        let least = sound().map(|e| e.train).fold(f64::INFINITY, f64::min);
+        let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
+        let key = |e: &Explanation| (e.unknowns(), self.criterion(e));
+        sound()
+            .filter(|e| e.train <= least + reach)
+            .min_by(|a, b| {
+                key(a)
+                    .partial_cmp(&key(b))
+                    .unwrap_or(std::cmp::Ordering::Equal)
+            })
+            .cloned()
     }
 
     /// Whether the held-out part, too, is nothing but noise.
@@ -259,9 +288,13 @@ impl Search<'_> {
         for trial in pool {
             let explanation = &trial.explanation;
             let close = self.criterion(explanation) < self.criterion(best) + EQUAL * unit;
-            let sound = trial.passed
-                && ratio(explanation.held_out, best.held_out) < 2.0 - GATE
-                && explanation.unknowns() > 0;
+            let held = ratio(explanation.held_out, best.held_out);
+            // A law with more unknowns is listed only if it predicts better.
+            let most = match explanation.unknowns() > best.unknowns() {
+                true => GATE,
+                false => 2.0 - GATE,
+            };
+            let sound = trial.passed && held < most;
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);
             if close && sound && new && explanation.effects().len() <= best.effects().len() {

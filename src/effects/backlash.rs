@@ -7,25 +7,47 @@ struct Backlash {
     half_gap: f64,
 }
 
+impl Backlash {
+    /// How deep a flank is in contact, and its force as a deformation where that is above 0.
+    fn contact(&self, side: f64, motion: &Motion, x: f64, v: f64) -> [f64; 2] {
+        let depth = side * x - self.half_gap;
+        [depth, depth + motion.damping / motion.stiffness * side * v]
+    }
+}
+
 impl Force for Backlash {
     /// What the model's spring and damper did is taken away; a flank pushes and never pulls.
-    fn force(&self, motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
+    fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
+        let side = memory.state;
+        let linear = motion.stiffness * x + motion.damping * v;
         if self.half_gap == 0.0 {
-            return 0.0;
-        }
-        let (k, c, b) = (motion.stiffness, motion.damping, self.half_gap);
-        let contact = if x > b {
-            (k * (x - b) + c * v).max(0.0)
-        } else if x < -b {
-            (k * (x + b) + c * v).min(0.0)
-        } else {
             0.0
-        };
-        contact - (k * x + c * v)
+        } else if side == 0.0 {
+            -linear
+        } else {
+            side * motion.stiffness * self.contact(side, motion, x, v)[1] - linear
+        }
     }
 
-    fn switch(&self, x: f64, _v: f64) -> Option<f64> {
-        (self.half_gap > 0.0).then(|| x.abs() - self.half_gap)
+    /// Which flank pushes: 1, -1 or, inside the gap and after a lift-off, 0.
+    fn advance(&self, motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
+        let [depth, push] = self.contact(x.signum(), motion, x, v);
+        match depth > 0.0 && push > 0.0 {
+            true => x.signum(),
+            false => 0.0,
+        }
+    }
+
+    /// Above 0 while a flank pushes: it meets at the gap's edge and lifts off where its force is gone.
+    fn switch(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
+        let switch = match memory.state {
+            0.0 => {
+                let [depth, push] = self.contact(x.signum(), motion, x, v);
+                depth.min(push)
+            }
+            side => self.contact(side, motion, x, v)[1],
+        };
+        (self.half_gap > 0.0).then_some(switch)
     }
 }
 

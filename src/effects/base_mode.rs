@@ -16,7 +16,9 @@ pub const BASE_MODE: Effect = Effect {
         Parameter {
             name: "share",
             quantity: Quantity::NUMBER,
-            bounds: |_| (0.0, 1.0),
+            // Of either sign: the base moves with the reaction or against it, as its own resonance
+            // lies above or below the mode.
+            bounds: |_| (-1.0, 1.0),
             neutral: 0.0,
             typical: |_| 0.1,
         },

@@ -16,7 +16,7 @@ impl Force for Bilinear {
         motion.stiffness * (above + below)
     }
 
-    fn switch(&self, x: f64, _v: f64) -> Option<f64> {
+    fn switch(&self, _motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> Option<f64> {
         (self.change != [0.0; 2]).then(|| x.abs() - self.knee)
     }
 }

@@ -11,19 +11,37 @@ struct EndStop {
     side: f64,
 }
 
-impl Force for EndStop {
-    fn force(&self, _motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
+impl EndStop {
+    /// Depth, and the force's share of the stiffness where that is above 0.
+    fn contact(&self, x: f64, v: f64) -> [f64; 2] {
         let depth = self.side * (x - self.position);
-        if self.stiffness == 0.0 || depth <= 0.0 {
-            return 0.0;
+        [depth, depth + self.damping * self.side * v]
+    }
+}
+
+impl Force for EndStop {
+    fn force(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
+        match self.stiffness == 0.0 || memory.state == 0.0 {
+            true => 0.0,
+            false => self.side * self.stiffness * self.contact(x, v)[1],
         }
-        // The stop pushes and never pulls.
-        let push = self.stiffness * (depth + self.damping * self.side * v);
-        self.side * push.max(0.0)
     }
 
-    fn switch(&self, x: f64, _v: f64) -> Option<f64> {
-        (self.stiffness > 0.0).then_some(self.side * (x - self.position))
+    /// 1 in contact, 0 else.
+    fn advance(&self, _motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
+        let [depth, push] = self.contact(x, v);
+        f64::from(u8::from(depth > 0.0 && push > 0.0))
+    }
+
+    /// Above 0 in contact: it is met where the depth, and comes off where the force vanishes.
+    fn switch(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
+        let [depth, push] = self.contact(x, v);
+        let switch = if memory.state == 0.0 {
+            depth.min(push)
+        } else {
+            push
+        };
+        (self.stiffness > 0.0).then_some(switch)
     }
 }
 

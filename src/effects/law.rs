@@ -42,14 +42,16 @@ pub trait Force: Send + Sync {
     /// The force at `x`, `v`, for a memory written at the start of the step.
     fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64;
 
-    /// The state at the end of a step that leads to `x` at `time`. The step does not cross a zero of
-    /// [`Force::switch`].
-    fn advance(&self, _time: f64, _x: f64, memory: &Memory) -> f64 {
+    /// The state at the end of a step that leads to this motion, `x` and `v`; called once at the start
+    /// of the motion, too. The step does not cross a zero of [`Force::switch`].
+    fn advance(&self, _motion: &Motion, _x: f64, _v: f64, memory: &Memory) -> f64 {
         memory.state
     }
 
-    /// A function whose change of sign is a corner of the force: the integrator ends a step there.
-    fn switch(&self, _x: f64, _v: f64) -> Option<f64> {
+    /// A function whose change of sign is a corner of the force: the integrator ends a step there, on
+    /// the far side. A force that jumps keeps its branch in its state, so that it is smooth within a
+    /// step.
+    fn switch(&self, _motion: &Motion, _x: f64, _v: f64, _memory: &Memory) -> Option<f64> {
         None
     }
 

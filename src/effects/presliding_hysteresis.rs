@@ -23,11 +23,11 @@ impl Force for Dahl {
         self.friction * self.deflection(x, memory)
     }
 
-    fn advance(&self, _time: f64, x: f64, memory: &Memory) -> f64 {
+    fn advance(&self, _motion: &Motion, x: f64, _v: f64, memory: &Memory) -> f64 {
         self.deflection(x, memory)
     }
 
-    fn switch(&self, _x: f64, v: f64) -> Option<f64> {
+    fn switch(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> Option<f64> {
         (self.friction > 0.0).then_some(v)
     }
 }

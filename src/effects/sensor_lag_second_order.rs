@@ -113,7 +113,8 @@ pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
         Parameter {
             name: "damping_ratio",
             quantity: Quantity::NUMBER,
-            bounds: |_| (0.05, 3.0),
+            // A filter of a sensor is not made to ring: a Chebyshev filter with 3 dB of ripple has 0.38.
+            bounds: |_| (0.3, 3.0),
             neutral: 1.0,
             typical: |_| 0.7,
         },

@@ -24,8 +24,8 @@ impl Force for Maxwell {
         motion.stiffness * self.stiffness * self.elastic(motion.time, x, memory)
     }
 
-    fn advance(&self, time: f64, x: f64, memory: &Memory) -> f64 {
-        self.elastic(time, x, memory)
+    fn advance(&self, motion: &Motion, x: f64, _v: f64, memory: &Memory) -> f64 {
+        self.elastic(motion.time, x, memory)
     }
 }
 

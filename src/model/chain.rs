@@ -8,6 +8,7 @@
 //! A motor side that an encoder has measured is prescribed; one that stands still is fixed; an axis
 //! without a spring has no link.
 
+use super::bodies::Bodies;
 use crate::effects::{Force, Friction, Inertia, Memory, Motion, Place, Resonance};
 
 /// What the motor side does.
@@ -106,7 +107,7 @@ pub struct Chain {
     pub forces: Vec<ForceElement>,
     /// Dry friction.
     pub frictions: Vec<FrictionElement>,
-    /// Changes of the link's inertia.
+    /// Changes of the link's inertia; the motor side's where there is no link.
     pub inertias: Vec<Box<dyn Inertia>>,
     /// Further modes.
     pub resonances: Vec<Resonance>,
@@ -114,6 +115,8 @@ pub struct Chain {
     pub kinematics: Vec<Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>>,
     /// Static maps of the drive inside the loop.
     pub maps: Vec<Box<dyn crate::effects::Drive>>,
+    /// What a sampled loop has put out since its last tick.
+    pub held: Option<f64>,
 }
 
 /// Most further modes of a chain.
@@ -122,19 +125,38 @@ pub const RESONANCES: usize = 2;
 /// Position and velocity of motor side, link, further modes.
 pub type State = [f64; 4 + 2 * RESONANCES];
 
+/// Where a force acts: between which of motor side, link and ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seat {
+    /// Between motor side and ground.
+    Motor,
+    /// Between motor side and link.
+    Across,
+    /// Between link and ground.
+    Link,
+}
+
+/// All seats, in their order.
+pub const SEATS: [Seat; 3] = [Seat::Motor, Seat::Across, Seat::Link];
+
 /// All that follows from a state at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Instant {
-    /// Where everything is.
+    /// Where everything is; the motor side as the transmission sees it.
     pub motion: Motion,
+    /// Position and velocity of the motor side, as an encoder sees it.
+    pub encoder: [f64; 2],
     /// Acceleration of the motor side.
     pub motor: f64,
     /// Acceleration of the link.
     pub link: f64,
     /// Accelerations of further modes.
     pub modes: [f64; RESONANCES],
-    /// Force that the drive makes.
-    pub drive: f64,
+    /// Force on the motor side that the drive makes; where the link's position is the input, the
+    /// force that holds it there. In the equation's unit.
+    pub force: f64,
+    /// Forces of sticking friction at each seat, in the equation's unit.
+    pub holding: [f64; 3],
 }
 
 impl Chain {
@@ -148,99 +170,191 @@ impl Chain {
             resonances: Vec::new(),
             kinematics: Vec::new(),
             maps: Vec::new(),
+            held: None,
         }
     }
 
-    /// Motion of the chain for an input (value, rate, second derivative) at a time.
+    /// Whether there is nothing but the linear chain.
+    pub(super) fn is_linear(&self) -> bool {
+        self.forces.is_empty()
+            && self.frictions.is_empty()
+            && self.inertias.is_empty()
+            && self.resonances.is_empty()
+            && self.kinematics.is_empty()
+            && self.linear.position_loop.is_none()
+    }
+
+    /// Motion of the chain for an input (value, rate, second derivative) at a time, and the prescribed
+    /// acceleration of the motor side.
     pub fn motion(&self, time: f64, state: &State, input: [f64; 3]) -> (Motion, f64) {
-        let linear = &self.linear;
-        let (motor, acceleration) = match linear.motor {
-            MotorSide::Prescribed => self.kinematic(input),
-            MotorSide::Fixed => ([0.0; 2], 0.0),
-            MotorSide::Free { .. } => ([state[0], state[1]], 0.0),
-        };
-        let link = match linear.link {
-            Some(_) => [state[2], state[3]],
-            None => motor,
-        };
-        let motion = Motion {
-            time,
-            motor,
-            link,
-            stiffness: linear.stiffness / linear.unit_force,
-            damping: linear.damping / linear.unit_force,
-        };
-        (motion, acceleration)
-    }
-
-    fn kinematic(&self, input: [f64; 3]) -> ([f64; 2], f64) {
-        let [mut u, mut rate, mut acceleration] = input;
-        for error in &self.kinematics {
-            let [value, slope] = error(u);
-            (u, rate) = (u + value, rate * (1.0 + slope));
-            acceleration *= 1.0 + slope;
-        }
-        ([u, rate], acceleration)
+        let constants = Constants::new(&self.linear);
+        let found = self.position::<true>(&constants, time, state, input);
+        (found.motion, found.bias[0])
     }
 
     /// Accelerations at a state, friction as it presently slides or sticks.
-    #[inline]
     pub fn instant(&self, time: f64, state: &State, input: [f64; 3]) -> Instant {
+        let constants = Constants::new(&self.linear);
+        self.evaluate::<true>(&constants, time, state, input)
+    }
+
+    /// Where everything is. A linear chain looks at no laws.
+    #[inline(always)]
+    pub(super) fn position<const LAWS: bool>(
+        &self,
+        constants: &Constants,
+        time: f64,
+        state: &State,
+        input: [f64; 3],
+    ) -> Position {
         let linear = &self.linear;
-        let (motion, prescribed) = self.motion(time, state, input);
-        let [d, rate] = motion.deformation();
-        let elastic = linear.stiffness * d + linear.damping * rate;
-        let drive = self.drive(&motion, input[0]);
-        let mut on_motor = linear.motor_gain * drive + elastic;
-        let mut on_link = linear.link_gain * drive - elastic;
-        for element in &self.forces {
-            let [x, v] = coordinate(element.place, &motion);
-            let force = linear.unit_force * element.law.force(&motion, x, v, &element.memory);
-            apply(element.place, force, &mut on_motor, &mut on_link);
-        }
-        let mut bodies = Bodies::new(linear, &motion, prescribed, on_motor, on_link);
-        if !self.inertias.is_empty() {
-            bodies.reshape(&self.inertias, &motion);
-        }
-        for _ in 0..self.sweeps() {
-            for element in &self.frictions {
-                bodies.resist(element, &motion, linear.unit_force);
+        let (encoder, prescribed) = match linear.motor {
+            MotorSide::Prescribed => ([input[0], input[1]], input[2]),
+            MotorSide::Fixed => ([0.0; 2], 0.0),
+            MotorSide::Free { .. } => ([state[0], state[1]], 0.0),
+        };
+        let (mut motor, mut ratio) = (encoder, 1.0);
+        if LAWS {
+            for error in &self.kinematics {
+                let [value, slope] = error(motor[0]);
+                motor = [motor[0] + value, motor[1] * (1.0 + slope)];
+                ratio *= 1.0 + slope;
             }
         }
-        let mut instant = Instant {
-            motor: bodies.motor_acceleration(),
-            link: bodies.link_acceleration(),
-            motion,
-            modes: [0.0; RESONANCES],
-            drive,
+        let (link, bias) = match linear.link {
+            None => (motor, 0.0),
+            Some(_) if linear.link_is_input => ([input[0], input[1]], input[2]),
+            Some(_) => ([state[2], state[3]], 0.0),
         };
-        for (k, mode) in self.resonances.iter().take(RESONANCES).enumerate() {
-            let (x, v) = (state[4 + 2 * k], state[5 + 2 * k]);
-            instant.modes[k] = self.further(mode, &motion, drive, x, v);
+        Position {
+            motion: Motion {
+                time,
+                motor,
+                link,
+                stiffness: constants.stiffness,
+                damping: constants.damping,
+            },
+            encoder,
+            ratio,
+            bias: [prescribed * ratio, bias],
         }
+    }
+
+    /// What follows from a state, with what does not change.
+    #[inline(always)]
+    pub(super) fn evaluate<const LAWS: bool>(
+        &self,
+        constants: &Constants,
+        time: f64,
+        state: &State,
+        input: [f64; 3],
+    ) -> Instant {
+        let linear = &self.linear;
+        let Position {
+            motion,
+            encoder,
+            ratio,
+            bias,
+        } = self.position::<LAWS>(constants, time, state, input);
+        let link = motion.link;
+        let [d, rate] = motion.deformation();
+        let elastic = linear.stiffness * d + linear.damping * rate;
+        let drive = if LAWS {
+            self.drive(encoder, input[0])
+        } else {
+            input[0]
+        };
+        let mut bodies = Bodies {
+            force: [
+                linear.motor_gain * drive - constants.viscous[0] * encoder[1],
+                linear.link_gain * drive - constants.viscous[1] * link[1],
+            ],
+            mobility: constants.mobility,
+            bias,
+        };
+        bodies.resist(Seat::Across, elastic, ratio);
+        let mut instant = Instant {
+            motion,
+            encoder,
+            force: linear.motor_gain * drive,
+            ..Instant::default()
+        };
+        if LAWS {
+            instant.holding = self.resist(&motion, ratio, &mut bodies);
+            for (k, mode) in self.resonances.iter().take(RESONANCES).enumerate() {
+                let (x, v) = (state[4 + 2 * k], state[5 + 2 * k]);
+                instant.modes[k] = self.further(mode, &motion, drive, x, v);
+            }
+        }
+        if linear.link_is_input {
+            instant.force = -bodies.force[1];
+        }
+        instant.motor = bodies.acceleration(0);
+        instant.link = bodies.acceleration(1);
         instant
     }
 
-    /// Two frictions that stick share a load: a few sweeps settle it; one needs none.
-    fn sweeps(&self) -> usize {
-        match self.frictions.len() {
-            0 => 0,
-            1 => 1,
-            _ => 4,
+    /// Adds what the laws do to the bodies; gives the forces of sticking friction.
+    #[inline(always)]
+    fn resist(&self, motion: &Motion, ratio: f64, bodies: &mut Bodies) -> [f64; 3] {
+        let unit = self.linear.unit_force;
+        for element in &self.forces {
+            let seat = self.seat(element.place);
+            let [x, v] = coordinate(seat, motion);
+            let force = element.law.force(motion, x, v, &element.memory);
+            bodies.resist(seat, unit * force, ratio);
+        }
+        let body = usize::from(self.linear.link.is_some());
+        for inertia in &self.inertias {
+            bodies.reshape(inertia.as_ref(), motion, body);
+        }
+        if self.frictions.is_empty() {
+            return [0.0; 3];
+        }
+        let mut sticks = [false; 3];
+        for element in &self.frictions {
+            let seat = self.seat(element.place);
+            if element.slides == 0.0 {
+                sticks[seat as usize] = true;
+            } else {
+                let speed = coordinate(seat, motion)[1].abs();
+                let force = sliding_force(&element.law, element.slides, speed);
+                bodies.resist(seat, unit * element.slides * force, ratio);
+            }
+        }
+        bodies.hold(sticks)
+    }
+
+    /// Where a place is in this chain: one that is missing is where its neighbour is.
+    #[inline(always)]
+    pub(super) fn seat(&self, place: Place) -> Seat {
+        match (place, self.linear.link.is_some()) {
+            (_, false) => Seat::Motor,
+            // A spring to ground: what is across it is at the link, and so is the drive.
+            _ if self.linear.motor == MotorSide::Fixed => Seat::Link,
+            (Place::Drive, _) => Seat::Motor,
+            (Place::Transmission, _) => Seat::Across,
+            _ => Seat::Link,
         }
     }
 
-    fn drive(&self, motion: &Motion, input: f64) -> f64 {
-        let Some(position_loop) = self.linear.position_loop else {
-            return input;
-        };
-        let PositionLoop {
+    fn drive(&self, encoder: [f64; 2], input: f64) -> f64 {
+        match (self.linear.position_loop, self.held) {
+            (None, _) => input,
+            (Some(_), Some(held)) => held,
+            (Some(position_loop), None) => self.put_out(&position_loop, input, encoder),
+        }
+    }
+
+    /// What the loop puts out for a reference, a position and its velocity.
+    pub(super) fn put_out(&self, position_loop: &PositionLoop, r: f64, [u, v]: [f64; 2]) -> f64 {
+        let &PositionLoop {
             position_gain,
             velocity_gain,
             limit,
             ..
         } = position_loop;
-        let wanted = velocity_gain * (position_gain * (input - motion.motor[0]) - motion.motor[1]);
+        let wanted = velocity_gain * (position_gain * (r - u) - v);
         let wanted = wanted.clamp(-limit, limit);
         self.maps.iter().fold(wanted, |value, map| map.map(value))
     }
@@ -250,124 +364,68 @@ impl Chain {
         let u = motion.motor;
         w * w * (u[0] - x) + 2.0 * xi * w * (u[1] - v) + self.linear.link_gain * drive
     }
-
-    /// Force that a sticking friction would need so that nothing slips, in the law's unit.
-    pub fn holding_force(&self, element: usize, time: f64, state: &State, input: [f64; 3]) -> f64 {
-        let linear = &self.linear;
-        let (motion, prescribed) = self.motion(time, state, input);
-        let [d, rate] = motion.deformation();
-        let elastic = linear.stiffness * d + linear.damping * rate;
-        let drive = self.drive(&motion, input[0]);
-        let mut on_motor = linear.motor_gain * drive + elastic;
-        let mut on_link = linear.link_gain * drive - elastic;
-        for force in &self.forces {
-            let [x, v] = coordinate(force.place, &motion);
-            let value = linear.unit_force * force.law.force(&motion, x, v, &force.memory);
-            apply(force.place, value, &mut on_motor, &mut on_link);
-        }
-        let mut bodies = Bodies::new(linear, &motion, prescribed, on_motor, on_link);
-        bodies.reshape(&self.inertias, &motion);
-        for (index, other) in self.frictions.iter().enumerate() {
-            if index != element {
-                bodies.resist(other, &motion, linear.unit_force);
-            }
-        }
-        bodies.holding(self.frictions[element].place) / linear.unit_force
-    }
 }
 
-/// The coordinate on which a place acts.
-pub fn coordinate(place: Place, motion: &Motion) -> [f64; 2] {
-    match place {
-        Place::Drive => motion.motor,
-        Place::Transmission => motion.deformation(),
-        _ => motion.link,
-    }
-}
-
-fn apply(place: Place, force: f64, on_motor: &mut f64, on_link: &mut f64) {
-    match place {
-        Place::Drive => *on_motor -= force,
-        Place::Transmission => {
-            *on_link -= force;
-            *on_motor += force;
-        }
-        _ => *on_link -= force,
-    }
-}
-
-/// Forces and mobilities of the two bodies at one instant. A mobility of 0 is a prescribed motion.
-struct Bodies {
-    force: [f64; 2],
-    mobility: [f64; 2],
+/// Where everything is.
+pub(super) struct Position {
+    pub motion: Motion,
+    /// Position and velocity of the motor side, as an encoder sees it.
+    encoder: [f64; 2],
+    /// Velocity that the transmission sees for a unit velocity of the motor side.
+    ratio: f64,
+    /// Prescribed accelerations of motor side and link.
     bias: [f64; 2],
 }
 
-impl Bodies {
-    fn new(linear: &Linear, motion: &Motion, prescribed: f64, motor: f64, link: f64) -> Self {
-        let (mobility, bias, viscous) = match linear.motor {
-            MotorSide::Free { inertia, viscous } => (1.0 / inertia, 0.0, viscous),
-            _ => (0.0, prescribed, 0.0),
+/// What does not change while a chain moves.
+pub(super) struct Constants {
+    mobility: [f64; 2],
+    viscous: [f64; 2],
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Constants {
+    pub(super) fn new(linear: &Linear) -> Self {
+        let (motor, drag) = match linear.motor {
+            MotorSide::Free { inertia, viscous } => (1.0 / inertia, viscous),
+            _ => (0.0, 0.0),
         };
-        let (link_mobility, ground) = match linear.link {
+        let (link, ground) = match linear.link {
+            Some((_, viscous)) if linear.link_is_input => (0.0, viscous),
             Some((inertia, viscous)) => (1.0 / inertia, viscous),
             None => (0.0, 0.0),
         };
         Self {
-            force: [
-                motor - viscous * motion.motor[1],
-                link - ground * motion.link[1],
-            ],
-            mobility: [mobility, link_mobility],
-            bias: [bias, 0.0],
+            mobility: [motor, link],
+            viscous: [drag, ground],
+            stiffness: linear.stiffness / linear.unit_force,
+            damping: linear.damping / linear.unit_force,
         }
     }
 
-    fn reshape(&mut self, inertias: &[Box<dyn Inertia>], motion: &Motion) {
-        for inertia in inertias {
-            let [y, v] = motion.link;
-            let factor = inertia.factor(motion.time, y);
-            self.mobility[1] /= factor;
-            self.bias[1] -= 0.5 * inertia.slope(motion.time, y) * v * v / factor;
+    /// Whether friction at a seat can make what moves stop.
+    pub(super) fn yields(&self, seat: Seat) -> bool {
+        match seat {
+            Seat::Motor => self.mobility[0] > 0.0,
+            Seat::Across => self.mobility[0] + self.mobility[1] > 0.0,
+            Seat::Link => self.mobility[1] > 0.0,
         }
     }
+}
 
-    fn motor_acceleration(&self) -> f64 {
-        self.bias[0] + self.mobility[0] * self.force[0]
-    }
-
-    fn link_acceleration(&self) -> f64 {
-        self.bias[1] + self.mobility[1] * self.force[1]
-    }
-
-    /// Force at a place that brings its slip acceleration to zero.
-    fn holding(&self, place: Place) -> f64 {
-        let (slip, mobility) = match place {
-            Place::Drive => (self.motor_acceleration(), self.mobility[0]),
-            Place::Transmission => (
-                self.link_acceleration() - self.motor_acceleration(),
-                self.mobility[0] + self.mobility[1],
-            ),
-            _ => (self.link_acceleration(), self.mobility[1]),
-        };
-        if mobility > 0.0 { slip / mobility } else { 0.0 }
-    }
-
-    fn resist(&mut self, element: &FrictionElement, motion: &Motion, unit: f64) {
-        let force = match element.slides {
-            0.0 => self.holding(element.place),
-            sign => {
-                let speed = coordinate(element.place, motion)[1].abs();
-                sign * unit * sliding_force(&element.law, sign, speed)
-            }
-        };
-        let [motor, link] = &mut self.force;
-        apply(element.place, force, motor, link);
+/// Position and velocity on which a force at a seat acts.
+#[inline(always)]
+pub(super) fn coordinate(seat: Seat, motion: &Motion) -> [f64; 2] {
+    match seat {
+        Seat::Motor => motion.motor,
+        Seat::Across => motion.deformation(),
+        Seat::Link => motion.link,
     }
 }
 
 /// `F_c + (F_s - F_c) exp(-(v / v_s)^2)` in the direction of `sign`.
-pub fn sliding_force(law: &Friction, sign: f64, speed: f64) -> f64 {
+fn sliding_force(law: &Friction, sign: f64, speed: f64) -> f64 {
     let side = usize::from(sign < 0.0);
     let (kinetic, breakaway) = (law.kinetic[side], law.breakaway[side]);
     if breakaway == kinetic {

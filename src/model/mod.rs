@@ -2,6 +2,7 @@
 //!
 //! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
 
+mod bodies;
 pub mod chain;
 mod experiment;
 mod file;
@@ -13,6 +14,9 @@ mod output;
 mod piecewise;
 mod predict;
 mod rigid_axis;
+mod roots;
+mod runge_kutta;
+mod stepper;
 mod trace;
 mod two_mass;
 

@@ -10,36 +10,39 @@ pub type Kinematics = [f64; 3];
 pub struct Trace {
     /// Node times, s.
     pub time: Vec<f64>,
-    /// Motor side, as the transmission sees it.
+    /// Motor side, as an encoder sees it.
     pub motor: Vec<Kinematics>,
     /// Link; the motor side again where there is none.
     pub link: Vec<Kinematics>,
-    /// Further modes.
+    /// Further modes; empty where there are none.
     pub modes: Vec<[Kinematics; RESONANCES]>,
+    /// Force that the drive makes on the motor side; where the link's position is the input, the force
+    /// that holds it there.
+    pub force: Vec<f64>,
 }
 
 impl Trace {
-    pub(super) fn with_capacity(nodes: usize) -> Self {
+    pub(super) fn with_capacity(nodes: usize, modes: bool) -> Self {
         Self {
             time: Vec::with_capacity(nodes),
             motor: Vec::with_capacity(nodes),
             link: Vec::with_capacity(nodes),
-            modes: Vec::with_capacity(nodes),
+            modes: Vec::with_capacity(if modes { nodes } else { 0 }),
+            force: Vec::with_capacity(nodes),
         }
     }
 
     pub(super) fn push(&mut self, instant: &Instant, state: &State) {
-        let motion = &instant.motion;
-        let [u, v] = motion.motor;
-        let [y, rate] = motion.link;
-        self.time.push(motion.time);
+        let [u, v] = instant.encoder;
+        let [y, rate] = instant.motion.link;
+        self.time.push(instant.motion.time);
         self.motor.push([u, v, instant.motor]);
         self.link.push([y, rate, instant.link]);
-        let mut modes = [[0.0; 3]; RESONANCES];
-        for (k, mode) in modes.iter_mut().enumerate() {
-            *mode = [state[4 + 2 * k], state[5 + 2 * k], instant.modes[k]];
+        self.force.push(instant.force);
+        if self.modes.capacity() > 0 {
+            let mode = |k: usize| [state[4 + 2 * k], state[5 + 2 * k], instant.modes[k]];
+            self.modes.push(std::array::from_fn(mode));
         }
-        self.modes.push(modes);
     }
 }
 

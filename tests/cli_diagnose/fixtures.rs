@@ -4,13 +4,14 @@ use quell::diagnosis::{
     Candidate, CoordinateTrace, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove,
     OutputTrace, ProposedMove, Quality, SpectrumTrace, Traces, Verdict,
 };
+use quell::recording::{Channel, Recording, Role};
 use std::f64::consts::TAU;
 
 const RATE: f64 = 333.0;
 const DURATION: f64 = 13.0;
-const NOISE: f64 = 6e-6;
+pub const NOISE: f64 = 6e-6;
 const FREQUENCY: f64 = TAU * 8.12;
-const FRICTION: f64 = 2.4e-4;
+pub const FRICTION: f64 = 2.4e-4;
 
 /// What a joint of one mode does under three moves.
 struct Axis {
@@ -18,6 +19,7 @@ struct Axis {
     deformation: Vec<f64>,
     rate: Vec<f64>,
     friction: Vec<f64>,
+    motor: Vec<f64>,
 }
 
 /// Acceleration of the motor side: three moves, each a period of a sine.
@@ -37,18 +39,22 @@ fn axis(friction: f64, frequency: f64) -> Axis {
     let steps = 20;
     let h = 1.0 / (RATE * f64::from(steps));
     let (mut x, mut v) = (0.0_f64, 0.0_f64);
-    let [mut time, mut deformation, mut rate, mut dry] = [const { Vec::new() }; 4];
+    let [mut time, mut deformation, mut rate, mut dry, mut motor] = [const { Vec::new() }; 5];
+    let (mut u, mut speed) = (0.0_f64, 0.0_f64);
     for k in 0..(DURATION * RATE) as usize {
         let t = k as f64 / RATE;
         time.push(t);
         deformation.push(x);
         rate.push(v);
+        motor.push(u);
         dry.push(-friction * (v / 2e-4).tanh());
         for i in 0..steps {
             let input = acceleration(t + f64::from(i) * h);
             let force = x + friction * (v / 2e-4).tanh();
             v += h * (-frequency.powi(2) * force - 2.0 * 0.05 * frequency * v - input);
             x += h * v;
+            speed += h * input;
+            u += h * speed;
         }
     }
     Axis {
@@ -56,6 +62,7 @@ fn axis(friction: f64, frequency: f64) -> Axis {
         deformation,
         rate,
         friction: dry,
+        motor,
     }
 }
 
@@ -72,6 +79,32 @@ fn noise(count: usize) -> Vec<f64> {
     (0..count)
         .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
         .collect()
+}
+
+/// What an encoder and a sensor at the link see of the joint with this friction, rad.
+pub fn recording(name: &str, friction: f64) -> Recording {
+    let axis = axis(friction, FREQUENCY);
+    let noise = noise(axis.time.len());
+    let deformation = axis
+        .deformation
+        .iter()
+        .zip(noise)
+        .map(|(x, noise)| x + NOISE * noise);
+    let deformation = deformation.collect();
+    let channel = |role, values| Channel {
+        role,
+        unit: "rad".into(),
+        time: axis.time.clone(),
+        columns: vec![values],
+    };
+    let channels = vec![
+        channel(Role::MotorPosition, axis.motor.clone()),
+        channel(Role::Deformation, deformation),
+    ];
+    Recording {
+        name: name.into(),
+        channels,
+    }
 }
 
 fn amplitudes(values: &[f64], frequencies: &[f64]) -> Vec<f64> {

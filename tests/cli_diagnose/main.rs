@@ -2,6 +2,7 @@
 //! the target directory, to be looked at: `target/tmp/diagnose-named.html` and so on.
 
 mod fixtures;
+mod verb;
 
 use quell::cli::diagnose::page::page;
 use quell::diagnosis::{Traces, Verdict};

@@ -1,0 +1,75 @@
+//! Motor side and link at one instant: forces on them, and what friction needs to hold them.
+
+use super::chain::Seat;
+use crate::effects::{Inertia, Motion};
+
+/// Forces and mobilities (inverse inertias) of motor side and link; a mobility of 0 is a prescribed
+/// motion, whose acceleration is the bias.
+pub(super) struct Bodies {
+    pub force: [f64; 2],
+    pub mobility: [f64; 2],
+    pub bias: [f64; 2],
+}
+
+impl Bodies {
+    /// Acceleration of the motor side (0) or the link (1).
+    #[inline(always)]
+    pub fn acceleration(&self, body: usize) -> f64 {
+        self.bias[body] + self.mobility[body] * self.force[body]
+    }
+
+    /// A force that resists motion at a seat; `ratio` is the velocity of the transmission's input for
+    /// a unit velocity of the motor side.
+    #[inline(always)]
+    pub fn resist(&mut self, seat: Seat, force: f64, ratio: f64) {
+        match seat {
+            Seat::Motor => self.force[0] -= force,
+            Seat::Across => {
+                self.force[1] -= force;
+                self.force[0] += ratio * force;
+            }
+            Seat::Link => self.force[1] -= force,
+        }
+    }
+
+    /// `m y'' + m' y'^2 / 2 = F` with an inertia that depends on time and pose.
+    pub fn reshape(&mut self, inertia: &dyn Inertia, motion: &Motion, body: usize) {
+        let [y, v] = motion.link;
+        let factor = inertia.factor(motion.time, y);
+        self.mobility[body] /= factor;
+        if self.mobility[body] > 0.0 {
+            self.bias[body] -= 0.5 * inertia.slope(motion.time, y) * v * v / factor;
+        }
+    }
+
+    /// Applies the forces that leave nothing to slip where friction sticks, and gives them: what each
+    /// seat must bear.
+    ///
+    /// Two sticking seats stop both bodies. Three share what two could bear: nothing is across.
+    pub fn hold(&mut self, sticks: [bool; 3]) -> [f64; 3] {
+        let [motor, link] = [self.acceleration(0), self.acceleration(1)];
+        let [m, l] = self.mobility;
+        let over = |slip: f64, mobility: f64| match mobility > 0.0 {
+            true => slip / mobility,
+            false => 0.0,
+        };
+        let forces = match sticks {
+            [false, false, false] => [0.0; 3],
+            [true, false, false] => [over(motor, m), 0.0, 0.0],
+            [false, true, false] => [0.0, over(link - motor, m + l), 0.0],
+            [false, false, true] => [0.0, 0.0, over(link, l)],
+            [true, true, false] => {
+                let across = over(link, l);
+                [over(motor, m) + across, across, 0.0]
+            }
+            [false, true, true] => {
+                let across = -over(motor, m);
+                [0.0, across, over(link, l) - across]
+            }
+            [true, _, true] => [over(motor, m), 0.0, over(link, l)],
+        };
+        self.force[0] += forces[1] - forces[0];
+        self.force[1] -= forces[1] + forces[2];
+        forces
+    }
+}

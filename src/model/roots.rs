@@ -1,0 +1,64 @@
+//! Where in a step something changes its sign.
+
+/// The share in (0, 1) at which a function falls through 0, `f(1) < 0` given: false position after
+/// Illinois. None where it is nowhere above 0.
+///
+/// Where it starts at 0, as a velocity that has just been let go, it is first followed upwards.
+pub(super) fn first_root(f: impl Fn(f64) -> f64) -> Option<f64> {
+    let (mut low, mut at_low) = (0.0, f(0.0));
+    let (mut high, mut at_high) = (1.0, f(1.0));
+    while at_low <= 0.0 {
+        low = 0.5 * high;
+        at_low = f(low);
+        if at_low <= 0.0 {
+            (high, at_high) = (low, at_low);
+        }
+        if low < SHORTEST {
+            return None;
+        }
+    }
+    // Each round at least halves the bracket in the long run; a handful is usual.
+    for _ in 0..60 {
+        if high - low < RESOLUTION || at_high == 0.0 {
+            break;
+        }
+        let share = (low * at_high - high * at_low) / (at_high - at_low);
+        let value = f(share);
+        if value > 0.0 {
+            (low, at_low) = (share, value);
+            at_high *= 0.5;
+        } else {
+            (high, at_high) = (share, value);
+            at_low *= 0.5;
+        }
+    }
+    Some(high)
+}
+
+/// What lasts a shorter share of a step than this did not happen.
+const SHORTEST: f64 = 1e-9;
+
+/// Share of a step to which a root is found; the step itself is no better.
+const RESOLUTION: f64 = 1e-10;
+
+/// The first share at which the parabola through values at 0, 1/2 and 1 falls through 0, if one of the
+/// last two is below 0.
+pub(super) fn root_of_parabola([start, middle, end]: [f64; 3]) -> f64 {
+    if start <= 0.0 {
+        return 0.0;
+    }
+    // start + b s + a s^2.
+    let a = 2.0 * (start - 2.0 * middle + end);
+    let b = end - start - a;
+    let root = (b * b - 4.0 * a * start).max(0.0).sqrt();
+    // The smaller positive root, without cancellation.
+    let share = match b < 0.0 {
+        true => 2.0 * start / (-b + root),
+        false => (-b - root) / (2.0 * a),
+    };
+    if share.is_finite() {
+        share.clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,337 @@
+//! Steps that end where something is not smooth: friction that stops to slide or to stick, a corner
+//! of a force.
+//!
+//! Friction does not change between steps: it sticks or slides one way. A sliding seat whose velocity
+//! changes its sign within a step ends it there and sticks; at the start of every step what sticks
+//! is let go if it bears more than it can. So no step gains energy, however many events meet.
+//! Source: Karnopp, ASME J. Dynamic Systems, Measurement and Control 107 (1985), for the state
+//! machine; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.6, for the
+//! events.
+
+use super::chain::{Chain, Constants, Instant, SEATS, Seat, State, coordinate};
+use super::roots::{first_root, root_of_parabola};
+use super::runge_kutta::{Span, Step, Trial, steps};
+use crate::effects::Motion;
+
+/// Events in one step after which it is taken as it is: a contact that chatters.
+const MOST_EVENTS: usize = 16;
+
+/// A relative velocity this small, as a share of the motor side's, is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
+const OVERSHOOT: f64 = 1e-6;
+
+/// A chain in motion.
+pub(super) struct Stepper<'a> {
+    pub chain: &'a mut Chain,
+    constants: Constants,
+    step: Step<Trial>,
+    whole: Step<State>,
+    /// No event can happen.
+    smooth: bool,
+    /// Corners of forces: index, sign of the switch.
+    corners: Vec<(usize, f64)>,
+    /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
+    breakaway: [Option<[f64; 2]>; 3],
+    /// 0 sticks, otherwise the sign of the slip velocity.
+    slides: [f64; 3],
+}
+
+#[derive(Clone, Copy)]
+enum Event {
+    Stop(Seat),
+    Breakaway,
+    Corner,
+}
+
+impl<'a> Stepper<'a> {
+    /// The chain at its first instant: what moves slides, memories begin.
+    pub fn new(chain: &'a mut Chain, time: f64, state: &State, input: [f64; 3]) -> Self {
+        let constants = Constants::new(&chain.linear);
+        let (motion, _) = chain.motion(time, state, input);
+        let mut corners = Vec::new();
+        for index in 0..chain.forces.len() {
+            let seat = chain.seat(chain.forces[index].place);
+            let [x, v] = coordinate(seat, &motion);
+            let element = &mut chain.forces[index];
+            (element.memory.time, element.memory.position) = (time, x);
+            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
+            if let Some(value) = element.law.switch(&motion, x, v, &element.memory) {
+                corners.push((index, sign(value)));
+            }
+        }
+        let mut breakaway = [None; 3];
+        for element in &chain.frictions {
+            let seat = chain.seat(element.place) as usize;
+            let [up, down] = breakaway[seat].unwrap_or([0.0; 2]);
+            let own = element
+                .law
+                .breakaway
+                .map(|force| force * chain.linear.unit_force);
+            breakaway[seat] = Some([up + own[0], down + own[1]]);
+        }
+        let (step, whole) = steps(chain);
+        Self {
+            smooth: corners.is_empty() && chain.frictions.is_empty(),
+            chain,
+            constants,
+            step,
+            whole,
+            corners,
+            breakaway,
+            slides: [0.0; 3],
+        }
+    }
+
+    /// What follows from the state at the start of a span, once what bears too much is let go.
+    pub fn settle(&mut self, state: &State, span: &Span) -> Instant {
+        let (time, input) = span.at(0.0);
+        if self.chain.frictions.is_empty() {
+            return self.evaluate(time, state, input);
+        }
+        let motion = self
+            .chain
+            .position::<true>(&self.constants, time, state, input)
+            .motion;
+        for seat in self.rough() {
+            let rate = coordinate(seat, &motion)[1];
+            if rate.abs() > ROUNDING * (motion.motor[1].abs() + motion.link[1].abs()) {
+                self.slides[seat as usize] = rate.signum();
+            }
+        }
+        self.set_sliding();
+        loop {
+            let instant = self.evaluate(time, state, input);
+            let Some(seat) = self.overburdened(&instant.holding) else {
+                return instant;
+            };
+            // Each turn lets one seat go, so that there are at most three.
+            self.slides[seat as usize] = instant.holding[seat as usize].signum();
+            self.set_sliding();
+        }
+    }
+
+    /// From the start of the span, whose instant is given, to `to`.
+    pub fn advance(&mut self, state: &mut State, mut span: Span, to: f64, mut start: Instant) {
+        if self.smooth {
+            let h = to - span.from;
+            *state = (self.whole)(self.chain, &self.constants, &span, state, &start, h);
+            self.remember(state, to, span.at(h).1);
+            return;
+        }
+        let mut events = 0;
+        while to > span.from {
+            let h = to - span.from;
+            let trial = self.trial(state, &span, &start, h);
+            let event = self.first_event(state, &start, &trial, &span);
+            let Some((event, share)) = event.filter(|_| events < MOST_EVENTS) else {
+                if event.is_some() {
+                    self.calm(&trial, &span);
+                }
+                *state = trial.end;
+                self.accept(state, to, span.at(h).1);
+                return;
+            };
+            let h = share * h;
+            if h > 0.0 {
+                *state = self.trial(state, &span, &start, h).end;
+            }
+            let input = span.at(h).1;
+            span.from = (span.from + h).min(to);
+            self.happen(event);
+            self.accept(state, span.from, input);
+            start = self.settle(state, &span);
+            events += 1;
+        }
+    }
+
+    fn evaluate(&self, time: f64, state: &State, input: [f64; 3]) -> Instant {
+        self.chain
+            .evaluate::<true>(&self.constants, time, state, input)
+    }
+
+    fn trial(&self, state: &State, span: &Span, start: &Instant, h: f64) -> Trial {
+        (self.step)(self.chain, &self.constants, span, state, start, h)
+    }
+
+    /// Seats that have friction.
+    fn rough(&self) -> impl Iterator<Item = Seat> + use<> {
+        let breakaway = self.breakaway;
+        SEATS
+            .into_iter()
+            .filter(move |&seat| breakaway[seat as usize].is_some())
+    }
+
+    /// What a seat that sticks could bear besides the force that it bears.
+    fn spare(&self, seat: Seat, force: f64) -> f64 {
+        let breakaway = self.breakaway[seat as usize].unwrap_or_default();
+        breakaway[usize::from(force < 0.0)] - force.abs()
+    }
+
+    /// The sticking seat that lacks most.
+    fn overburdened(&self, holding: &[f64; 3]) -> Option<Seat> {
+        let spare = |seat: &Seat| self.spare(*seat, holding[*seat as usize]);
+        let seats = self.rough().filter(|&seat| self.holds(seat));
+        let lacking = seats.filter(|seat| spare(seat) < 0.0);
+        lacking.min_by(|a, b| spare(a).total_cmp(&spare(b)))
+    }
+
+    /// Whether a seat sticks and something could make it slide.
+    fn holds(&self, seat: Seat) -> bool {
+        self.slides[seat as usize] == 0.0 && self.constants.yields(seat)
+    }
+
+    /// Hands the state of the seats on to their frictions.
+    fn set_sliding(&mut self) {
+        for index in 0..self.chain.frictions.len() {
+            let seat = self.chain.seat(self.chain.frictions[index].place);
+            self.chain.frictions[index].slides = self.slides[seat as usize];
+        }
+    }
+
+    /// The event that comes first in the step, and at which share of it.
+    fn first_event(
+        &mut self,
+        state: &State,
+        start: &Instant,
+        trial: &Trial,
+        span: &Span,
+    ) -> Option<(Event, f64)> {
+        let mut first: Option<(Event, f64)> = None;
+        let mut note = |event, share| {
+            if first.is_none_or(|(_, earliest)| share < earliest) {
+                first = Some((event, share));
+            }
+        };
+        let end = self.motion_at(state, trial, span, 1.0);
+        for seat in self.rough() {
+            if self.holds(seat) {
+                let spare = |holding: &[f64; 3]| self.spare(seat, holding[seat as usize]);
+                let [middle, last] = &trial.holding;
+                let spare = [spare(&start.holding), spare(middle), spare(last)];
+                if spare[1].min(spare[2]) < 0.0 {
+                    // A hair later, so that it truly bears too much.
+                    let share = root_of_parabola(spare) * (1.0 + OVERSHOOT) + OVERSHOOT;
+                    note(Event::Breakaway, share.min(1.0));
+                }
+                continue;
+            }
+            let slides = self.slides[seat as usize];
+            let rate = |motion: &Motion| slides * coordinate(seat, motion)[1];
+            if rate(&end) < 0.0 {
+                let rate = |share| rate(&self.motion_at(state, trial, span, share));
+                note(Event::Stop(seat), first_root(rate).unwrap_or(0.0));
+            }
+        }
+        for index in 0..self.corners.len() {
+            let (force, side) = self.corners[index];
+            let element = &self.chain.forces[force];
+            let seat = self.chain.seat(element.place);
+            let switch = |motion: &Motion| {
+                let [x, v] = coordinate(seat, motion);
+                let value = element.law.switch(motion, x, v, &element.memory);
+                side * value.unwrap_or(side)
+            };
+            if switch(&end) < 0.0 {
+                let switch = |share| switch(&self.motion_at(state, trial, span, share));
+                match first_root(switch) {
+                    // On the far side, where the force has its other branch.
+                    Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
+                    // It was on the other side from the start.
+                    None => self.corners[index].1 = -side,
+                }
+            } else if side == 0.0 {
+                let [x, v] = coordinate(seat, &end);
+                let value = element.law.switch(&end, x, v, &element.memory);
+                self.corners[index].1 = value.map_or(0.0, sign);
+            }
+        }
+        first
+    }
+
+    fn motion_at(&self, state: &State, trial: &Trial, span: &Span, share: f64) -> Motion {
+        let (time, input) = span.at(share * trial.h);
+        let state = match share {
+            1.0 => trial.end,
+            _ => trial.within(state, share),
+        };
+        self.chain
+            .position::<true>(&self.constants, time, &state, input)
+            .motion
+    }
+
+    fn happen(&mut self, event: Event) {
+        match event {
+            Event::Breakaway | Event::Corner => {}
+            Event::Stop(seat) if self.constants.yields(seat) => self.slides[seat as usize] = 0.0,
+            Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
+        }
+    }
+
+    /// Too much happens in one step: what would slide back sticks.
+    fn calm(&mut self, trial: &Trial, span: &Span) {
+        let end = self.motion_at(&trial.end, trial, span, 1.0);
+        for seat in self.rough() {
+            let rate = coordinate(seat, &end)[1];
+            if self.slides[seat as usize] * rate < 0.0 && self.constants.yields(seat) {
+                self.slides[seat as usize] = 0.0;
+            }
+        }
+        for (force, side) in &mut self.corners {
+            let element = &self.chain.forces[*force];
+            let [x, v] = coordinate(self.chain.seat(element.place), &end);
+            let value = element.law.switch(&end, x, v, &element.memory);
+            *side = value.map_or(*side, sign);
+        }
+    }
+
+    /// The state at the end of a step: what sticks stands still, memories move on.
+    fn accept(&mut self, state: &mut State, time: f64, input: [f64; 3]) {
+        for seat in self.rough() {
+            if self.holds(seat) {
+                let motion = self
+                    .chain
+                    .position::<true>(&self.constants, time, state, input)
+                    .motion;
+                match seat {
+                    Seat::Motor => state[1] = 0.0,
+                    Seat::Across => state[3] = motion.motor[1],
+                    Seat::Link => state[3] = 0.0,
+                }
+            }
+        }
+        self.remember(state, time, input);
+    }
+
+    fn remember(&mut self, state: &State, time: f64, input: [f64; 3]) {
+        if self.chain.forces.is_empty() {
+            return;
+        }
+        let motion = self
+            .chain
+            .position::<true>(&self.constants, time, state, input)
+            .motion;
+        for index in 0..self.chain.forces.len() {
+            let seat = self.chain.seat(self.chain.forces[index].place);
+            let element = &mut self.chain.forces[index];
+            let [x, v] = coordinate(seat, &motion);
+            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
+            (element.memory.position, element.memory.time) = (x, time);
+        }
+        for (force, side) in &mut self.corners {
+            let element = &self.chain.forces[*force];
+            let [x, v] = coordinate(self.chain.seat(element.place), &motion);
+            let value = element.law.switch(&motion, x, v, &element.memory);
+            *side = value.map_or(*side, sign);
+        }
+    }
+}
+
+/// The sign of a switch; 0 at the corner.
+fn sign(value: f64) -> f64 {
+    match value {
+        0.0 => 0.0,
+        _ => value.signum(),
+    }
+}
