@@ -1,0 +1,5 @@
+"""What can be hidden: one class an effect, one table of all of them."""
+
+from effects import environment, link, outside, sensor, transmission
+
+EFFECTS = [*transmission.EFFECTS, *link.EFFECTS, *sensor.EFFECTS, *environment.EFFECTS, *outside.EFFECTS]

@@ -1,0 +1,72 @@
+"""Runs an arm through a programme: one engine step at a time, with the effects' hooks in between."""
+
+import mujoco
+import numpy as np
+
+from motion import reference
+
+
+class Run:
+    """States of the arm at every engine step: times (n), motor position (n), deformation (n), tip (n, 3), link angle (n)."""
+
+    def __init__(self, time, motor, deformation, tip, angle):
+        self.time, self.motor, self.deformation, self.tip, self.angle = time, motor, deformation, tip, angle
+
+
+def simulate(arm, programme, hooks):
+    """Steps `arm` through `programme`; each hook(t, dt, e, de, u, du, model) returns torque across the joint and on the link.
+
+    A hook's torque is held over the step and evaluated at its predicted middle, so that it is of second order in the step.
+    """
+    model = arm.compile()
+    data = mujoco.MjData(model)
+    motor, flex = (model.joint(name).qposadr[0] for name in ("motor", "flex"))
+    dof_motor, dof_flex = (model.joint(name).dofadr[0] for name in ("motor", "flex"))
+    dt = arm.timestep
+    count = int(round(programme["duration_s"] / dt)) + 1
+    time = np.arange(count) * dt
+    command = reference(programme["moves"], time + dt / 2)
+    # Extra actuators follow the commanded position through a law of their own.
+    extra = [arm.laws[model.actuator(i).name](command[0]) for i in range(2, model.nu)]
+    control = np.column_stack([command[0] + arm.home, command[1], *extra])
+    data.qpos[motor] = arm.home
+    for actuator in range(2, model.nu):
+        data.qpos[model.jnt_qposadr[model.actuator_trnid[actuator, 0]]] = control[0, actuator]
+    mujoco.mj_forward(model, data)
+
+    qpos, qvel, qacc, applied, ctrl = data.qpos, data.qvel, data.qacc, data.qfrc_applied, data.ctrl
+    states = np.empty((count, model.nq))
+    step = mujoco.mj_step
+    half = dt / 2
+    for i in range(count):
+        states[i] = qpos
+        if hooks:
+            du, de = float(qvel[dof_motor]), float(qvel[dof_flex])
+            au, ae = float(qacc[dof_motor]), float(qacc[dof_flex])
+            u, e = float(qpos[motor]) + half * du, float(qpos[flex]) + half * de
+            du, de = du + half * au, de + half * ae
+            joint = ground = 0.0
+            for hook in hooks:
+                across, link = hook(i * dt + half, dt, e, de, u, du, model)
+                joint += across
+                ground += link
+            applied[dof_flex] = joint + ground
+            applied[dof_motor] = ground
+        ctrl[:] = control[i]
+        step(model, data)
+    tip, angle = kinematics(model, states)
+    return Run(time, states[:, motor], states[:, flex], tip, angle)
+
+
+def kinematics(model, states):
+    """Tip position and link yaw for every state."""
+    data = mujoco.MjData(model)
+    site, link = model.site("tip").id, model.body("link").id
+    tip, yaw = np.empty((len(states), 3)), np.empty(len(states))
+    position, turn, qpos = data.site_xpos[site], data.xmat[link], data.qpos
+    for i, state in enumerate(states):
+        qpos[:] = state
+        mujoco.mj_kinematics(model, data)
+        tip[i] = position
+        yaw[i] = np.arctan2(turn[3], turn[0])
+    return tip, yaw
