@@ -100,5 +100,5 @@ def random_arm(rng):
     return Arm(
         lever=round(rng.uniform(1.4, 2.2), 2), height=round(rng.uniform(0.6, 1.2), 2), inertia=inertia,
         mass=rng.uniform(40, 80), stiffness=stiffness, damping=2 * xi * np.sqrt(stiffness * inertia),
-        motor_inertia=rng.uniform(20, 50), servo=2 * np.pi * rng.uniform(60, 110),
+        motor_inertia=rng.uniform(30, 80), servo=2 * np.pi * rng.uniform(120, 200),
         home=0.0 if rng.random() < 0.7 else rng.uniform(-0.6, 0.6))

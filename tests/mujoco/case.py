@@ -48,7 +48,7 @@ class Case:
 
     def choose_begin(self, rng, train):
         """Start of the training recording: sometimes just after the first move, while the arm still rings."""
-        if train == "few" or any(effect.timed for effect in self.effects) or rng.random() > 0.15:
+        if len(self.programmes["train"]["moves"]) < 3 or any(effect.timed for effect in self.effects) or rng.random() > 0.15:
             return 0.0
         self.programme = "ringing"
         # On the engine's and the encoder's common grid
@@ -79,17 +79,19 @@ class Case:
         target = float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
         alone = copy.copy(self)
         alone.effects = [effect]
-        size, best = effect.start, None
-        for _ in range(7):
+        size, best, low, high = effect.start, None, effect.low, effect.high
+        for turn in range(8):
             ratio = alone.ratio(alone.recording("train", [size]))
             miss = abs(np.log(ratio / target))
             if best is None or miss < best[0]:
                 best = (miss, size)
             if miss < 0.15:
                 break
-            # What the effect adds in squares grows about as its size.
+            low, high = (size, high) if ratio < target else (low, size)
+            # What the effect adds in squares grows about as its size; where that fails, halve the bracket.
             factor = np.sqrt((target ** 2 - 1) / max(ratio ** 2 - 1, 0.02))
-            size = float(np.clip(size * np.clip(factor, 0.15, 8.0), effect.low, effect.high))
+            guess = size * np.clip(factor, 0.15, 8.0)
+            size = float(guess if low < guess < high and turn < 4 else np.sqrt(low * high))
         return best[1]
 
     def build(self):

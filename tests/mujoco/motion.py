@@ -43,9 +43,9 @@ def s_curve(times, start, distance, velocity, acceleration, jerk):
 def programme(rng, kind, reach, peak_acceleration):
     """A list of moves: dicts with start, distance and limits; and the duration and the time at which recording begins.
 
-    kind: "train" (3 to 4 moves), "test" (2 to 3), "few" (1), "rich" (6 to 8). All stay within [0, reach] and the first is long.
+    kind: "train" (3 to 4 moves), "test" (2 to 3), "few" (1 to 2), "rich" (6 to 8). All stay within [0, reach] and the first is long.
     """
-    count = {"train": rng.integers(3, 5), "test": rng.integers(2, 4), "few": 1, "rich": rng.integers(6, 9)}[kind]
+    count = {"train": rng.integers(3, 5), "test": rng.integers(2, 4), "few": rng.integers(1, 3), "rich": rng.integers(6, 9)}[kind]
     targets = [reach]
     while len(targets) < count:
         target = rng.uniform(0.0, 0.9 * reach) if rng.random() < 0.8 else reach

@@ -12,6 +12,9 @@ from scipy.spatial.transform import Rotation
 
 ENCODER_PERIOD_S = 0.004
 ENCODER_STEP = 2 * np.pi / 2 ** 22
+# The encoder's electronics jitter by a fraction of a step. Without it the last bit toggles in time with a ringing arm,
+# which a lightly damped model amplifies to twice the tracker's noise.
+ENCODER_JITTER = 0.25
 FIRST_STAMP_S = 0.0007
 
 
@@ -39,7 +42,7 @@ def random_chain(rng, role, fast, lever):
     noise, period = {
         "tip_position": (noise_m, 0.001 if fast else 0.003),
         "deformation": (noise_m / lever, 0.001 if fast else 0.003),
-        "tip_acceleration": (round(rng.uniform(0.01, 0.04), 4), 0.001),
+        "tip_acceleration": (round(rng.uniform(0.04, 0.1), 4), 0.001),
     }[role]
     return Chain(role, period, noise, "ar1" if rng.random() < 0.12 else "white", rng.uniform(-0.002, 0.002),
                  Rotation.random(rng=rng).as_matrix(), rng.uniform(-4, 4, 3))
@@ -83,9 +86,12 @@ def record(rng, run, chain, lever, begin):
     end = run.time[-1] - begin
     encoder_time = np.arange(0, int(end / ENCODER_PERIOD_S + 1e-9) + 1) * ENCODER_PERIOD_S
     index = np.rint((encoder_time + begin) / dt).astype(int)
-    encoder = np.rint(run.motor[index] / ENCODER_STEP) * ENCODER_STEP + 0.0
+    dither = ENCODER_JITTER * rng.standard_normal(index.size)
+    encoder = np.rint(run.motor[index] / ENCODER_STEP + dither) * ENCODER_STEP + 0.0
 
-    stamps = FIRST_STAMP_S + chain.period * np.arange(int((end - 0.003) / chain.period))
+    # Every sample falls within the encoder's span, unless the arm rests before it.
+    first = FIRST_STAMP_S + (0.004 if begin > 0 else 0.0)
+    stamps = first + chain.period * np.arange(int((end - 0.004 - first) / chain.period))
     true_time = stamps + chain.clock_offset
     for warp in chain.clock:
         true_time = warp(true_time)

@@ -37,7 +37,7 @@ class Effect:
     catalogue = ()            # names in the catalogue of effects; empty for what no catalogue has
     equivalents = ()          # names that no motion tells from this one
     roles = ALL_ROLES         # sensors that can see it
-    start, low, high = 0.05, 1e-4, 2.0
+    start, low, high = 0.05, 1e-4, 0.5
     sized = True              # whether its size is chosen by the residual that it leaves
     timed = False             # whether it knows the clock of the recording
     timestep = 2e-4

@@ -177,7 +177,7 @@ class CubicStiffness(Effect):
     def draw(self, rng, setting):
         self.sign = 1.0 if rng.random() < 0.7 else -1.0
         self.name = "hardening_stiffness" if self.sign > 0 else "softening_stiffness"
-        self.high = 2.0 if self.sign > 0 else 0.25
+        self.high = 0.8 if self.sign > 0 else 0.25
 
     def parameters(self, size):
         return {"k3": self.sign * size * self.setting.torque / self.setting.peak ** 3}
@@ -196,7 +196,7 @@ class BilinearStiffness(Effect):
         self.two_sided = rng.random() < 0.5
         self.point = setting.peak * (rng.uniform(0.15, 0.5) if self.two_sided else 0.0)
         self.sign = 1.0 if rng.random() < 0.6 else -1.0
-        self.high = 2.0 if self.sign > 0 else 0.5
+        self.high = 1.0 if self.sign > 0 else 0.5
 
     def parameters(self, size):
         return {"extra_nm_rad": self.sign * size * self.setting.arm.stiffness, "beyond_rad": self.point,
