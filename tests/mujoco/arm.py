@@ -24,6 +24,7 @@ class Arm:
     servo: float                # bandwidth of the servo, rad/s
     home: float                 # position of joint 1 at which a programme begins, rad
     timestep: float = 2e-4
+    integrator: str = "RK4"
     gravity: tuple = (0.0, 0.0, -9.81)
     density: float = 0.0        # of the surrounding fluid, kg/m^3
     friction: float = 0.0       # dry friction across the joint, N m
@@ -60,7 +61,7 @@ class Arm:
         return f"""
 <mujoco>
   <compiler angle="radian" autolimits="true"/>
-  <option timestep="{self.timestep}" integrator="RK4" gravity="{' '.join(map(repr, self.gravity))}" density="{self.density}"
+  <option timestep="{self.timestep}" integrator="{self.integrator}" gravity="{' '.join(map(repr, self.gravity))}" density="{self.density}"
           tolerance="1e-12" iterations="50"/>
   <worldbody>
     <body name="base">

@@ -7,6 +7,7 @@ import numpy as np
 from arm import random_arm
 from baseline import Baseline
 from effects import EFFECTS
+from effects.transmission import HYSTERETIC
 from effects.effect import Setting
 from motion import programme
 from sensors import random_chain, record
@@ -39,6 +40,8 @@ class Case:
         setting = Setting(self.arm, role, reach, peak, durations, [t - 0.15 for t in starts[1:]])
         self.effects = [effect(rng, setting) for effect in wanted]
         self.arm.timestep = min([2e-4, *(effect.timestep for effect in self.effects)])
+        if any(effect.integrator == "implicitfast" for effect in self.effects):
+            self.arm.integrator = "implicitfast"
         self.begin = self.choose_begin(rng, train)
         xi = self.arm.damping_ratio
         self.nominal = {"natural_frequency_hz": round(self.arm.frequency / (2 * np.pi) * (1 + rng.uniform(-0.05, 0.05)), 3),
@@ -132,10 +135,11 @@ def plan(rng, count):
     def cycle(table, length):
         return [table[i] for _ in range(length // len(table) + 1) for i in rng.permutation(len(table))][:length]
     cases = [("none", [])] * clean + [("outside", [effect]) for effect in cycle(unknown, outside)]
-    pairable = [effect for effect in known if effect.sized]
+    pairable = [effect for effect in known if effect.sized and effect.pairable]
     while len(cases) < clean + outside + pairs:
         one, two = (pairable[i] for i in rng.choice(len(pairable), 2, replace=False))
-        if one.catalogue != two.catalogue and set(one.roles) & set(two.roles) and one.__module__ != two.__module__:
+        alike = one.catalogue == two.catalogue or set(one.catalogue) & set(two.equivalents) or {one, two} <= set(HYSTERETIC)
+        if not alike and set(one.roles) & set(two.roles):
             cases.append(("pair", [one, two]))
     cases = cases[:count]
     cases += [("single", [effect]) for effect in cycle(known, count - len(cases))]

@@ -5,9 +5,11 @@ import numpy as np
 
 from motion import reference
 
+KEEP_S = 1e-4              # states are kept at least this far apart
+
 
 class Run:
-    """States of the arm at every engine step: times (n), motor position (n), deformation (n), tip (n, 3), link angle (n)."""
+    """States of the arm at engine steps: times (n), motor position (n), deformation (n), tip (n, 3), link angle (n)."""
 
     def __init__(self, time, motor, deformation, tip, angle):
         self.time, self.motor, self.deformation, self.tip, self.angle = time, motor, deformation, tip, angle
@@ -35,11 +37,13 @@ def simulate(arm, programme, hooks):
     mujoco.mj_forward(model, data)
 
     qpos, qvel, qacc, applied, ctrl = data.qpos, data.qvel, data.qacc, data.qfrc_applied, data.ctrl
-    states = np.empty((count, model.nq))
+    stride = max(1, int(round(KEEP_S / dt)))
+    states = np.empty(((count - 1) // stride + 1, model.nq))
     step = mujoco.mj_step
     half = dt / 2
     for i in range(count):
-        states[i] = qpos
+        if i % stride == 0:
+            states[i // stride] = qpos
         if hooks:
             du, de = float(qvel[dof_motor]), float(qvel[dof_flex])
             au, ae = float(qacc[dof_motor]), float(qacc[dof_flex])
@@ -55,7 +59,7 @@ def simulate(arm, programme, hooks):
         ctrl[:] = control[i]
         step(model, data)
     tip, angle = kinematics(model, states)
-    return Run(time, states[:, motor], states[:, flex], tip, angle)
+    return Run(time[::stride], states[:, motor], states[:, flex], tip, angle)
 
 
 def kinematics(model, states):

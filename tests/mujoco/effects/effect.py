@@ -41,6 +41,8 @@ class Effect:
     sized = True              # whether its size is chosen by the residual that it leaves
     timed = False             # whether it knows the clock of the recording
     timestep = 2e-4
+    integrator = "RK4"        # the engine's friction constraint is only true to Coulomb's law under "implicitfast"
+    pairable = True           # whether it leaves a trace beside another effect
 
     def __init__(self, rng, setting):
         self.rng, self.setting = rng, setting

@@ -51,7 +51,7 @@ class GravityTilt(Effect):
     name, catalogue = "gravity_tilt", ("gravity_load",)
     equivalents = ("sensor_gain", "misalignment")
     roles = ("tip_position", "deformation")
-    high = 0.12
+    high, pairable = 0.12, False
 
     def draw(self, rng, setting):
         self.direction = rng.uniform(0, 2 * math.pi)

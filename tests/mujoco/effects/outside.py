@@ -84,7 +84,7 @@ class FadingDamping(Effect):
 class PatchFriction(Effect):
     """Dry friction only in a part of the travel (a scored bearing), by the engine's friction constraint."""
 
-    name, timestep = "patch_friction", 1e-4
+    name, timestep, integrator = "patch_friction", 5e-5, "implicitfast"
 
     def draw(self, rng, setting):
         low = rng.uniform(0.1, 0.5)
@@ -95,7 +95,7 @@ class PatchFriction(Effect):
 
     def change_arm(self, size, arm):
         arm.friction = size * self.setting.torque
-        arm.friction_solver = 'solreffriction="0.001 1" solimpfriction="0.98 0.999 0.001"'
+        arm.friction_solver = 'solreffriction="0.0002 1" solimpfriction="0.999 0.999 0.001"'
 
     def hook(self, size, arm, which):
         level, dof = size * self.setting.torque, []

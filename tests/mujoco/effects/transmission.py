@@ -7,13 +7,14 @@ from effects.effect import Effect, log_uniform
 
 def dry_solver(rng):
     """MuJoCo's regularisation of dry friction: how fast and how fully it sticks."""
-    return f'solreffriction="{log_uniform(rng, 4e-4, 2e-3):.2e} 1" solimpfriction="0.98 0.999 0.001"'
+    return f'solreffriction="{log_uniform(rng, 1e-4, 4e-4):.2e} 1" solimpfriction="0.999 0.999 0.001"'
 
 
 class CoulombFriction(Effect):
     """Dry friction by the engine's own friction constraint."""
 
-    name, catalogue, timestep = "coulomb_friction", ("coulomb_friction",), 1e-4
+    name, catalogue, timestep = "coulomb_friction", ("coulomb_friction",), 5e-5
+    integrator = "implicitfast"
 
     def draw(self, rng, setting):
         self.solver = dry_solver(rng)
@@ -28,7 +29,8 @@ class CoulombFriction(Effect):
 class StribeckFriction(Effect):
     """Dry friction whose limit falls from breakaway to kinetic with speed: Fc + (Fs - Fc) exp(-(v / vs)^2)."""
 
-    name, catalogue, timestep = "stribeck_friction", ("stribeck_friction",), 1e-4
+    name, catalogue, timestep = "stribeck_friction", ("stribeck_friction",), 5e-5
+    integrator = "implicitfast"
 
     def draw(self, rng, setting):
         self.solver = dry_solver(rng)
@@ -294,3 +296,6 @@ class MaxwellCreep(Effect):
 
 EFFECTS = [CoulombFriction, StribeckFriction, Dahl, LuGre, BoucWen, TendonBacklash, ContactBacklash, CubicStiffness,
            BilinearStiffness, QuadraticDamping, TransmissionError, StiffnessDrift, MaxwellCreep]
+
+# What no reading of two at once could tell apart
+HYSTERETIC = [CoulombFriction, StribeckFriction, Dahl, LuGre, BoucWen]
