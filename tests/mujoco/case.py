@@ -9,6 +9,7 @@ from baseline import Baseline
 from effects import EFFECTS
 from effects.transmission import HYSTERETIC
 from effects.effect import Setting
+from layout import OUTPUTS
 from motion import programme
 from sensors import random_chain, record
 from simulate import simulate
@@ -106,15 +107,20 @@ class Case:
         for i, (effect, size) in enumerate(zip(self.effects, sizes)):
             for key, value in effect.parameters(size).items():
                 parameters[key if key not in parameters else f"{key}_{i + 1}"] = value
+        # By the catalogue's names where it has them; the key `effect` keeps the engine's
+        effects = [{"effect": (*effect.catalogue, effect.name)[0], "place": effect.place,
+                    "parameters": effect.parameters(size)} for effect, size in zip(self.effects, sizes)]
         truth = {
-            "effect": "+".join(names) or "none", "parameters": parameters,
+            "effect": "+".join(names) or "none", "place": "+".join(effect.place for effect in self.effects),
+            "parameters": parameters, "effects": effects,
             "natural_frequency_hz": float(self.arm.frequency / (2 * np.pi)), "damping_ratio": float(self.arm.damping_ratio),
             "clock_offset_s": self.chain.clock_offset, "programme": self.programme,
             "baseline_residual_over_noise": float(ratio),
             "in_catalogue": all(effect.catalogue for effect in self.effects),
             "catalogue_names": [name for effect in self.effects for name in effect.catalogue],
             "equivalents": sorted({name for effect in self.effects for name in effect.equivalents}),
-            "output": self.chain.role, "noise_std": self.chain.noise_std, "noise": self.chain.noise_kind,
+            "output": self.chain.role, "noise_std": self.chain.noise_std, "noise_unit": OUTPUTS[self.chain.role][2],
+            "noise": self.chain.noise_kind,
         }
         if self.chain.role == "tip_position":
             truth["tracker_noise_m"] = self.chain.noise_std

@@ -29,9 +29,13 @@ def main():
     parser.add_argument("out", type=Path, help="folder to fill")
     parser.add_argument("--cases", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, nargs="*", help="numbers of the cases to make anew in a folder that is there")
     arguments = parser.parse_args()
-    truths = {}
+    known = arguments.out / "truth.json"
+    truths = json.loads(known.read_text()) if arguments.only is not None and known.exists() else {}
     for index, (kind, wanted) in enumerate(plan(np.random.default_rng(arguments.seed), arguments.cases)):
+        if arguments.only is not None and index not in arguments.only:
+            continue
         began, name = time.perf_counter(), f"case-{index:02d}"
         case, recordings, truth = generate_case(arguments.seed, index, kind, wanted)
         folder = arguments.out / name

@@ -3,3 +3,7 @@
 from effects import environment, link, outside, sensor, transmission
 
 EFFECTS = [*transmission.EFFECTS, *link.EFFECTS, *sensor.EFFECTS, *environment.EFFECTS, *outside.EFFECTS]
+
+for module in (transmission, link, sensor, environment):
+    for effect in module.EFFECTS:
+        effect.place = effect.place or module.__name__.split(".")[-1]

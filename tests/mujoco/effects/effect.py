@@ -34,6 +34,7 @@ class Effect:
     """Base class: an effect of size `size` (about 0.05 of the spring's torque to begin with), shaped at random once."""
 
     name = ""
+    place = ""                # transmission, link, base, sensor or environment
     catalogue = ()            # names in the catalogue of effects; empty for what no catalogue has
     equivalents = ()          # names that no motion tells from this one
     roles = ALL_ROLES         # sensors that can see it

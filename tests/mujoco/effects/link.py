@@ -10,7 +10,8 @@ from effects.effect import Effect, log_uniform
 class ViscousDrag(Effect):
     """A damper from the link to the ground, by the engine's damping of a tendon over both joints."""
 
-    name, catalogue = "viscous_drag", ("viscous_drag",)
+    name, catalogue, high = "viscous_drag", ("viscous_drag",), 4.0
+    equivalents = ("clock_offset",)      # c / w^2 of clock offset and a shift of xi stand in for most of it
 
     def parameters(self, size):
         return {"c": size * self.setting.torque}
@@ -248,7 +249,7 @@ class BaseCompliance(Effect):
     """The base turns on its foundation, a spring and a damper."""
 
     name, catalogue, equivalents, high = "base_compliance", ("base_mode",), ("second_mode",), 0.5
-    roles = ("tip_position", "tip_acceleration")
+    roles, place = ("tip_position", "tip_acceleration"), "base"
 
     def draw(self, rng, setting):
         f = setting.arm.frequency / (2 * math.pi)

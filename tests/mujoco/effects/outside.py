@@ -10,6 +10,7 @@ from effects.effect import Effect, log_uniform
 class RootSpeedFriction(Effect):
     """-c sign(e') sqrt(|e'|) across the joint."""
 
+    place = "transmission"
     name = "root_speed_friction"
 
     def parameters(self, size):
@@ -24,6 +25,7 @@ class RootSpeedFriction(Effect):
 class Detents(Effect):
     """Magnet-like places that pull the link towards them, unevenly spaced, of unequal strength and of a skewed shape."""
 
+    place = "link"
     name = "position_detents"
 
     def draw(self, rng, setting):
@@ -52,6 +54,7 @@ class Detents(Effect):
 class RateDependentStiffness(Effect):
     """The joint is stiffer while the motor turns fast."""
 
+    place = "transmission"
     name = "rate_dependent_stiffness"
 
     def draw(self, rng, setting):
@@ -68,6 +71,7 @@ class RateDependentStiffness(Effect):
 class FadingDamping(Effect):
     """The joint's damping changes by a factor while the recording runs (a lubricant that warms)."""
 
+    place = "transmission"
     name, timed, start, high = "fading_damping", True, 1.0, 8.0
 
     def draw(self, rng, setting):
@@ -84,6 +88,7 @@ class FadingDamping(Effect):
 class PatchFriction(Effect):
     """Dry friction only in a part of the travel (a scored bearing), by the engine's friction constraint."""
 
+    place = "transmission"
     name, timestep, integrator = "patch_friction", 5e-5, "implicitfast"
 
     def draw(self, rng, setting):
@@ -111,6 +116,7 @@ class PatchFriction(Effect):
 class Shaker(Effect):
     """A machine next door shakes the link with a steady tone."""
 
+    place = "environment"
     name, timed = "steady_shaking", True
 
     def draw(self, rng, setting):
@@ -127,6 +133,7 @@ class Shaker(Effect):
 class WorkSoftening(Effect):
     """The joint softens with the distance that it has worked, as filled rubber does (Mullins)."""
 
+    place = "transmission"
     name, timed, high = "work_softening", True, 1.0
 
     def parameters(self, size):
@@ -145,6 +152,7 @@ class WorkSoftening(Effect):
 class OneWayDamper(Effect):
     """A damper that works in one direction only."""
 
+    place = "transmission"
     name = "one_way_damper"
 
     def parameters(self, size):
@@ -158,6 +166,7 @@ class OneWayDamper(Effect):
 class ClockJump(Effect):
     """The sensor's clock slips by some milliseconds at one or two times, and its stamps do not tell."""
 
+    place = "sensor"
     name, timed = "clock_jump", True
 
     def draw(self, rng, setting):
