@@ -1,7 +1,7 @@
 #!/bin/sh
 # Generates concealed cases with MuJoCo: run.sh OUT [--cases 60] [--seed 1].
 # Sets up a virtual environment beside this script (or in QUELL_MUJOCO_VENV); exits 77 (skipped) where it cannot.
-here=$(cd "$(dirname "$0")" && pwd)
+here=$(cd "${0%/*}" && pwd)
 venv=${QUELL_MUJOCO_VENV:-$here/.venv}
 skip() { echo "skipped: $1" >&2; exit 77; }
 
