@@ -9,6 +9,7 @@ import numpy as np
 
 from case import Case, plan
 from layout import write_model, write_recording
+from simulate import Unstable
 
 ATTEMPTS = 4               # draws of a case before its residual is taken as it is
 
@@ -17,10 +18,13 @@ def generate_case(seed, index, kind, wanted):
     """Builds one case; draws again where no size brings the residual into the wanted range."""
     for attempt in range(ATTEMPTS):
         case = Case(np.random.default_rng([seed, index, attempt]), kind, wanted)
-        recordings, truth = case.build()
-        if case.acceptable(truth):
+        try:
+            built = case, *case.build()
+        except Unstable:
+            continue
+        if case.acceptable(built[2]):
             break
-    return case, recordings, truth
+    return built
 
 
 def main():

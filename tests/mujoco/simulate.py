@@ -6,6 +6,11 @@ import numpy as np
 from motion import reference
 
 KEEP_S = 1e-4              # states are kept at least this far apart
+SETTLE_S = 0.4             # of rest before the clock starts; 14 time constants of a 5.5 Hz arm
+
+
+class Unstable(Exception):
+    """The engine gave up on a state."""
 
 
 class Run:
@@ -34,15 +39,21 @@ def simulate(arm, programme, hooks):
     data.qpos[motor] = arm.home
     for actuator in range(2, model.nu):
         data.qpos[model.jnt_qposadr[model.actuator_trnid[actuator, 0]]] = control[0, actuator]
-    mujoco.mj_forward(model, data)
+    data.ctrl[:] = control[0]
+    mujoco.mj_forward(model, data)      # hooks look at the acceleration, so it has to be that of an arm at rest
 
     qpos, qvel, qacc, applied, ctrl = data.qpos, data.qvel, data.qacc, data.qfrc_applied, data.ctrl
     stride = max(1, int(round(KEEP_S / dt)))
     states = np.empty(((count - 1) // stride + 1, model.nq))
     step = mujoco.mj_step
     half = dt / 2
-    for i in range(count):
-        if i % stride == 0:
+    settling, damping = int(round(SETTLE_S / dt)), model.dof_damping[dof_flex]
+    # Static loads have to be in balance before the clock starts: a critically damped rest at time 0.
+    model.dof_damping[dof_flex] = 2 * np.sqrt(arm.stiffness * arm.inertia)
+    for i in range(-settling, count):
+        if i == 0:
+            model.dof_damping[dof_flex] = damping
+        if i >= 0 and i % stride == 0:
             states[i // stride] = qpos
         if hooks:
             du, de = float(qvel[dof_motor]), float(qvel[dof_flex])
@@ -51,13 +62,15 @@ def simulate(arm, programme, hooks):
             du, de = du + half * au, de + half * ae
             joint = ground = 0.0
             for hook in hooks:
-                across, link = hook(i * dt + half, dt, e, de, u, du, model)
+                across, link = hook(max(i, 0) * dt + half, dt, e, de, u, du, model)
                 joint += across
                 ground += link
             applied[dof_flex] = joint + ground
             applied[dof_motor] = ground
-        ctrl[:] = control[i]
+        ctrl[:] = control[max(i, 0)]
         step(model, data)
+    if any(warning.number for warning in data.warning):
+        raise Unstable("the engine became unstable; its own reset would hide it")
     tip, angle = kinematics(model, states)
     return Run(time[::stride], states[:, motor], states[:, flex], tip, angle)
 

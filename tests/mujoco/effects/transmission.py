@@ -219,7 +219,7 @@ class BilinearStiffness(Effect):
 class QuadraticDamping(Effect):
     """-c2 |e'| e'."""
 
-    name, catalogue = "quadratic_damping", ("quadratic_damping",)
+    name, catalogue, high = "quadratic_damping", ("quadratic_damping",), 2.0
 
     def parameters(self, size):
         return {"c2": size * self.setting.torque / self.setting.rate ** 2}
