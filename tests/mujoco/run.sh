@@ -1,5 +1,5 @@
 #!/bin/sh
-# Generates concealed cases with MuJoCo: run.sh OUT [--cases 60] [--seed 1].
+# Generates concealed cases with MuJoCo: run.sh OUT [--cases 60] [--seed 1]; or run.sh --check.
 # Sets up a virtual environment beside this script (or in QUELL_MUJOCO_VENV); exits 77 (skipped) where it cannot.
 here=$(cd "${0%/*}" && pwd)
 venv=${QUELL_MUJOCO_VENV:-$here/.venv}
@@ -13,4 +13,6 @@ if ! "$venv/bin/python" -c "import mujoco, numpy, scipy" >/dev/null 2>&1; then
     "$venv/bin/python" -c "import mujoco, numpy, scipy" >/dev/null 2>&1 || skip "mujoco does not load on this machine"
 fi
 # One thread: the matrices are tiny.
-OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 exec "$venv/bin/python" "$here/generate.py" "$@"
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+[ "$1" = "--check" ] && exec "$venv/bin/python" "$here/check.py"
+exec "$venv/bin/python" "$here/generate.py" "$@"
