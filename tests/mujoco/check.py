@@ -94,7 +94,7 @@ def main():
     for seed in (5, 6, 7):
         difference = dry_difference(seed)
         failed |= difference > DRY_LIMIT
-        print(f"{"CoulombFriction":22s} engine against stick and slip: {1e6 * difference:6.3f} urad")
+        print(f"{'CoulombFriction':22s} engine against stick and slip: {1e6 * difference:6.3f} urad")
     ratios = np.array([clean_ratio(seed) for seed in range(24)])
     failed |= not 0.98 < np.median(ratios) < 1.03
     print(f"24 clean cases, residual over noise: median {np.median(ratios):.3f}, {ratios.min():.3f} to {ratios.max():.3f}")

@@ -43,6 +43,8 @@ class SensorLag(Effect):
 
     def draw(self, rng, setting):
         self.order, self.zeta = int(rng.choice([1, 1, 2])), rng.uniform(0.5, 0.9)
+        if self.order == 2:
+            self.equivalents = ("sensor_lag_second_order",)
 
     def parameters(self, size):
         return {"tau_s": 0.2 * size, "order": self.order} | ({"zeta": self.zeta} if self.order == 2 else {})
