@@ -15,6 +15,7 @@ pub mod log;
 pub mod model_file;
 pub mod moves;
 pub mod output;
+pub mod prove;
 pub mod robot_args;
 pub mod score;
 pub mod shape;
@@ -53,6 +54,7 @@ enum Verb {
     Identify(identify::Args),
     Inspect(inspect::Args),
     Move(moves::Args),
+    Prove(prove::Args),
     Score(score::Args),
     Shape(shape::Args),
     Simulate(simulate::Args),
@@ -66,6 +68,7 @@ impl Verb {
             Self::Identify(args) => identify::run(args),
             Self::Inspect(args) => inspect::run(args),
             Self::Move(args) => moves::run(args),
+            Self::Prove(args) => prove::run(args),
             Self::Score(args) => score::run(args),
             Self::Shape(args) => shape::run(args),
             Self::Simulate(args) => simulate::run(args),

@@ -1,9 +1,15 @@
 //! `quell prove`: the diagnosis on recordings in which something was hidden.
 
 use super::{CliError, output};
-use crate::proof::{Diagnose, ProofError, Source, read_cases, run as run_cases};
+use crate::diagnosis::{Diagnosis, Options, diagnose, score};
+use crate::model::Model;
+use crate::proof::{
+    FindingSummary, ParameterSummary, ProofError, Source, Verdict, read_cases, run as run_cases,
+};
+use crate::recording::Recording;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Diagnoses concealed cases, then breaks the seal and prints the score.
 #[derive(clap::Args)]
@@ -38,15 +44,15 @@ pub struct Args {
     json: bool,
 }
 
-/// Runs the verb with this diagnosis.
+/// Runs the verb.
 ///
 /// # Errors
 /// [`CliError`] where cases cannot be made, read or written.
-pub fn run(args: Args, diagnose: &Diagnose) -> Result<(), CliError> {
+pub fn run(args: Args) -> Result<(), CliError> {
     let (source, count, subtitle) = source(&args)?;
     let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
     let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
-    let score = run_cases(&source, diagnose, &|| progress.inc(1)).map_err(told)?;
+    let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
     progress.finish_and_clear();
     if let Some(folder) = &args.out {
         output::folder(folder)?;
@@ -81,5 +87,45 @@ fn told(error: ProofError) -> CliError {
     match error {
         ProofError::Folder(error) => CliError::input(error),
         ProofError::Plan { .. } => CliError::failure(error),
+    }
+}
+
+/// Diagnoses one case from its model and training recording alone; the other one scores the model.
+fn verdict(model: &Path, train: &Recording, test: &Recording) -> Result<Verdict, String> {
+    let model = Model::from_path(model).map_err(|error| error.to_string())?;
+    let start = Instant::now();
+    let train = std::slice::from_ref(train);
+    let outcome = diagnose(&model, train, &[], &Options::default(), &|_, _| {})
+        .map_err(|error| error.to_string())?;
+    let seconds = start.elapsed().as_secs_f64();
+    let score = score(&outcome.model, test).map_err(|error| error.to_string())?;
+    Ok(Verdict {
+        test_rms_over_noise: score.rms_over_noise,
+        seconds,
+        ..summary(&outcome.diagnosis)
+    })
+}
+
+fn summary(diagnosis: &Diagnosis) -> Verdict {
+    let finding = |finding: &crate::diagnosis::Finding| FindingSummary {
+        effect: finding.effect.clone(),
+        place: finding.place.clone(),
+        alternatives: finding.alternatives.clone(),
+        parameters: finding
+            .parameters
+            .iter()
+            .map(|parameter| ParameterSummary {
+                name: parameter.name.clone(),
+                value: parameter.value,
+                ci95: parameter.ci95,
+            })
+            .collect(),
+    };
+    Verdict {
+        kind: diagnosis.verdict.name().into(),
+        findings: diagnosis.findings.iter().map(finding).collect(),
+        before_over_noise: diagnosis.fit.before.held_out_over_noise,
+        after_over_noise: diagnosis.fit.after.held_out_over_noise,
+        ..Verdict::default()
     }
 }

@@ -13,6 +13,10 @@ use std::collections::BTreeMap;
 /// Two-sided 95 % of the normal distribution, in standard deviations.
 const NORMAL_95: f64 = 1.959_964;
 
+/// Residual, in times the noise, that is a mismatch even if it cannot be located: no estimate of a noise
+/// level is that far off.
+const CERTAIN: f64 = 1.5;
+
 /// All of a diagnosis that follows from a search.
 pub fn conclude(
     search: &Search,
@@ -64,7 +68,9 @@ pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
 fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     if found.best.effects().is_empty() {
         let quiet = search.at_floor(&found.baseline) && search.held_at_floor(&found.baseline);
-        return match quiet || located.location.place.is_none() {
+        // A little above the floor may be noise of another colour, unless it has a place in the chain.
+        let little = search.below(&found.baseline, CERTAIN) && located.location.place.is_none();
+        return match quiet || little {
             true => Verdict::NoMismatch,
             false => Verdict::Unexplained,
         };

@@ -19,6 +19,19 @@ pub enum Verdict {
     Unexplained,
 }
 
+impl Verdict {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NoMismatch => "no_mismatch",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::PartlyExplained => "partly_explained",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
 /// A fitted number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FittedParameter {

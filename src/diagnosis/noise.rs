@@ -8,6 +8,9 @@ use crate::signal::{Motion, RestRule, noise_floor, phases};
 /// Fewest samples of rest that tell the colour of the noise.
 const FEWEST: usize = 150;
 
+/// Samples of a stretch whose variance is worth comparing.
+const SHORTEST: usize = 40;
+
 /// Noise of an output from the residual of a refitted model.
 ///
 /// From stretches where the motor side rests and the vibration, which decays at `decay` (1/s), has died
@@ -23,6 +26,7 @@ pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: 
         .iter()
         .map(|range| detrended(&residual[range.clone()]))
         .collect();
+    let stretches = quietest(stretches);
     let count: usize = stretches.iter().map(Vec::len).sum();
     let views: Vec<&[f64]> = stretches.iter().map(Vec::as_slice).collect();
     let found = match count >= FEWEST {
@@ -35,6 +39,18 @@ pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: 
         return Whitening::white(white.max(least));
     }
     found
+}
+
+/// Stretches as quiet as the quietest one, within what chance makes of the deviation of stretches of at
+/// least [`SHORTEST`] samples: where something still rings is no noise.
+fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let power = |s: &Vec<f64>| s.iter().map(|v| v * v).sum::<f64>() / s.len() as f64;
+    let long = stretches.iter().filter(|s| s.len() >= SHORTEST);
+    let least = long.map(power).fold(f64::INFINITY, f64::min);
+    // Four standard deviations of a variance of that many samples, both ways.
+    let most = least * (1.0 + 8.0 * (2.0 / SHORTEST as f64).sqrt());
+    let quiet = |s: &Vec<f64>| s.len() >= SHORTEST && power(s) <= most;
+    stretches.into_iter().filter(quiet).collect()
 }
 
 /// Stretches of rest in which nothing rings any more.

@@ -235,6 +235,13 @@ impl Search<'_> {
         Some(simpler.unwrap_or(best).clone())
     }
 
+    /// Whether fitted and held-out residual are both below this many times the noise.
+    pub fn below(&self, explanation: &Explanation, times: f64) -> bool {
+        let per_row = |chi: f64, rows: usize| chi <= times * times * rows as f64;
+        per_row(explanation.train, self.judge.train_rows)
+            && per_row(explanation.held_out, self.judge.held_out_rows)
+    }
+
     /// Whether the held-out part, too, is nothing but noise.
     pub fn held_at_floor(&self, explanation: &Explanation) -> bool {
         explanation.held_out <= FLOOR * FLOOR * self.judge.held_out_rows as f64
