@@ -15,9 +15,9 @@ pub fn section(page: Page, case: &Case) -> Page {
     if case.diagnosis.verdict == Verdict::PartlyExplained {
         let fit = &case.diagnosis.fit;
         page = page.text(format!(
-            "That is not all: with it the misfit is still {} times the noise. What remains \
+            "That is not all: the misfit is still {} times the noise. What remains \
              could be given to none of the effects that were tried.",
-            number(head::ratio_of(&fit.after, fit)),
+            head::times(head::ratio_of(&fit.after, fit)),
         ));
     }
     table(page, case)
@@ -98,15 +98,15 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     }
 }
 
-/// A finding under its name: evidence, physics, and what to do.
+/// A finding under its name: physics, what to do, and the evidence.
 fn explained(page: Page, finding: &Finding) -> Page {
     let name = words::capital(&words::effect(&finding.effect));
     let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
+    let page = means(page, &finding.effect, &finding.place);
     let page = match finding.evidence.is_empty() {
         true => page,
         false => page.text(finding.evidence.clone()),
     };
-    let page = means(page, &finding.effect, &finding.place);
     match finding.alternatives.as_slice() {
         [] => page,
         others => {

@@ -40,6 +40,7 @@ fn figures(case: &Case) -> Vec<Figure> {
     }
     figures.extend(diagnosis.findings.iter().take(2).filter_map(parameter));
     match first {
+        Some(_) if diagnosis.findings.len() > 1 => {}
         Some(finding) if finding.alternatives.is_empty() => figures.push(probability(finding)),
         Some(finding) => figures.push(set_size(finding)),
         None => {}

@@ -62,7 +62,10 @@ fn bars(case: &Case) -> Bars {
     let names = drawn
         .iter()
         .map(|one| words::capital(&words::effect(&one.effect)));
-    let percent: Vec<_> = drawn.iter().map(|one| 100.0 * one.held_out_ratio).collect();
+    let percent = drawn
+        .iter()
+        .map(|one| digits(100.0 * one.held_out_ratio, 3));
+    let percent: Vec<_> = percent.collect();
     let fit = &case.diagnosis.fit;
     let floor = digits(100.0 / head::ratio_of(&fit.before, fit).powi(2), 2);
     let title = "What each explanation leaves of the misfit, on moves that it was not fitted to";
