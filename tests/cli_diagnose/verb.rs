@@ -63,7 +63,6 @@ fn dry_friction_is_named_and_the_model_that_is_written_has_it() {
         "{set:?}"
     );
     assert_eq!(finding.place, "transmission");
-    // The test's friction is smooth below 0.2 mrad/s, which no model of the catalogue has.
     assert!(found.fit.after.held_out_over_noise < 1.1, "{:?}", found.fit);
     assert!(
         found.fit.before.held_out_over_noise > 3.0,
