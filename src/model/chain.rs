@@ -404,12 +404,12 @@ impl Constants {
         }
     }
 
-    /// Whether friction at a seat can make what moves stop.
-    pub(super) fn yields(&self, seat: Seat) -> bool {
+    /// Slip acceleration for a unit force at a seat; 0 where motion is prescribed.
+    pub(super) fn mobility(&self, seat: Seat) -> f64 {
         match seat {
-            Seat::Motor => self.mobility[0] > 0.0,
-            Seat::Across => self.mobility[0] + self.mobility[1] > 0.0,
-            Seat::Link => self.mobility[1] > 0.0,
+            Seat::Motor => self.mobility[0],
+            Seat::Across => self.mobility[0] + self.mobility[1],
+            Seat::Link => self.mobility[1],
         }
     }
 }
@@ -428,7 +428,7 @@ pub(super) fn coordinate(seat: Seat, motion: &Motion) -> [f64; 2] {
 fn sliding_force(law: &Friction, sign: f64, speed: f64) -> f64 {
     let side = usize::from(sign < 0.0);
     let (kinetic, breakaway) = (law.kinetic[side], law.breakaway[side]);
-    if breakaway == kinetic {
+    if breakaway == kinetic || law.stribeck_velocity == 0.0 {
         return kinetic;
     }
     kinetic + (breakaway - kinetic) * (-(speed / law.stribeck_velocity).powi(2)).exp()

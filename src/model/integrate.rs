@@ -45,7 +45,13 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
     };
     let stops = stops(chain, grid, timed);
     let mut ticks = Ticks::new(chain, &state);
-    let mut stepper = Stepper::new(chain, grid.time[0], &state, first.at(0.0));
+    let span = Span {
+        t0: grid.time[0],
+        from: grid.time[0],
+        last: grid.time[1],
+        input: first,
+    };
+    let mut stepper = Stepper::new(chain, &span, &state, grid.time[1] - grid.time[0]);
     let mut next = 0;
     for k in 0..steps {
         let (t0, t1) = (grid.time[k], grid.time[k + 1]);

@@ -22,6 +22,9 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
+/// Steps into which one may be divided while friction falls with speed.
+const FINEST: f64 = 32.0;
+
 /// A chain in motion.
 pub(super) struct Stepper<'a> {
     pub chain: &'a mut Chain,
@@ -34,6 +37,9 @@ pub(super) struct Stepper<'a> {
     corners: Vec<(usize, f64)>,
     /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
     breakaway: [Option<[f64; 2]>; 3],
+    /// Least Stribeck velocity of a seat, and the acceleration by which friction falls, where it does
+    /// so slowly enough to be followed.
+    stribeck: [Option<(f64, f64)>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
     slides: [f64; 3],
 }
@@ -47,7 +53,8 @@ enum Event {
 
 impl<'a> Stepper<'a> {
     /// The chain at its first instant: what moves slides, memories begin.
-    pub fn new(chain: &'a mut Chain, time: f64, state: &State, input: [f64; 3]) -> Self {
+    pub fn new(chain: &'a mut Chain, span: &Span, state: &State, h: f64) -> Self {
+        let (time, input) = span.at(0.0);
         let constants = Constants::new(&chain.linear);
         let (motion, _) = chain.motion(time, state, input);
         let mut corners = Vec::new();
@@ -71,6 +78,7 @@ impl<'a> Stepper<'a> {
                 .map(|force| force * chain.linear.unit_force);
             breakaway[seat] = Some([up + own[0], down + own[1]]);
         }
+        let stribeck = stribeck(chain, &constants, h);
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
@@ -80,6 +88,7 @@ impl<'a> Stepper<'a> {
             whole,
             corners,
             breakaway,
+            stribeck,
             slides: [0.0; 3],
         }
     }
@@ -120,30 +129,69 @@ impl<'a> Stepper<'a> {
             self.remember(state, to, span.at(h).1);
             return;
         }
-        let mut events = 0;
+        let (shortest, mut events) = ((to - span.from) / FINEST, 0);
         while to > span.from {
-            let h = to - span.from;
+            let h = self.longest(&start, to - span.from).max(shortest);
+            let h = h.min(to - span.from);
             let trial = self.trial(state, &span, &start, h);
             let event = self.first_event(state, &start, &trial, &span);
-            let Some((event, share)) = event.filter(|_| events < MOST_EVENTS) else {
-                if event.is_some() {
-                    self.calm(&trial, &span);
+            let h = match event {
+                Some((event, share)) if events < MOST_EVENTS => {
+                    events += 1;
+                    if share > 0.0 {
+                        *state = self.trial(state, &span, &start, share * h).end;
+                    }
+                    self.happen(event);
+                    share * h
                 }
-                *state = trial.end;
-                self.accept(state, to, span.at(h).1);
-                return;
+                _ => {
+                    if event.is_some() {
+                        self.calm(&trial, &span);
+                    }
+                    *state = trial.end;
+                    h
+                }
             };
-            let h = share * h;
-            if h > 0.0 {
-                *state = self.trial(state, &span, &start, h).end;
-            }
-            let input = span.at(h).1;
-            span.from = (span.from + h).min(to);
-            self.happen(event);
+            let (input, then) = (span.at(h).1, span.from + h);
+            span.from = if h == to - span.from {
+                to
+            } else {
+                then.min(to)
+            };
             self.accept(state, span.from, input);
-            start = self.settle(state, &span);
-            events += 1;
+            if span.from < to {
+                start = self.settle(state, &span);
+            }
         }
+    }
+
+    /// The longest step in which friction that falls with speed can be followed.
+    fn longest(&self, start: &Instant, h: f64) -> f64 {
+        let mut longest = h;
+        for seat in self.rough() {
+            let Some((velocity, drop)) = self.stribeck[seat as usize] else {
+                continue;
+            };
+            let slides = self.slides[seat as usize];
+            if slides == 0.0 {
+                continue;
+            }
+            let rate = slides * coordinate(seat, &start.motion)[1];
+            let change = slides
+                * match seat {
+                    Seat::Motor => start.motor,
+                    Seat::Across => start.link - start.motor,
+                    Seat::Link => start.link,
+                };
+            // Beyond three velocities the force is the kinetic one to 1e-4.
+            let above = rate - 3.0 * velocity;
+            longest = match above > 0.0 {
+                true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
+                true => longest,
+                false => longest.min(0.5 * velocity / (change.abs() + drop)),
+            };
+        }
+        longest
     }
 
     fn evaluate(&self, time: f64, state: &State, input: [f64; 3]) -> Instant {
@@ -179,7 +227,12 @@ impl<'a> Stepper<'a> {
 
     /// Whether a seat sticks and something could make it slide.
     fn holds(&self, seat: Seat) -> bool {
-        self.slides[seat as usize] == 0.0 && self.constants.yields(seat)
+        self.slides[seat as usize] == 0.0 && self.yields(seat)
+    }
+
+    /// Whether what slides at a seat can be stopped there.
+    fn yields(&self, seat: Seat) -> bool {
+        self.constants.mobility(seat) > 0.0
     }
 
     /// Hands the state of the seats on to their frictions.
@@ -264,7 +317,7 @@ impl<'a> Stepper<'a> {
     fn happen(&mut self, event: Event) {
         match event {
             Event::Breakaway | Event::Corner => {}
-            Event::Stop(seat) if self.constants.yields(seat) => self.slides[seat as usize] = 0.0,
+            Event::Stop(seat) if self.yields(seat) => self.slides[seat as usize] = 0.0,
             Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
         }
     }
@@ -274,7 +327,7 @@ impl<'a> Stepper<'a> {
         let end = self.motion_at(&trial.end, trial, span, 1.0);
         for seat in self.rough() {
             let rate = coordinate(seat, &end)[1];
-            if self.slides[seat as usize] * rate < 0.0 && self.constants.yields(seat) {
+            if self.slides[seat as usize] * rate < 0.0 && self.yields(seat) {
                 self.slides[seat as usize] = 0.0;
             }
         }
@@ -326,6 +379,29 @@ impl<'a> Stepper<'a> {
             *side = value.map_or(*side, sign);
         }
     }
+}
+
+/// Stribeck velocities that steps of length `h` can follow; smaller ones become 0: the breakaway force
+/// then acts at rest only.
+fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f64)>; 3] {
+    let mut found = [None; 3];
+    for index in 0..chain.frictions.len() {
+        let seat = chain.seat(chain.frictions[index].place);
+        let law = &mut chain.frictions[index].law;
+        let sides = [0, 1].map(|side| law.breakaway[side] - law.kinetic[side]);
+        let unit = chain.linear.unit_force;
+        let drop = unit * constants.mobility(seat) * sides[0].max(sides[1]);
+        if drop <= 0.0 {
+            continue;
+        }
+        if 0.5 * law.stribeck_velocity < drop * h / FINEST {
+            law.stribeck_velocity = 0.0;
+            continue;
+        }
+        let (velocity, fall) = found[seat as usize].unwrap_or((f64::INFINITY, 0.0));
+        found[seat as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
+    }
+    found
 }
 
 /// The sign of a switch; 0 at the corner.
