@@ -86,11 +86,9 @@ pub fn unknown(page: Page, case: &Case) -> Page {
         page = page.text(format!("{}.", words::capital(&words::list(&known, "and"))));
     }
     let look = location.place.as_ref().and_then(|place| remedy::at(place));
-    let tried = format!(
-        "{} explanations were fitted, and none brings the misfit down to the noise on moves that \
-         it was not fitted to. The model is left as it was but for its own parameters.",
-        case.diagnosis.candidates.len(),
-    );
+    let tried = "The whole catalogue was held against it and what came closest was fitted; nothing \
+                 brings the misfit down to the noise on moves that it was not fitted to. The model \
+                 is left as it was but for its own parameters.";
     page = page.text(tried);
     match look {
         Some(look) => page.text(look),

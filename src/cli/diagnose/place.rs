@@ -3,7 +3,7 @@
 use super::page::Case;
 use super::shown::{Shown, peak};
 use super::{follows, words};
-use crate::diagnosis::{Traces, Verdict};
+use crate::diagnosis::{Finding, Traces, Verdict};
 use crate::effects::{PLACES, Place};
 use crate::report::{Bars, Chain, Chart, Page};
 
@@ -12,19 +12,17 @@ pub fn chain(page: Page, case: &Case) -> Page {
     let mut chain = Chain::new("Where it sits in the machine");
     let mut any = false;
     for (place, name) in PLACES {
-        let why = why(case, name);
+        let reasons = reasons(case, name);
         let outside = matches!(place, Place::Base | Place::Environment);
-        if outside && why.is_none() {
+        if outside && reasons.is_empty() {
             continue;
         }
         chain = match outside {
             true => chain.beside(*name, words::place(name)),
             false => chain.station(*name, words::place(name)),
         };
-        any |= why.is_some();
-        if let Some(why) = why {
-            chain = chain.marked(why);
-        }
+        any |= !reasons.is_empty();
+        chain = reasons.into_iter().fold(chain, Chain::marked);
     }
     match any {
         true => page.chain(chain),
@@ -33,21 +31,17 @@ pub fn chain(page: Page, case: &Case) -> Page {
 }
 
 /// What is said at a place, if the mismatch is there.
-fn why(case: &Case, place: &str) -> Option<String> {
-    let here = case
-        .diagnosis
-        .findings
-        .iter()
-        .filter(|finding| finding.place == place);
-    let names: Vec<_> = here
-        .map(|finding| words::list(&words::set(finding), "or"))
+fn reasons(case: &Case, place: &str) -> Vec<String> {
+    let at = |finding: &&Finding| finding.place == place;
+    let here = case.diagnosis.findings.iter().filter(at);
+    let mut reasons: Vec<_> = here
+        .map(|finding| words::capital(&words::list(&words::set(finding), "or")))
         .collect();
-    if !names.is_empty() {
-        return Some(words::capital(&words::list(&names, "and")));
-    }
     let located = case.diagnosis.location.place.as_deref() == Some(place);
-    let unknown = case.diagnosis.verdict == Verdict::Unexplained;
-    (located && unknown).then(|| "something unknown".into())
+    if located && case.diagnosis.verdict == Verdict::Unexplained {
+        reasons.push("something unknown".into());
+    }
+    reasons
 }
 
 /// The evidence.

@@ -2,9 +2,12 @@
 
 use crate::report::number;
 
+/// From which size on, by which factor, and in which unit.
+type Row = (f64, f64, &'static str);
+
 /// For values of at least the size, the factor and the unit to show them in; the last one holds for
 /// all that is smaller.
-const PREFERRED: &[(&str, &[(f64, f64, &str)])] = &[
+const PREFERRED: &[(&str, &[Row])] = &[
     (
         "rad",
         &[
