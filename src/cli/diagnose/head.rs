@@ -100,7 +100,7 @@ fn misfit(case: &Case) -> Figure {
 }
 
 fn catalogue(note: &str) -> Figure {
-    Figure::text("effects looked for", EFFECTS.len().to_string()).note(note)
+    Figure::text("effects in the catalogue", EFFECTS.len().to_string()).note(note)
 }
 
 fn frequency(frequency: f64) -> Figure {

@@ -123,6 +123,7 @@ pub fn nothing(page: Page, case: &Case) -> Page {
         ),
     };
     page.heading("What was looked for").text(format!(
-        "All {count} effects of the catalogue were held against the misfit. {closest}"
+        "The {count} effects of the catalogue were held against the misfit, as far as they apply to \
+             this model. {closest}"
     ))
 }
