@@ -1,6 +1,7 @@
 //! `quell diagnose`: what physics a model lacks, from what was recorded.
 
 mod findings;
+mod follows;
 mod head;
 mod motion;
 mod next;

@@ -40,7 +40,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
     }
 }
 
-fn text(score: &Score) -> String {
+/// One line: rms, noise, and how much of the recording is explained.
+pub fn text(score: &Score) -> String {
     let shown = Shown::of(&score.unit, score.rms);
     let unit = &shown.unit;
     let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));

@@ -4,7 +4,7 @@ mod document;
 mod limits;
 mod motion;
 mod planned;
-pub mod predicted;
+mod predicted;
 mod recorded;
 mod setup;
 mod slopes;
@@ -22,7 +22,8 @@ use trace::Trace;
 
 /// Simulates moves, or a recorded command, and writes what the sensors see as a recording.
 ///
-/// Without arguments: the embedded arm and its own move, 30 degrees, unshaped.
+/// Without arguments: the embedded arm and its own move, 30 degrees, unshaped. With a model and a
+/// recording: what the model predicts of it.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -31,12 +32,20 @@ Examples:
   quell simulate --robot robot.toml --joint 2 --shaper zvd --belief 11,0.05 --json
   quell simulate --command data --noise 5
   quell simulate --command command.csv --column joint_1_deg --unit deg --rate 250
+  quell simulate model.toml arm7 --out prediction.csv
 
 The folder of --out gets recording.toml with the command, the encoder and the tracker, each on its
 own clock, and model.toml with what is believed of the joint; `quell identify` and `quell inspect`
 read them. Residual: peak of the true deformation at the tip from where the motor side has come to
 rest, to one encoder step, until the next move begins.")]
 pub struct Args {
+    /// A model to predict a recording with, instead of a robot's moves.
+    #[arg(value_name = "MODEL", requires = "recording",
+          conflicts_with_all = ["target", "shaper", "command", "pose", "mode", "belief", "dwell"])]
+    pub model: Option<PathBuf>,
+    /// The recording to predict: its manifest, or the folder of a recording.toml.
+    #[arg(value_name = "RECORDING")]
+    pub recording: Option<PathBuf>,
     #[command(flatten)]
     robot: RobotArgs,
     /// Where to move, deg from where the joint stands at the start; may be repeated [default: as
@@ -89,7 +98,7 @@ pub struct Args {
     pub mode: Option<Mode>,
     #[command(flatten)]
     simulation: SimulationArgs,
-    /// The folder for the recording.
+    /// The folder for the recording, or the file for the prediction.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     /// Prints JSON instead of a table.
@@ -102,6 +111,9 @@ pub struct Args {
 /// # Errors
 /// [`CliError::Input`] where the robot, the move or the command is refused.
 pub fn run(args: Args) -> Result<(), CliError> {
+    if let (Some(model), Some(recording)) = (&args.model, &args.recording) {
+        return predicted::run(model, recording, &args.out, args.json);
+    }
     let mut setup = Setup::from(&args)?;
     if let Some(file) = &args.command {
         apart(file, &args.out)?;

@@ -14,7 +14,7 @@ pub struct Chain {
 struct Station {
     name: String,
     words: String,
-    mark: Option<String>,
+    marks: Vec<String>,
     beside: bool,
 }
 
@@ -37,10 +37,10 @@ impl Chain {
         self.push(name.into(), words.into(), true)
     }
 
-    /// Marks the last station as the one to look at, and says why.
+    /// Marks the last station as the one to look at, and says why; each reason has its line.
     pub fn marked(mut self, why: impl Into<String>) -> Self {
         if let Some(station) = self.stations.last_mut() {
-            station.mark = Some(why.into());
+            station.marks.push(why.into());
         }
         self
     }
@@ -49,7 +49,7 @@ impl Chain {
         self.stations.push(Station {
             name,
             words,
-            mark: None,
+            marks: Vec::new(),
             beside,
         });
         self
@@ -67,19 +67,19 @@ impl Chain {
 
 impl Station {
     fn render(&self) -> String {
-        let class = match (&self.mark, self.beside) {
-            (Some(_), false) => " class=\"mark\"",
-            (Some(_), true) => " class=\"mark beside\"",
-            (None, false) => "",
-            (None, true) => " class=\"beside\"",
+        let class = match (self.marks.is_empty(), self.beside) {
+            (false, false) => " class=\"mark\"",
+            (false, true) => " class=\"mark beside\"",
+            (true, false) => "",
+            (true, true) => " class=\"beside\"",
         };
-        let mark = self.mark.as_ref();
-        let why = mark.map(|why| format!("<strong>{}</strong>", escape(why)));
+        let line = |why: &String| format!("<strong>{}</strong>", escape(why));
+        let why: String = self.marks.iter().map(line).collect();
         format!(
             "<li{class}><b>{}</b><span>{}</span>{}</li>",
             escape(&self.name),
             escape(&self.words),
-            why.unwrap_or_default(),
+            why,
         )
     }
 }

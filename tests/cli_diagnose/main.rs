@@ -15,7 +15,7 @@ const PAGES: &[(Verdict, &str, &[&str], &[&str])] = &[
         &[
             "Nothing is missing",
             "class=\"verdict good\"",
-            "2 explanations were tried",
+            "effects of the catalogue were held against",
         ],
         &["The ranking", "after: with", "class=\"chain\""],
     ),
@@ -57,7 +57,7 @@ const PAGES: &[(Verdict, &str, &[&str], &[&str])] = &[
         &[
             "What was tried",
             "something unknown",
-            "9 explanations were fitted",
+            "The whole catalogue was held against it",
         ],
         &["after: with", "What the model lacks"],
     ),

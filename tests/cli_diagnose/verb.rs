@@ -63,7 +63,6 @@ fn dry_friction_is_named_and_the_model_that_is_written_has_it() {
         "{set:?}"
     );
     assert_eq!(finding.place, "transmission");
-    // The test's friction is smooth below 0.2 mrad/s, which no model of the catalogue has.
     assert!(found.fit.after.held_out_over_noise < 1.1, "{:?}", found.fit);
     assert!(
         found.fit.before.held_out_over_noise > 3.0,
@@ -86,6 +85,35 @@ fn dry_friction_is_named_and_the_model_that_is_written_has_it() {
     assert!(after["rms_over_noise"].as_f64().unwrap() < 1.1, "{after}");
     assert!(before["rms_over_noise"].as_f64().unwrap() > 3.0, "{before}");
     assert!(after["fit_percent"].as_f64().unwrap() > 95.0, "{after}");
+}
+
+#[test]
+fn a_model_predicts_a_recording() {
+    let folder = workplace();
+    let folder = folder.path();
+    let told = score(folder, "simulate model.toml clean --out sub/p.csv --json");
+    let file = folder.join("sub/p.csv");
+    assert_eq!(told["files"], serde_json::json!(["sub/p.csv"]));
+    let text = std::fs::read_to_string(file).unwrap();
+    let mut lines = text.lines();
+    let header = "time_s,deformation_recorded_rad,deformation_predicted_rad";
+    assert_eq!(lines.next(), Some(header));
+    let errors = lines.map(|line| {
+        let values: Vec<f64> = line
+            .split(',')
+            .map(|value| value.parse().unwrap())
+            .collect();
+        (values[1] - values[2]).powi(2)
+    });
+    let (count, sum) = errors.fold((0.0, 0.0), |(count, sum), error| (count + 1.0, sum + error));
+    let scored = score(folder, "score model.toml clean --json");
+    assert_eq!(told["score"], scored);
+    let rms = scored["rms"].as_f64().unwrap();
+    // Equal but for the rounding of a sum of 4329 squares.
+    assert!(
+        ((sum / count).sqrt() / rms - 1.0).abs() < 1e-9,
+        "{sum} {count} {rms}"
+    );
 }
 
 #[test]
@@ -124,6 +152,8 @@ fn what_cannot_be_read_is_refused() {
         ("diagnose --model model.toml dry --jobs 0", "--jobs"),
         ("diagnose --model model.toml dry --out .", "written over"),
         ("score model.toml nowhere", "nowhere"),
+        ("simulate model.toml", "RECORDING"),
+        ("simulate model.toml clean --target 3", "--target"),
     ] {
         let assert = quell(folder.path(), arguments).assert().code(2);
         let stderr = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();

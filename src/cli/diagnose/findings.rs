@@ -15,9 +15,9 @@ pub fn section(page: Page, case: &Case) -> Page {
     if case.diagnosis.verdict == Verdict::PartlyExplained {
         let fit = &case.diagnosis.fit;
         page = page.text(format!(
-            "That is not all: with it the misfit is still {} times the noise. What remains \
+            "That is not all: the misfit is still {} times the noise. What remains \
              could be given to none of the effects that were tried.",
-            number(head::ratio_of(&fit.after, fit)),
+            head::times(head::ratio_of(&fit.after, fit)),
         ));
     }
     table(page, case)
@@ -86,11 +86,9 @@ pub fn unknown(page: Page, case: &Case) -> Page {
         page = page.text(format!("{}.", words::capital(&words::list(&known, "and"))));
     }
     let look = location.place.as_ref().and_then(|place| remedy::at(place));
-    let tried = format!(
-        "{} explanations were fitted, and none brings the misfit down to the noise on moves that \
-         it was not fitted to. The model is left as it was but for its own parameters.",
-        case.diagnosis.candidates.len(),
-    );
+    let tried = "The whole catalogue was held against it and what came closest was fitted; nothing \
+                 brings the misfit down to the noise on moves that it was not fitted to. The model \
+                 is left as it was but for its own parameters.";
     page = page.text(tried);
     match look {
         Some(look) => page.text(look),
@@ -98,15 +96,15 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     }
 }
 
-/// A finding under its name: evidence, physics, and what to do.
+/// A finding under its name: physics, what to do, and the evidence.
 fn explained(page: Page, finding: &Finding) -> Page {
     let name = words::capital(&words::effect(&finding.effect));
     let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
+    let page = means(page, &finding.effect, &finding.place);
     let page = match finding.evidence.is_empty() {
         true => page,
         false => page.text(finding.evidence.clone()),
     };
-    let page = means(page, &finding.effect, &finding.place);
     match finding.alternatives.as_slice() {
         [] => page,
         others => {

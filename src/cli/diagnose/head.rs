@@ -4,6 +4,7 @@ use super::page::Case;
 use super::shown::{Shown, digits};
 use super::words;
 use crate::diagnosis::{Finding, Fit, Quality, Verdict};
+use crate::effects::EFFECTS;
 use crate::report::{self, Figure, Page, number};
 
 /// Title, verdict in one sentence, key figures.
@@ -31,15 +32,16 @@ fn figures(case: &Case) -> Vec<Figure> {
     let first = diagnosis.findings.first();
     let mut figures = vec![over_noise(case), misfit(case)];
     match diagnosis.verdict {
-        Verdict::NoMismatch => figures.push(tried(case, "none is needed")),
+        Verdict::NoMismatch => figures.push(catalogue("none is needed")),
         Verdict::Unexplained => {
-            figures.push(tried(case, "none explains it"));
+            figures.push(catalogue("none explains it"));
             figures.extend(diagnosis.location.frequency_hz.map(frequency));
         }
         _ => {}
     }
     figures.extend(diagnosis.findings.iter().take(2).filter_map(parameter));
     match first {
+        Some(_) if diagnosis.findings.len() > 1 => {}
         Some(finding) if finding.alternatives.is_empty() => figures.push(probability(finding)),
         Some(finding) => figures.push(set_size(finding)),
         None => {}
@@ -97,9 +99,8 @@ fn misfit(case: &Case) -> Figure {
         .note(format!("the noise is {noise} {}", shown.unit))
 }
 
-fn tried(case: &Case, note: &str) -> Figure {
-    let count = case.diagnosis.candidates.len();
-    Figure::text("explanations tried", count.to_string()).note(note)
+fn catalogue(note: &str) -> Figure {
+    Figure::text("effects in the catalogue", EFFECTS.len().to_string()).note(note)
 }
 
 fn frequency(frequency: f64) -> Figure {

@@ -4,6 +4,7 @@ use super::page::Case;
 use super::shown::digits;
 use super::{head, words};
 use crate::diagnosis::Verdict;
+use crate::effects::EFFECTS;
 use crate::report::{Bars, Page, Table, number};
 
 /// Candidates that are drawn, and that are listed, at most.
@@ -30,30 +31,31 @@ pub fn section(page: Page, case: &Case) -> Page {
 
 fn introduction(case: &Case) -> String {
     let diagnosis = case.diagnosis;
-    let alternatives: Vec<_> = diagnosis
+    let how = "Each explanation was fitted together with the model's own parameters and judged by \
+               moves that it had not seen.";
+    let doubts = diagnosis
         .findings
         .iter()
-        .flat_map(|finding| &finding.alternatives)
+        .filter(|finding| !finding.alternatives.is_empty());
+    let doubts: Vec<_> = doubts
+        .map(|finding| {
+            let others = finding.alternatives.iter().map(|name| words::effect(name));
+            let others: Vec<_> = others.collect();
+            let name = words::effect(&finding.effect);
+            format!(
+                " The data cannot tell {name} from {}.",
+                words::list(&others, "or")
+            )
+        })
         .collect();
-    let names: Vec<_> = alternatives
-        .iter()
-        .map(|name| words::effect(name))
-        .collect();
-    match (diagnosis.verdict, names.len()) {
-        (Verdict::Unexplained, _) => "Each explanation was fitted together with the model's own \
-             parameters and judged by moves that it had not seen."
-            .into(),
-        (_, 0) => format!(
-            "Each explanation was fitted together with the model's own parameters and judged by \
-             moves that it had not seen. None comes as close as {}.",
-            words::findings(&diagnosis.findings)
-        ),
-        _ => format!(
-            "Each explanation was fitted together with the model's own parameters and judged by \
-             moves that it had not seen. The data cannot tell {} from {}.",
-            words::findings(&diagnosis.findings),
-            words::list(&names, "or")
-        ),
+    let none = format!(
+        " None comes as close as {}.",
+        words::findings(&diagnosis.findings)
+    );
+    match (diagnosis.verdict, doubts.is_empty()) {
+        (Verdict::Unexplained, _) => how.into(),
+        (_, true) => format!("{how}{none}"),
+        (_, false) => format!("{how}{}", doubts.concat()),
     }
 }
 
@@ -62,7 +64,10 @@ fn bars(case: &Case) -> Bars {
     let names = drawn
         .iter()
         .map(|one| words::capital(&words::effect(&one.effect)));
-    let percent: Vec<_> = drawn.iter().map(|one| 100.0 * one.held_out_ratio).collect();
+    let percent = drawn
+        .iter()
+        .map(|one| digits(100.0 * one.held_out_ratio, 3));
+    let percent: Vec<_> = percent.collect();
     let fit = &case.diagnosis.fit;
     let floor = digits(100.0 / head::ratio_of(&fit.before, fit).powi(2), 2);
     let title = "What each explanation leaves of the misfit, on moves that it was not fitted to";
@@ -107,15 +112,18 @@ fn table(case: &Case) -> Table {
 
 /// For a model that lacks nothing: how much was looked for.
 pub fn nothing(page: Page, case: &Case) -> Page {
-    let candidates = &case.diagnosis.candidates;
-    let Some(best) = candidates.first() else {
-        return page;
+    let count = EFFECTS.len();
+    let closest = match case.diagnosis.candidates.first() {
+        None => "None of them was worth a fit.".into(),
+        Some(best) => format!(
+            "What came closest, {}, was fitted; it leaves {} % of the misfit on moves that it was not \
+             fitted to, and what is left is noise.",
+            words::effect(&best.effect),
+            number(digits(100.0 * best.held_out_ratio, 3)),
+        ),
     };
     page.heading("What was looked for").text(format!(
-        "{} explanations were tried, and none predicts moves that it was not fitted to better than \
-         chance would let it. The best of them, {}, leaves {} % of the misfit, and that is noise.",
-        candidates.len(),
-        words::effect(&best.effect),
-        number((1000.0 * best.held_out_ratio).round() / 10.0),
+        "The {count} effects of the catalogue were held against the misfit, as far as they apply to \
+             this model. {closest}"
     ))
 }

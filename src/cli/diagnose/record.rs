@@ -40,7 +40,10 @@ fn outputs(case: &Case) -> Table {
     for trace in &case.traces.outputs {
         let [before, with] =
             [&trace.before, &trace.after].map(|model| rms(residual(trace, model).into_iter()));
-        let shown = Shown::of(&trace.unit, before);
+        let shown = match trace.unit == case.diagnosis.fit.unit {
+            true => case.misfit_unit(),
+            false => Shown::of(&trace.unit, trace.noise_std),
+        };
         let last = if after { with } else { before };
         let mut row = vec![
             trace.name.clone().into(),

@@ -2,9 +2,12 @@
 
 use crate::report::number;
 
+/// From which size on, by which factor, and in which unit.
+type Row = (f64, f64, &'static str);
+
 /// For values of at least the size, the factor and the unit to show them in; the last one holds for
 /// all that is smaller.
-const PREFERRED: &[(&str, &[(f64, f64, &str)])] = &[
+const PREFERRED: &[(&str, &[Row])] = &[
     (
         "rad",
         &[
@@ -77,7 +80,7 @@ impl Shown {
     /// A value to the digits that its interval carries: two of half the interval's width.
     pub fn quoted(&self, value: f64, interval: [f64; 2]) -> String {
         let half = 0.5 * (interval[1] - interval[0]).abs() * self.factor;
-        number(to_digits_of(value * self.factor, half))
+        to_digits_of(value * self.factor, half)
     }
 
     /// `low to high`, to the digits that it carries.
@@ -93,13 +96,18 @@ pub fn digits(value: f64, count: usize) -> f64 {
     rounded.parse().unwrap_or(value)
 }
 
-/// `value` rounded to two significant digits of `spread`.
-fn to_digits_of(value: f64, spread: f64) -> f64 {
-    if !(spread.is_finite() && spread > 0.0) {
-        return value;
+/// `value` to two significant digits of `spread`, with the zeros that they end in.
+fn to_digits_of(value: f64, spread: f64) -> String {
+    if !(spread.is_finite() && spread > 0.0 && value.is_finite()) {
+        return number(value);
     }
-    let step = 10_f64.powi(spread.log10().floor() as i32 - 1);
-    (value / step).round() * step
+    let decimals = 1 - spread.log10().floor() as i32;
+    let step = 10_f64.powi(-decimals);
+    let rounded = (value / step).round() * step + 0.0;
+    match (0..=6).contains(&decimals) && rounded.abs() < 1e6 {
+        true => format!("{rounded:.*}", decimals as usize).replace('-', "\u{2212}"),
+        false => number(rounded),
+    }
 }
 
 /// The largest magnitude among the finite values.
@@ -139,6 +147,11 @@ mod tests {
         let shown = Shown::of("N", 20.0);
         assert_eq!(shown.quoted(20.4172, [19.9, 20.9]), "20.42");
         assert_eq!(shown.interval([19.913, 20.921]), "19.91 to 20.92");
+        assert_eq!(shown.interval([0.1148, 0.1170]), "0.1148 to 0.1170");
         assert_eq!(shown.quoted(1234.0, [1000.0, 1400.0]), "1230");
+        assert_eq!(
+            shown.quoted(-3.2e-9, [-3.3e-9, -3.1e-9]),
+            "\u{2212}3.2e\u{2212}9"
+        );
     }
 }

@@ -1,68 +1,79 @@
-//! A model's prediction of a recording, as a CSV file.
+//! A model's prediction of a recording, as CSV files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::cli::{CliError, output};
+use crate::cli::{CliError, output, score};
+use crate::diagnosis::{Predicted, predict};
+use crate::model::Model;
+use crate::recording::Recording;
 
-/// One output of the model over one recording.
-pub struct Predicted<'a> {
-    /// Role of the output, such as `deformation`.
-    pub role: &'a str,
-    /// SI unit of the values.
-    pub unit: &'a str,
-    /// Stamps of the recorded samples, s.
-    pub time: &'a [f64],
-    /// One value a stamp for each component: three of a position in space, else one.
-    pub columns: &'a [Vec<f64>],
-}
-
-/// Writes time and components as columns, `time_s,deformation_rad` or `time_s,tip_position_x_m,...`.
+/// Predicts a recording and writes each output at its own stamps: the first one into `out`, each
+/// further one beside it, with its role in the name. A folder gets `prediction.csv`.
 ///
 /// # Errors
-/// [`CliError::Failure`] that names the file.
-pub fn write(file: &Path, predicted: &Predicted) -> Result<(), CliError> {
-    output::file(file, csv(predicted)?)
+/// [`CliError::Input`] where model or recording is refused.
+pub fn run(model: &Path, recording: &Path, out: &Path, json: bool) -> Result<(), CliError> {
+    let model = Model::from_path(model).map_err(CliError::input)?;
+    let recording = Recording::from_path(recording)?;
+    let (outputs, score) = predict(&model, &recording).map_err(CliError::input)?;
+    let first = match out.extension() {
+        Some(_) if !out.is_dir() => out.to_path_buf(),
+        _ => out.join("prediction.csv"),
+    };
+    if let Some(folder) = first
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        output::folder(folder)?;
+    }
+    let mut files = Vec::new();
+    for (index, predicted) in outputs.iter().enumerate() {
+        let file = if index == 0 {
+            first.clone()
+        } else {
+            beside(&first, index, predicted.name)
+        };
+        output::file(&file, csv(predicted)?)?;
+        files.push(file.display().to_string());
+    }
+    match json {
+        true => output::json(&serde_json::json!({ "files": files, "score": score })),
+        false => output::text(&format!(
+            "{}Written: {}\n",
+            score::text(&score),
+            files.join(", ")
+        )),
+    }
 }
 
-/// Numbers with as many digits as bring them back to the bit.
+/// `prediction-2-link_position.csv` beside `prediction.csv`.
+fn beside(first: &Path, index: usize, role: &str) -> PathBuf {
+    let stem = first.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = first.extension().unwrap_or_default().to_string_lossy();
+    first.with_file_name(format!("{stem}-{}-{role}.{extension}", index + 1))
+}
+
+/// Stamps, what was recorded, and what the model says, with as many digits as bring the numbers back
+/// to the bit.
 fn csv(predicted: &Predicted) -> Result<Vec<u8>, CliError> {
+    let legible = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let unit: String = predicted.unit.chars().map(legible).collect();
+    let role = predicted.name;
+    let header = [
+        "time_s".to_string(),
+        format!("{role}_recorded_{unit}"),
+        format!("{role}_predicted_{unit}"),
+    ];
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer
-        .write_record(header(predicted))
-        .map_err(CliError::failure)?;
-    for (row, time) in predicted.time.iter().enumerate() {
-        let values = predicted
-            .columns
-            .iter()
-            .map(|column| column.get(row).copied());
-        let values = values.map(|value| value.map_or(String::new(), |value| value.to_string()));
-        let record = std::iter::once(time.to_string()).chain(values);
-        writer.write_record(record).map_err(CliError::failure)?;
+    writer.write_record(header).map_err(CliError::failure)?;
+    let values = predicted.recorded.iter().zip(&predicted.predicted);
+    for (time, (recorded, predicted)) in predicted.time.iter().zip(values) {
+        let row = [time, recorded, predicted].map(f64::to_string);
+        writer.write_record(row).map_err(CliError::failure)?;
     }
     writer
         .into_inner()
         .map_err(|error| CliError::failure(error.to_string()))
-}
-
-fn header(predicted: &Predicted) -> Vec<String> {
-    let Predicted { role, unit, .. } = predicted;
-    let unit: String = unit
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-        .collect();
-    let mut header = vec!["time_s".to_string()];
-    match predicted.columns.len() {
-        1 => header.push(format!("{role}_{unit}")),
-        count => header.extend(
-            ["x", "y", "z"]
-                .into_iter()
-                .map(String::from)
-                .chain((4..).map(|k: usize| k.to_string()))
-                .take(count)
-                .map(|component| format!("{role}_{component}_{unit}")),
-        ),
-    }
-    header
 }
 
 #[cfg(test)]
@@ -71,21 +82,18 @@ mod tests {
 
     #[test]
     fn columns_are_named_and_numbers_keep_their_digits() {
-        let columns = [vec![0.1, 1.0 / 3.0], vec![0.0, -2e-9], vec![1.0, 2.0]];
-        let time = [0.0, 0.003];
-        let mut predicted = Predicted {
-            role: "tip_position",
-            unit: "m",
-            time: &time,
-            columns: &columns,
+        let predicted = Predicted {
+            name: "link_acceleration",
+            unit: "rad/s^2".into(),
+            time: vec![0.0, 0.003],
+            recorded: vec![0.1, 1.0 / 3.0],
+            predicted: vec![0.0, -2e-9],
         };
         let text = String::from_utf8(csv(&predicted).unwrap()).unwrap();
-        let expected = "time_s,tip_position_x_m,tip_position_y_m,tip_position_z_m\n0,0.1,0,1\n\
-                        0.003,0.3333333333333333,-0.000000002,2\n";
+        let expected = "time_s,link_acceleration_recorded_rad_s_2,link_acceleration_predicted_rad_s_2\n\
+                        0,0.1,0\n0.003,0.3333333333333333,-0.000000002\n";
         assert_eq!(text, expected);
-        (predicted.role, predicted.unit, predicted.columns) = ("deformation", "rad", &columns[..1]);
-        assert_eq!(header(&predicted), ["time_s", "deformation_rad"]);
-        (predicted.role, predicted.unit) = ("link_acceleration", "rad/s^2");
-        assert_eq!(header(&predicted)[1], "link_acceleration_rad_s_2");
+        let second = beside(Path::new("out/p.csv"), 1, "deformation");
+        assert_eq!(second, Path::new("out/p-2-deformation.csv"));
     }
 }
