@@ -177,12 +177,7 @@ impl<'a> Stepper<'a> {
                 continue;
             }
             let rate = slides * coordinate(seat, &start.motion)[1];
-            let change = slides
-                * match seat {
-                    Seat::Motor => start.motor,
-                    Seat::Across => start.link - start.motor,
-                    Seat::Link => start.link,
-                };
+            let change = slides * slip(start, seat);
             // Beyond three velocities the force is the kinetic one to 1e-4.
             let above = rate - 3.0 * velocity;
             longest = match above > 0.0 {
@@ -272,9 +267,19 @@ impl<'a> Stepper<'a> {
             }
             let slides = self.slides[seat as usize];
             let rate = |motion: &Motion| slides * coordinate(seat, motion)[1];
-            if rate(&end) < 0.0 {
-                let rate = |share| rate(&self.motion_at(state, trial, span, share));
-                note(Event::Stop(seat), first_root(rate).unwrap_or(0.0));
+            let within = |share: f64| rate(&self.motion_at(state, trial, span, share));
+            let below = match rate(&end) < 0.0 {
+                true => Some(1.0),
+                // It may have stopped and started again.
+                false => {
+                    let half = rate(&start.motion) + 0.5 * trial.h * slides * slip(start, seat);
+                    let quarters = [0.5, 0.25, 0.75].into_iter();
+                    let mut below = quarters.filter(|&share| half < 0.0 && within(share) < 0.0);
+                    below.next()
+                }
+            };
+            if let Some(below) = below {
+                note(Event::Stop(seat), first_root(within, below).unwrap_or(0.0));
             }
         }
         for index in 0..self.corners.len() {
@@ -288,7 +293,7 @@ impl<'a> Stepper<'a> {
             };
             if switch(&end) < 0.0 {
                 let switch = |share| switch(&self.motion_at(state, trial, span, share));
-                match first_root(switch) {
+                match first_root(switch, 1.0) {
                     // On the far side, where the force has its other branch.
                     Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
                     // It was on the other side from the start.
@@ -402,6 +407,15 @@ fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f
         found[seat as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
     }
     found
+}
+
+/// Slip acceleration at a seat.
+fn slip(instant: &Instant, seat: Seat) -> f64 {
+    match seat {
+        Seat::Motor => instant.motor,
+        Seat::Across => instant.link - instant.motor,
+        Seat::Link => instant.link,
+    }
 }
 
 /// The sign of a switch; 0 at the corner.
