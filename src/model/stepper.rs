@@ -10,7 +10,7 @@
 
 use super::chain::{Chain, Constants, Instant, SEATS, Seat, State, coordinate};
 use super::roots::{first_root, root_of_parabola};
-use super::runge_kutta::{Span, Step, Trial, steps};
+use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use crate::effects::Motion;
 
 /// Events in one step after which it is taken as it is: a contact that chatters.
@@ -29,10 +29,12 @@ const FINEST: f64 = 32.0;
 pub(super) struct Stepper<'a> {
     pub chain: &'a mut Chain,
     constants: Constants,
-    step: Step<Trial>,
-    whole: Step<State>,
+    step: Step,
+    whole: Whole,
     /// No event can happen.
     smooth: bool,
+    /// Nothing but the linear chain.
+    linear: bool,
     /// Corners of forces: index, sign of the switch.
     corners: Vec<(usize, f64)>,
     /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
@@ -82,6 +84,7 @@ impl<'a> Stepper<'a> {
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
+            linear: chain.is_linear(),
             chain,
             constants,
             step,
@@ -94,8 +97,18 @@ impl<'a> Stepper<'a> {
     }
 
     /// What follows from the state at the start of a span, once what bears too much is let go.
+    #[inline]
     pub fn settle(&mut self, state: &State, span: &Span) -> Instant {
         let (time, input) = span.at(0.0);
+        if self.linear {
+            return self
+                .chain
+                .evaluate::<false>(&self.constants, time, state, input);
+        }
+        self.let_go(state, time, input)
+    }
+
+    fn let_go(&mut self, state: &State, time: f64, input: [f64; 3]) -> Instant {
         if self.chain.frictions.is_empty() {
             return self.evaluate(time, state, input);
         }
@@ -122,13 +135,26 @@ impl<'a> Stepper<'a> {
     }
 
     /// From the start of the span, whose instant is given, to `to`.
-    pub fn advance(&mut self, state: &mut State, mut span: Span, to: f64, mut start: Instant) {
+    #[inline]
+    pub fn advance(&mut self, state: &mut State, span: Span, to: f64, start: Instant) {
         if self.smooth {
             let h = to - span.from;
-            *state = (self.whole)(self.chain, &self.constants, &span, state, &start, h);
-            self.remember(state, to, span.at(h).1);
+            (self.whole)(self.chain, &self.constants, &span, state, &start, h);
+            if !self.chain.forces.is_empty() {
+                self.remember(state, to, span.at(h).1);
+            }
             return;
         }
+        self.advance_between_events(state, span, to, start);
+    }
+
+    fn advance_between_events(
+        &mut self,
+        state: &mut State,
+        mut span: Span,
+        to: f64,
+        mut start: Instant,
+    ) {
         let (shortest, mut events) = ((to - span.from) / FINEST, 0);
         while to > span.from {
             let h = self.longest(&start, to - span.from).max(shortest);
@@ -363,9 +389,6 @@ impl<'a> Stepper<'a> {
     }
 
     fn remember(&mut self, state: &State, time: f64, input: [f64; 3]) {
-        if self.chain.forces.is_empty() {
-            return;
-        }
         let motion = self
             .chain
             .position::<true>(&self.constants, time, state, input)
