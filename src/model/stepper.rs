@@ -8,10 +8,10 @@
 //! machine; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.6, for the
 //! events.
 
+mod events;
+
 use super::chain::{Chain, Constants, Instant, SEATS, Seat, State, coordinate};
-use super::roots::{first_root, root_of_parabola};
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
-use crate::effects::Motion;
 
 /// Events in one step after which it is taken as it is: a contact that chatters.
 const MOST_EVENTS: usize = 16;
@@ -261,112 +261,6 @@ impl<'a> Stepper<'a> {
         for index in 0..self.chain.frictions.len() {
             let seat = self.chain.seat(self.chain.frictions[index].place);
             self.chain.frictions[index].slides = self.slides[seat as usize];
-        }
-    }
-
-    /// The event that comes first in the step, and at which share of it.
-    fn first_event(
-        &mut self,
-        state: &State,
-        start: &Instant,
-        trial: &Trial,
-        span: &Span,
-    ) -> Option<(Event, f64)> {
-        let mut first: Option<(Event, f64)> = None;
-        let mut note = |event, share| {
-            if first.is_none_or(|(_, earliest)| share < earliest) {
-                first = Some((event, share));
-            }
-        };
-        let end = self.motion_at(state, trial, span, 1.0);
-        for seat in self.rough() {
-            if self.holds(seat) {
-                let spare = |holding: &[f64; 3]| self.spare(seat, holding[seat as usize]);
-                let [middle, last] = &trial.holding;
-                let spare = [spare(&start.holding), spare(middle), spare(last)];
-                if spare[1].min(spare[2]) < 0.0 {
-                    // A hair later, so that it truly bears too much.
-                    let share = root_of_parabola(spare) * (1.0 + OVERSHOOT) + OVERSHOOT;
-                    note(Event::Breakaway, share.min(1.0));
-                }
-                continue;
-            }
-            let slides = self.slides[seat as usize];
-            let rate = |motion: &Motion| slides * coordinate(seat, motion)[1];
-            let within = |share: f64| rate(&self.motion_at(state, trial, span, share));
-            let below = match rate(&end) < 0.0 {
-                true => Some(1.0),
-                // It may have stopped and started again.
-                false => {
-                    let half = rate(&start.motion) + 0.5 * trial.h * slides * slip(start, seat);
-                    let quarters = [0.5, 0.25, 0.75].into_iter();
-                    let mut below = quarters.filter(|&share| half < 0.0 && within(share) < 0.0);
-                    below.next()
-                }
-            };
-            if let Some(below) = below {
-                note(Event::Stop(seat), first_root(within, below).unwrap_or(0.0));
-            }
-        }
-        for index in 0..self.corners.len() {
-            let (force, side) = self.corners[index];
-            let element = &self.chain.forces[force];
-            let seat = self.chain.seat(element.place);
-            let switch = |motion: &Motion| {
-                let [x, v] = coordinate(seat, motion);
-                let value = element.law.switch(motion, x, v, &element.memory);
-                side * value.unwrap_or(side)
-            };
-            if switch(&end) < 0.0 {
-                let switch = |share| switch(&self.motion_at(state, trial, span, share));
-                match first_root(switch, 1.0) {
-                    // On the far side, where the force has its other branch.
-                    Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
-                    // It was on the other side from the start.
-                    None => self.corners[index].1 = -side,
-                }
-            } else if side == 0.0 {
-                let [x, v] = coordinate(seat, &end);
-                let value = element.law.switch(&end, x, v, &element.memory);
-                self.corners[index].1 = value.map_or(0.0, sign);
-            }
-        }
-        first
-    }
-
-    fn motion_at(&self, state: &State, trial: &Trial, span: &Span, share: f64) -> Motion {
-        let (time, input) = span.at(share * trial.h);
-        let state = match share {
-            1.0 => trial.end,
-            _ => trial.within(state, share),
-        };
-        self.chain
-            .position::<true>(&self.constants, time, &state, input)
-            .motion
-    }
-
-    fn happen(&mut self, event: Event) {
-        match event {
-            Event::Breakaway | Event::Corner => {}
-            Event::Stop(seat) if self.yields(seat) => self.slides[seat as usize] = 0.0,
-            Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
-        }
-    }
-
-    /// Too much happens in one step: what would slide back sticks.
-    fn calm(&mut self, trial: &Trial, span: &Span) {
-        let end = self.motion_at(&trial.end, trial, span, 1.0);
-        for seat in self.rough() {
-            let rate = coordinate(seat, &end)[1];
-            if self.slides[seat as usize] * rate < 0.0 && self.yields(seat) {
-                self.slides[seat as usize] = 0.0;
-            }
-        }
-        for (force, side) in &mut self.corners {
-            let element = &self.chain.forces[*force];
-            let [x, v] = coordinate(self.chain.seat(element.place), &end);
-            let value = element.law.switch(&end, x, v, &element.memory);
-            *side = value.map_or(*side, sign);
         }
     }
 
