@@ -13,6 +13,7 @@ pub mod estimators;
 pub mod identification;
 pub mod model;
 pub mod plant;
+pub mod proof;
 pub mod recording;
 pub mod report;
 pub mod signal;

@@ -235,6 +235,21 @@ fn bad_manifests_are_refused_with_line_and_key() {
             &["recording.toml:9: scale: NaN is not a finite number"],
         ),
         (
+            "rows past the end",
+            MANIFEST.replace(unit, "unit = \"rad\"\nrows = [1, 4]"),
+            &["recording.toml:9: rows: the file has 3 rows, so it ends before row 4"],
+        ),
+        (
+            "no rows",
+            MANIFEST.replace("arm 7\"", "arm 7\"\nrows = [2, 2]"),
+            &["recording.toml:2: rows: from row 2 up to before row 2 there is no row"],
+        ),
+        (
+            "rows from below 0",
+            MANIFEST.replace("arm 7\"", "arm 7\"\nrows = [-1, 2]"),
+            &["recording.toml:2: ", "-1"],
+        ),
+        (
             "columns of a vector",
             MANIFEST
                 .replace("motor_position", "tip_position")
@@ -310,6 +325,24 @@ fn separators_marks_and_units_are_read_as_meant() {
             std::f64::consts::TAU,
             "{csv}"
         );
+    }
+}
+
+#[test]
+fn a_range_of_rows_keeps_its_stamps() {
+    let range = |first, last| format!("arm 7\"\nrows = [{first}, {last}]");
+    let own = MANIFEST.replace("\"rad\"", "\"rad\"\nrows = [1, 3]");
+    let at_a_rate = MANIFEST.replace("time = \"time_s\"", "rate_hz = 250");
+    for manifest in [
+        MANIFEST.replace("arm 7\"", &range(1, 3)),
+        at_a_rate.replace("arm 7\"", &range(1, 3)),
+        // A channel's own range comes before the recording's.
+        own.replace("arm 7\"", &range(0, 1)),
+    ] {
+        let recording = folder(&manifest, &[("encoder.csv", CSV)]);
+        let recording = quell::recording::Recording::from_path(recording.path()).unwrap();
+        assert_eq!(recording.channels[0].time, [0.004, 0.008], "{manifest}");
+        assert_eq!(recording.channels[0].columns, [[0.2, 0.3]], "{manifest}");
     }
 }
 

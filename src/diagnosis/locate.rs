@@ -1,6 +1,7 @@
 //! Where a model and a recording part: by place in the chain, in time, over a coordinate, in
 //! frequency. It says where to look; names are given by simulation.
 
+mod basis;
 mod colour;
 mod coordinate;
 mod correlation;
@@ -9,6 +10,8 @@ mod orders;
 mod peaks;
 mod phases;
 mod place;
+mod refit;
+mod responses;
 mod search;
 mod sensor_side;
 mod smoother;
@@ -116,62 +119,72 @@ pub fn locate(residual: &Residual) -> Located {
         .collect();
     let (intensity, likelihood) = smoother.fit(&scaled);
     let mut smoothed = smoother.smooth(&scaled, intensity);
-    for value in smoothed.missing.iter_mut().chain(&mut smoothed.missing_std) {
+    let errors = smoothed.error.iter_mut().flatten();
+    for value in errors
+        .chain(&mut smoothed.missing)
+        .chain(&mut smoothed.missing_std)
+    {
         *value *= residual.noise_std;
     }
     let dynamic_gain = (likelihood - colour::likelihood(residual.time, &scaled)).max(0.0);
-    put_together(residual, smoothed, dynamic_gain)
+    put_together(residual, &smoother, smoothed, dynamic_gain)
 }
 
 /// Everything that is read off the missing force and the residual.
-fn put_together(residual: &Residual, smoothed: Smoothed, dynamic_gain: f64) -> Located {
+fn put_together(
+    residual: &Residual,
+    smoother: &Smoother,
+    smoothed: Smoothed,
+    dynamic_gain: f64,
+) -> Located {
     let labels = phases::label(residual);
     let moving = coordinate::moving(&labels);
     let (phases, strong_phases) = phases::chi_squared(residual, &labels);
-    let sensor = sensor_side::sensor_side(
-        residual.time,
-        residual.residual,
-        residual.motor,
-        residual.link,
-    );
+    let refit = refit::refit(residual, smoother);
+    let sensor = sensor_side::sensor_side(residual, &refit, time_scale(residual) / TAU);
     let orders = orders::orders(residual, &smoothed.missing, &moving);
     let suspects = suspects::suspects(residual, &smoothed, &moving, time_scale(residual));
-    let frequencies = frequency::frequencies(residual.time, residual.residual, &residual.dynamics);
-    let (explained, mut coordinate) = coordinate::best(residual, &smoothed.missing, &moving);
-    let found = place::Evidence {
+    let frequencies =
+        |series: &[f64]| frequency::frequencies(residual.time, series, &residual.dynamics);
+    let (frequencies, elsewhere) = (frequencies(residual.residual), frequencies(&sensor.left));
+    let away = |f: &f64| !frequency::is_near(*f, &residual.dynamics);
+    let (explained, mut coordinate) = coordinate::best(residual, &smoothed, &moving);
+    let events = suspects
+        .iter()
+        .filter_map(|s| responses::to_event(smoother, s));
+    let ripples = orders
+        .iter()
+        .map(|&order| responses::to_order(residual, smoother, order));
+    let evidence = place::Evidence {
         residual,
         missing: &smoothed.missing,
         dynamic_gain,
         sensor: &sensor,
+        events: responses::evidence(residual, &refit, events),
+        ripple: responses::evidence(residual, &refit, ripples),
         suspects: &suspects,
-        orders: &orders,
-    }
-    .place(&mut coordinate);
-    let mut location = Location::default();
-    if let Some(place) = found {
-        let memory = correlation::length(residual.time, residual.residual);
-        location = Location {
-            place: Some(place.name().into()),
-            phases: strong_phases,
-            times_s: stretches::strong(residual, time_scale(residual), memory.samples),
-            coordinate: coordinate.as_ref().map(|c| c.coordinate.clone()),
-            frequency_hz: frequencies.first().map(|f| f / TAU),
-        };
-    } else {
-        coordinate = None;
-    }
+        rings_elsewhere: elsewhere.iter().any(away),
+    };
+    let place = evidence.place(&mut coordinate);
+    let location = place.map(|place| Location {
+        place: Some(place.name().into()),
+        phases: strong_phases,
+        times_s: stretches::strong(residual, time_scale(residual)),
+        coordinate: coordinate.as_ref().map(|c| c.coordinate.clone()),
+        frequency_hz: frequencies.first().map(|f| f / TAU),
+    });
     Located {
-        location,
+        coordinate: coordinate.filter(|_| place.is_some()),
+        location: location.unwrap_or_default(),
         missing: smoothed.missing,
         missing_std: smoothed.missing_std,
         dynamic_gain,
         sensor_gain: sensor.gain,
-        coordinate,
         explained,
         phases,
         suspects: suspects.iter().map(|s| s.time).collect(),
         suspect_frequencies: frequencies,
-        suspect_orders: orders.iter().map(|o| o.0).collect(),
+        suspect_orders: if place.is_some() { orders } else { Vec::new() },
     }
 }
 

@@ -4,7 +4,7 @@ use super::explanation::{Explanation, Judge};
 use super::fit::Projector;
 use super::problem::{Point, Problem};
 use super::screen::{Start, screen};
-use crate::effects::Place;
+use crate::effects::{Place, contains};
 use rayon::prelude::*;
 
 /// Bayesian information criterion by which an effect must be better to be named: 10 is "very strong"
@@ -213,8 +213,8 @@ impl Search<'_> {
         self.at_floor(explanation) || pooled || left < SHAPE * mismatch
     }
 
-    /// Among trials that passed, the one with the fewest unknowns of all that differ from the best fit by
-    /// less than a law's shape could be wrong, the best of these.
+    /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
+    /// than a law's shape could be wrong.
     fn simplest(&self, trials: &[Trial], baseline: &Explanation) -> Option<Explanation> {
         let sound = || {
             trials
@@ -222,17 +222,17 @@ impl Search<'_> {
                 .filter(|trial| trial.passed)
                 .map(|trial| &trial.explanation)
         };
-        let least = sound().map(|e| e.train).fold(f64::INFINITY, f64::min);
+        let best = sound().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))?;
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
-        let key = |e: &Explanation| (e.unknowns(), self.criterion(e));
-        sound()
-            .filter(|e| e.train <= least + reach)
-            .min_by(|a, b| {
-                key(a)
-                    .partial_cmp(&key(b))
-                    .unwrap_or(std::cmp::Ordering::Equal)
-            })
-            .cloned()
+        let simpler = sound().find(|other| {
+            let names = (best.effects(), other.effects());
+            let limit = match (names.0.as_slice(), names.1.as_slice()) {
+                ([own], [theirs]) => own.1 == theirs.1 && contains(own.0, theirs.0),
+                _ => false,
+            };
+            limit && other.train <= best.train + reach
+        });
+        Some(simpler.unwrap_or(best).clone())
     }
 
     /// Whether the held-out part, too, is nothing but noise.

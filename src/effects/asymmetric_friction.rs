@@ -37,7 +37,7 @@ pub const ASYMMETRIC_FRICTION: Effect = Effect {
         })
     },
     starts: |scales| {
-        let friction = [0.01, 0.04, 0.12, 0.3].map(|size| size * scales.force);
+        let friction = [0.015, 0.06, 0.25].map(|size| size * scales.force);
         product(&[&friction, &[-0.5, 0.5]])
     },
 };

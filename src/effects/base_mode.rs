@@ -7,11 +7,12 @@ use super::{Effect, Law, Parameter, Place, Quantity, Resonance};
 pub const BASE_MODE: Effect = Effect {
     name: "base_mode",
     places: &[Place::Base],
-    physics: "The base gives way to the reaction of the arm and swings as a mode of its own. What the \
-        sensor sees of it has the sign of the arm's own deformation, since both yield to the same \
-        inertia. Only its frequency, or a sensor on the base, tells it from a mode of the arm. \
-        Source: Book, ASME J. Dynamic Systems, Measurement, and Control 115 (1993); Lew and Moon, \
-        IEEE/ASME Trans. Mechatronics 6 (2001).",
+    physics: "The base gives way to the reaction of the arm and swings too. Base and joint then share \
+        two modes; the sensor sees the further one with a share of the joint's sign or of the other, \
+        as the base's own frequency lies on one side of the joint's or on the other. Only its \
+        frequency, or a sensor on the base, tells it from a mode of the arm. Source: Book, ASME J. \
+        Dynamic Systems, Measurement, and Control 115 (1993); Lew and Moon, IEEE/ASME Trans. \
+        Mechatronics 6 (2001).",
     parameters: &[
         Parameter {
             name: "share",
@@ -45,5 +46,5 @@ pub const BASE_MODE: Effect = Effect {
             share: p[0],
         })
     },
-    starts: |scales| product(&[&[0.05], &frequencies(scales, 8), &[0.01, 0.05, 0.15]]),
+    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 6), &[0.04]]),
 };

@@ -63,11 +63,11 @@ pub const BILINEAR_STIFFNESS: Effect = Effect {
     },
     starts: |scales| {
         let knees = [0.08, 0.25, 0.6].map(|size| size * scales.deformation);
-        let mut starts = product(&[&[-0.3, 0.2, 1.0, 4.0], &knees, &[0.0]]);
+        let mut starts = product(&[&[-0.3, 0.4, 2.5], &knees, &[0.0]]);
         // One-sided, with the knee where the deformation changes sign.
         starts.extend(product(&[
             &[-0.2, 0.2],
-            &[0.0, 0.3 * scales.deformation],
+            &[0.1 * scales.deformation],
             &[0.9, -0.9],
         ]));
         starts

@@ -29,7 +29,7 @@ pub const CLOCK_SKEW: Effect = Effect {
         typical: |scales| 0.3 * shift_of_deformation(scales),
     }],
     law: |p| Law::Sensor(Box::new(Skew { skew: p[0] })),
-    starts: |scales| sizes(shift_of_deformation(scales), [-1.0, -0.1, 0.1, 1.0]),
+    starts: |scales| sizes(shift_of_deformation(scales), [-0.3, 0.3]),
 };
 
 /// The skew whose error at the end is as large as the deformation: what matters, and linear still.

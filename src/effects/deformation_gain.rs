@@ -28,5 +28,5 @@ pub const DEFORMATION_GAIN: Effect = Effect {
         typical: |_| 0.1,
     }],
     law: |p| Law::Sensor(Box::new(Participation { error: p[0] })),
-    starts: |_| sizes(1.0, [-0.4, -0.1, 0.02, 0.2, 0.8]),
+    starts: |_| sizes(1.0, [-0.2, 0.2]),
 };

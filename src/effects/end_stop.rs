@@ -75,7 +75,7 @@ pub const END_STOP: Effect = Effect {
         Parameter {
             name: "time_constant",
             quantity: Quantity::TIME,
-            bounds: |scales| (0.0, scales.period()),
+            bounds: |scales| (0.0, 0.1 * scales.period()),
             neutral: 0.0,
             typical: |scales| 0.02 * scales.period(),
         },
@@ -107,15 +107,14 @@ pub const END_STOP: Effect = Effect {
             0.08 * range,
             0.25 * range,
         ];
-        let start = |depth: f64, relative: f64, side: f64| {
+        let start = |depth: f64, side: f64| {
             let depth = depth.min(0.9 * range);
             let end = [scales.position.0, scales.position.1][usize::from(side > 0.0)];
-            vec![relative * stiffness, end - side * depth, damping, side]
+            vec![0.5 * stiffness, end - side * depth, damping, side]
         };
         [-1.0, 1.0]
             .into_iter()
-            .flat_map(|side| depths.map(|depth| (depth, side)))
-            .flat_map(|(depth, side)| [0.1, 2.0].map(|relative| start(depth, relative, side)))
+            .flat_map(|side| depths.map(|depth| start(depth, side)))
             .collect()
     },
 };

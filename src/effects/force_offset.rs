@@ -29,5 +29,5 @@ pub const FORCE_OFFSET: Effect = Effect {
         typical: |scales| 0.05 * scales.force,
     }],
     law: |p| Law::Force(Box::new(Offset { force: p[0] })),
-    starts: |scales| sizes(scales.force, [-0.2, -0.02, 0.02, 0.2]),
+    starts: |scales| sizes(scales.force, [-0.05, 0.05]),
 };

@@ -46,7 +46,7 @@ pub const GRAVITY_LOAD: Effect = Effect {
         }))
     },
     starts: |scales| {
-        let amplitudes = [0.01, 0.1, 0.6].map(|size| size * scales.force);
+        let amplitudes = [0.05, 0.6].map(|size| size * scales.force);
         product(&[&amplitudes, &PHASES])
     },
 };

@@ -1,4 +1,7 @@
 //! Values to try first: products of sizes, and where in time, frequency and position to look.
+//!
+//! Each costs a simulation. An effect whose trace grows in proportion to its size needs one size of
+//! each sign, or four phases; one whose trace changes its shape with the size needs a grid.
 
 use super::Scales;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -96,6 +96,8 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
     },
     starts: |scales| {
         let yields = [0.05, 0.2, 0.6, 1.5].map(|size| size * scales.deformation);
-        product(&[&[0.05, 0.2, 0.6], &yields, &[0.2, 1.0]])
+        let mut starts = product(&[&[0.1, 0.4], &yields, &[0.2]]);
+        starts.extend(product(&[&[0.2], &yields, &[1.0]]));
+        starts
     },
 };

@@ -44,8 +44,5 @@ pub const MISALIGNMENT: Effect = Effect {
             phase: p[1],
         }))
     },
-    starts: |scales| {
-        let amplitudes = [0.02, 0.3].map(|size| size * scales.deformation);
-        product(&[&amplitudes, &PHASES])
-    },
+    starts: |scales| product(&[&[0.1 * scales.deformation], &PHASES]),
 };

@@ -171,3 +171,22 @@ impl Effect {
         self.parameters.iter().map(|p| p.neutral).collect()
     }
 }
+
+/// Laws that contain a simpler one as a limit: what stands for either is named by the simpler.
+const NESTED: &[(&str, &str)] = &[
+    ("stribeck_friction", "coulomb_friction"),
+    ("asymmetric_friction", "coulomb_friction"),
+    ("presliding_hysteresis", "coulomb_friction"),
+    ("stiction", "coulomb_friction"),
+    ("sensor_lag_second_order", "sensor_lag"),
+];
+
+/// Whether the law of one effect contains that of another as a limit.
+///
+/// # Example
+/// ```
+/// assert!(quell::effects::contains("stribeck_friction", "coulomb_friction"));
+/// ```
+pub fn contains(effect: &str, simpler: &str) -> bool {
+    NESTED.contains(&(effect, simpler))
+}

@@ -73,7 +73,7 @@ pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
             let centre = scales.position.0 + row[1] * reach;
             vec![row[0] * farthest.powi(-2), centre]
         };
-        let rows = product(&[&[-0.3, -0.05, 0.1, 0.6], &centres]);
+        let rows = product(&[&[-0.2, 0.15, 0.8], &centres]);
         rows.into_iter().map(start).collect()
     },
 };

@@ -65,7 +65,7 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
         }))
     },
     starts: |scales| {
-        let friction = [0.01, 0.04, 0.12, 0.3].map(|size| size * scales.force);
+        let friction = [0.015, 0.06, 0.25].map(|size| size * scales.force);
         let distance = [0.02, 0.08, 0.25, 0.8].map(|size| size * scales.deformation);
         product(&[&friction, &distance])
     },

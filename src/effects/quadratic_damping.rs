@@ -31,6 +31,6 @@ pub const QUADRATIC_DAMPING: Effect = Effect {
     law: |p| Law::Force(Box::new(Quadratic { coefficient: p[0] })),
     starts: |scales| {
         let unit = scales.force / scales.deformation_rate.powi(2);
-        sizes(unit, [0.005, 0.03, 0.1, 0.3, 1.0])
+        sizes(unit, [0.02, 0.1, 0.4])
     },
 };

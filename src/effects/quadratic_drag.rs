@@ -28,10 +28,5 @@ pub const QUADRATIC_DRAG: Effect = Effect {
         typical: |scales| 0.1 * scales.force / scales.velocity.powi(2),
     }],
     law: |p| Law::Force(Box::new(Drag { coefficient: p[0] })),
-    starts: |scales| {
-        sizes(
-            scales.force / scales.velocity.powi(2),
-            [0.005, 0.03, 0.15, 0.6],
-        )
-    },
+    starts: |scales| sizes(scales.force / scales.velocity.powi(2), [0.02, 0.3]),
 };

@@ -42,5 +42,5 @@ pub const SECOND_MODE: Effect = Effect {
             share: p[0],
         })
     },
-    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 6), &[0.01, 0.05]]),
+    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 6), &[0.02]]),
 };

@@ -33,6 +33,6 @@ pub const SENSOR_DRIFT: Effect = Effect {
     law: |p| Law::Sensor(Box::new(Drift { rate: p[0] })),
     starts: |scales| {
         let unit = scales.deformation / scales.duration();
-        sizes(unit, [-0.3, -0.02, 0.02, 0.3])
+        sizes(unit, [-0.1, 0.1])
     },
 };

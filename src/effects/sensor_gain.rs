@@ -30,6 +30,6 @@ pub const SENSOR_GAIN: Effect = Effect {
     law: |p| Law::Sensor(Box::new(Gain { error: p[0] })),
     starts: |scales| {
         let unit = (scales.deformation / reach(scales)).min(1.0);
-        sizes(unit, [-0.3, -0.02, 0.02, 0.3])
+        sizes(unit, [-0.1, 0.1])
     },
 };

@@ -32,7 +32,7 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
         typical: |scales| 0.1 / latest(scales.span),
     }],
     law: |p| Law::Force(Box::new(Drift { rate: p[0] })),
-    starts: |scales| sizes(1.0 / latest(scales.span), [-0.3, -0.05, 0.05, 0.3]),
+    starts: |scales| sizes(1.0 / latest(scales.span), [-0.1, 0.1]),
 };
 
 /// The instant farthest from 0.

@@ -54,7 +54,7 @@ pub const STRIBECK_FRICTION: Effect = Effect {
         if fast > 5.0 * slow {
             velocities.extend([0.03 * fast, 0.2 * fast]);
         }
-        product(&[&friction, &[0.3, 1.0], &velocities])
+        product(&[&friction, &[0.6], &velocities])
     },
 };
 

@@ -51,7 +51,8 @@ pub const VISCOELASTIC_CREEP: Effect = Effect {
             quantity: Quantity::TIME,
             bounds: |scales| {
                 let longest = scales.duration().max(30.0 * scales.period());
-                (0.01 * scales.period(), 3.0 * longest)
+                // A branch that relaxes within w T = 0.3 is a damper, as the model has one: c = a k T.
+                (0.05 * scales.period(), 3.0 * longest)
             },
             neutral: 1.0,
             typical: |scales| scales.period(),
@@ -64,7 +65,7 @@ pub const VISCOELASTIC_CREEP: Effect = Effect {
         }))
     },
     starts: |scales| {
-        let times = [0.05, 0.2, 0.7, 2.5, 10.0, 30.0].map(|size| size * scales.period());
-        product(&[&[0.03, 0.15, 0.6], &times])
+        let times = [0.08, 0.25, 0.7, 2.5, 10.0, 30.0].map(|size| size * scales.period());
+        product(&[&[0.08, 0.5], &times])
     },
 };

@@ -28,5 +28,5 @@ pub const VISCOUS_FRICTION: Effect = Effect {
         typical: |scales| 0.1 * scales.force / scales.velocity,
     }],
     law: |p| Law::Force(Box::new(Viscous { viscous: p[0] })),
-    starts: |scales| sizes(scales.force / scales.velocity, [0.005, 0.03, 0.15, 0.6]),
+    starts: |scales| sizes(scales.force / scales.velocity, [0.02, 0.3]),
 };

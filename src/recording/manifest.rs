@@ -15,16 +15,20 @@ pub const MANIFEST: &str = "recording.toml";
 
 /// The keys of a manifest and of its channels, for suggestions.
 const KEYS: &[&str] = &[
-    "name", "channel", "role", "file", "time", "rate_hz", "column", "columns", "unit", "scale",
-    "offset",
+    "name", "rows", "channel", "role", "file", "time", "rate_hz", "column", "columns", "unit",
+    "scale", "offset",
 ];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Manifest {
     name: String,
+    rows: Option<Rows>,
     channel: Vec<Entry>,
 }
+
+/// `[first, last)`: rows below the header, counted from 0.
+type Rows = Spanned<[usize; 2]>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,6 +40,7 @@ struct Entry {
     column: Option<String>,
     columns: Option<Vec<String>>,
     unit: Spanned<String>,
+    rows: Option<Rows>,
     scale: Option<Spanned<f64>>,
     offset: Option<Spanned<f64>>,
 }
@@ -59,7 +64,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
     let channels = manifest
         .channel
         .iter()
-        .map(|entry| source.channel(entry, &mut tables));
+        .map(|entry| source.channel(entry, manifest.rows.as_ref(), &mut tables));
     Ok(Recording {
         name: manifest.name,
         channels: channels.collect::<Result<_, _>>()?,
@@ -126,6 +131,7 @@ impl Source<'_> {
     fn channel(
         &self,
         entry: &Entry,
+        rows: Option<&Rows>,
         tables: &mut HashMap<PathBuf, Table>,
     ) -> Result<Channel, RecordingError> {
         let role = self.role(&entry.role)?;
@@ -138,7 +144,14 @@ impl Source<'_> {
         let names = self.columns(entry, role)?;
         let table = self.table(entry, tables)?;
         let mut columns = table.numbers(&names)?;
-        let time = self.time(entry, table, columns[0].len())?;
+        let mut time = self.time(entry, table, columns[0].len())?;
+        if let Some(rows) = entry.rows.as_ref().or(rows) {
+            let [first, last] = self.rows(rows, time.len())?;
+            for values in columns.iter_mut().chain([&mut time]) {
+                values.truncate(last);
+                values.drain(..first);
+            }
+        }
         for value in columns.iter_mut().flatten() {
             *value = unit.to_si(*value * scale.unwrap_or(1.0) + offset.unwrap_or(0.0));
             if !value.is_finite() {
@@ -188,6 +201,19 @@ impl Source<'_> {
             )),
             number => Ok(number),
         }
+    }
+
+    /// The range, where it lies in a file of so many rows.
+    fn rows(&self, rows: &Rows, count: usize) -> Result<[usize; 2], RecordingError> {
+        let [first, last] = *rows.get_ref();
+        let reason = if first >= last {
+            format!("from row {first} up to before row {last} there is no row")
+        } else if last > count {
+            format!("the file has {count} rows, so it ends before row {last}")
+        } else {
+            return Ok([first, last]);
+        };
+        Err(self.at(rows.span().start, key("rows", reason)))
     }
 
     fn columns<'e>(&self, entry: &'e Entry, role: Role) -> Result<Vec<&'e str>, RecordingError> {

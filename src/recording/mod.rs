@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! name = "arm 7"
+//! rows = [0, 8000]          # optional: only rows 0 to 7999 below the header, at their own stamps
 //! [[channel]]
 //! role = "motor_position"   # a name of the table of roles
 //! file = "encoder.csv.gz"   # beside the manifest; .csv or .csv.gz
@@ -10,7 +11,12 @@
 //! unit = "rad"              # a name of the table of units
 //! scale = 1.0               # optional: value in `unit` = cell * scale + offset
 //! offset = 0.0
+//! # rows = [0, 4000]        # optional: instead of the recording's, where files differ in rate
 //! ```
+//!
+//! `rows` lets parts of one file be recordings of their own, one to fit and one to be judged by. A
+//! unit need not be one that the role usually has: the force of an analogue circuit may be in `V`,
+//! and a quantity of unknown scale in `raw`. It is kept, and remarked upon.
 
 mod error;
 pub mod health;

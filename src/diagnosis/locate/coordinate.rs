@@ -1,8 +1,10 @@
 //! Which coordinate the missing force follows.
 
 use super::Residual;
+use super::basis::{Basis, dot};
 use super::correlation::length;
 use super::phases::REST;
+use super::smoother::Smoothed;
 use crate::diagnosis::CoordinateTrace;
 
 /// Standard deviations above chance that a coordinate must reach: one in ten thousand, for seven are
@@ -25,36 +27,50 @@ pub(super) struct Explained {
     pub significant: bool,
 }
 
-/// What the force is held against.
-pub(super) fn coordinates(residual: &Residual) -> Vec<Coordinate> {
-    let motion = |f: &dyn Fn(&[f64; 3], &[f64; 3]) -> f64| -> Vec<f64> {
-        residual
-            .motor
-            .iter()
-            .zip(residual.link)
-            .map(|(m, l)| f(m, l))
-            .collect()
-    };
-    let deformation = motion(&|m, l| l[0] - m[0]);
-    let has_link = deformation.iter().any(|d| *d != 0.0);
+/// What the force is held against. The link is where the model and the smoothed error put it: its
+/// rate changes sign where the true one does.
+pub(super) fn coordinates(residual: &Residual, error: &[[f64; 2]]) -> Vec<Coordinate> {
+    let has_link = has_link(residual);
+    let link = |i: usize, k: usize| residual.link[k][i] + error[k].get(i).unwrap_or(&0.0);
+    let of = |f: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..error.len()).map(f).collect() };
+    let deformation = of(&|k| link(0, k) - residual.motor[k][0]);
     let mut found = Vec::new();
     let mut add = |name, unit, values| found.push(Coordinate { name, unit, values });
-    let wound = if has_link {
-        &deformation
-    } else {
-        &motion(&|m, _| m[0])
-    };
-    let state = hysteresis(wound);
+    let position = of(&|k| link(0, k));
+    let state = hysteresis(if has_link { &deformation } else { &position });
     if has_link {
-        add("deformation rate", "", motion(&|m, l| l[1] - m[1]));
+        add(
+            "deformation rate",
+            "",
+            of(&|k| link(1, k) - residual.motor[k][1]),
+        );
         add("deformation", "", deformation);
     }
-    add("velocity", "", motion(&|_, l| l[1]));
-    add("acceleration", "", motion(&|_, l| l[2]));
-    add("position", "", motion(&|_, l| l[0]));
+    add("velocity", "", of(&|k| link(1, k)));
+    add("acceleration", "", of(&|k| link(2, k)));
+    add("position", "", position);
     add("hysteresis", "", state);
     add("time", "s", residual.time.to_vec());
     found
+}
+
+/// Whether the link moves apart from the motor side.
+pub(super) fn has_link(residual: &Residual) -> bool {
+    let mut sides = residual.motor.iter().zip(residual.link);
+    sides.any(|(motor, link)| motor[0] != link[0])
+}
+
+/// The coordinates whose linear part a refit of frequency and damping has taken: deformation and its
+/// rate, or position and velocity where no motor side winds the spring.
+fn linear(residual: &Residual, error: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    if residual.dynamics.natural_frequency == 0.0 || residual.sensor_only {
+        return Vec::new();
+    }
+    let base = f64::from(u8::from(has_link(residual)));
+    let at = |i: usize, k: usize| residual.link[k][i] + error[k][i] - base * residual.motor[k][i];
+    (0..2)
+        .map(|i| (0..error.len()).map(|k| at(i, k)).collect())
+        .collect()
 }
 
 /// Dahl's state for a coordinate, with a length of a third of its root mean square: between a sign
@@ -97,7 +113,15 @@ pub(super) fn moving(labels: &[usize]) -> Vec<usize> {
 /// that has the number of independent values `N^2 / sum_ij rho_ij^2`.
 ///
 /// Source: Kelley, "An unbiased correlation ratio measure" (1935), here with correlation.
-pub(super) fn explained(time: &[f64], force: &[f64], x: &[f64], at: &[usize]) -> Explained {
+///
+/// The linear terms are what a refit has taken: the force counts but for multiples of them.
+pub(super) fn explained(
+    time: &[f64],
+    force: &[f64],
+    linear: &[Vec<f64>],
+    x: &[f64],
+    at: &[usize],
+) -> Explained {
     let none = Explained {
         share: 0.0,
         significant: false,
@@ -119,7 +143,11 @@ pub(super) fn explained(time: &[f64], force: &[f64], x: &[f64], at: &[usize]) ->
         return none;
     }
     let expected = expected.max(0.0);
-    let ratio = between(&series, &bins, count);
+    let linear: Vec<Vec<f64>> = linear
+        .iter()
+        .map(|term| at.iter().map(|&k| term[k]).collect())
+        .collect();
+    let ratio = between(&series, &linear, &bins, count);
     let deviation = (2.0 * expected * (1.0 - expected) / (independent + 2.0)).sqrt();
     Explained {
         share: ((ratio - expected) / (1.0 - expected)).clamp(0.0, 1.0),
@@ -127,11 +155,17 @@ pub(super) fn explained(time: &[f64], force: &[f64], x: &[f64], at: &[usize]) ->
     }
 }
 
-/// Bins of about equal count; equal values share a bin.
+/// Bins, half of their edges at equal counts and half at equal distances: what sits in the tails
+/// shows as well as what sits in the middle. Equal values share a bin.
 fn bins(x: &[f64], count: usize) -> Vec<usize> {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let edges: Vec<f64> = (1..count).map(|b| sorted[b * x.len() / count]).collect();
+    let (least, greatest) = (sorted[0], sorted[x.len() - 1]);
+    let half = count / 2;
+    let even = (1..half).map(|b| least + (greatest - least) * b as f64 / half as f64);
+    let alike = (1..=count - half).map(|b| sorted[b * x.len() / (count - half + 1)]);
+    let mut edges: Vec<f64> = even.chain(alike).collect();
+    edges.sort_by(f64::total_cmp);
     x.iter()
         .map(|x| edges.partition_point(|edge| edge <= x))
         .collect()
@@ -159,36 +193,55 @@ fn correlated(time: &[f64], bins: &[usize], count: usize, constant: f64) -> f64 
         .sum()
 }
 
-/// Share of the variance that lies between bins.
-fn between(series: &[f64], bins: &[usize], count: usize) -> f64 {
-    let n = series.len() as f64;
-    let mean = series.iter().sum::<f64>() / n;
-    let (mut sums, mut members) = (vec![0.0; count], vec![0.0; count]);
-    let mut whole = 0.0;
-    for (x, &bin) in series.iter().zip(bins) {
-        sums[bin] += x - mean;
-        members[bin] += 1.0;
-        whole += (x - mean).powi(2);
+/// Share of the variance that bins explain beyond the linear terms: one less the ratio of what is left
+/// with and without bins (Frisch, Waugh and Lovell: all centred within bins, or as a whole).
+fn between(series: &[f64], linear: &[Vec<f64>], bins: &[usize], count: usize) -> f64 {
+    let one = vec![0; series.len()];
+    let whole = left(series, linear, &one, 1);
+    if whole > 0.0 {
+        1.0 - left(series, linear, bins, count) / whole
+    } else {
+        0.0
     }
-    let part: f64 = sums
+}
+
+/// Sum of squares that is left by the means of bins and the linear terms.
+fn left(series: &[f64], linear: &[Vec<f64>], bins: &[usize], count: usize) -> f64 {
+    let mut rest = within(series, bins, count);
+    let mut basis = Basis::default();
+    for term in linear {
+        basis.add(&within(term, bins, count));
+    }
+    basis.remove(&mut rest);
+    dot(&rest, &rest)
+}
+
+/// A series less the mean of its bin.
+fn within(series: &[f64], bins: &[usize], count: usize) -> Vec<f64> {
+    let (mut sums, mut members) = (vec![0.0; count], vec![0.0; count]);
+    for (x, &bin) in series.iter().zip(bins) {
+        sums[bin] += x;
+        members[bin] += 1.0;
+    }
+    series
         .iter()
-        .zip(&members)
-        .filter(|(_, n)| **n > 0.0)
-        .map(|(s, n)| s * s / n)
-        .sum();
-    if whole > 0.0 { part / whole } else { 0.0 }
+        .zip(bins)
+        .map(|(x, &bin)| x - sums[bin] / members[bin])
+        .collect()
 }
 
 /// Every coordinate's share, and the trace over the best one that is above chance.
 pub(super) fn best(
     residual: &Residual,
-    force: &[f64],
+    smoothed: &Smoothed,
     at: &[usize],
 ) -> (Vec<(String, f64)>, Option<CoordinateTrace>) {
-    let coordinates = coordinates(residual);
+    let force = &smoothed.missing;
+    let coordinates = coordinates(residual, &smoothed.error);
+    let linear = linear(residual, &smoothed.error);
     let shares: Vec<Explained> = coordinates
         .iter()
-        .map(|c| explained(residual.time, force, &c.values, at))
+        .map(|c| explained(residual.time, force, &linear, &c.values, at))
         .collect();
     let list: Vec<(String, f64)> = coordinates
         .iter()

@@ -20,19 +20,24 @@ pub(super) fn frequencies(time: &[f64], residual: &[f64], dynamics: &Dynamics) -
     // A Hann peak is four lines of the unpadded length wide.
     let width = 4.0 * std::f64::consts::TAU / (n as f64 * period);
     let first = (width / spectrum.resolution).ceil() as usize;
-    let mode = dynamics.natural_frequency;
     let mut found: Vec<f64> = Vec::new();
     let mut near = 0;
     for line in lines(&power, first, power.len()) {
         let frequency = line.at * spectrum.resolution;
         let apart = |known: &f64| (known - frequency).abs() > width.max(0.05 * frequency);
-        let is_near = (frequency - mode).abs() <= NEAR * mode;
+        let is_near = is_near(frequency, dynamics);
         if found.len() < MOST && found.iter().all(apart) && !(is_near && near == MOST_NEAR) {
             near += usize::from(is_near);
             found.push(frequency);
         }
     }
     found
+}
+
+/// Whether a frequency is the mode's.
+pub(super) fn is_near(frequency: f64, dynamics: &Dynamics) -> bool {
+    let mode = dynamics.natural_frequency;
+    (frequency - mode).abs() <= NEAR * mode
 }
 
 /// The series on an even clock, straight lines between stamps.

@@ -1,7 +1,7 @@
 //! Lines that stand out of a spectrum's floor.
 
 /// Chance that noise alone shows a peak anywhere.
-const FALSE_ALARM: f64 = 0.01;
+const FALSE_ALARM: f64 = 0.001;
 
 /// A line that stands out.
 #[derive(Clone, Copy, Debug, PartialEq)]

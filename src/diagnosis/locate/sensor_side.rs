@@ -1,5 +1,7 @@
 //! The residual against what a sensor could make of the motion.
 
+use super::Residual;
+use super::basis::{Basis, dot};
 use super::colour;
 
 /// What the motion as the sensor shows it would explain of the residual.
@@ -7,75 +9,108 @@ use super::colour;
 pub(super) struct SensorSide {
     /// Log-likelihood gain over noise, white or coloured.
     pub gain: f64,
-    /// Number of regressors that earn it.
-    pub count: usize,
+    /// The gain less what its regressors must gain.
+    pub evidence: f64,
     /// The one that explains most: its name and values.
     pub best: Option<(String, Vec<f64>)>,
+    /// Factor on the acceleration, s^2, beside all else; 0 if it is not among the regressors. A lag
+    /// `T`, less the delay that the clock takes, leaves `T^2 / 2`; a stiff spring between sensor and
+    /// ground leaves `-1 / w^2`, for the sensor is where the inertia has not come yet.
+    pub acceleration: f64,
+    /// What it leaves.
+    pub left: Vec<f64>,
 }
 
 /// Names of the regressors, each with what a sensor does that makes it: gain or misalignment, delay
-/// or lag, a clock that runs fast, lag of second order, drift.
-const NAMES: [&str; 5] = [
+/// or lag, a clock that runs fast, lag beyond delay (twice), drift.
+const VELOCITY: usize = 1;
+const ACCELERATION: usize = 3;
+const NAMES: [&str; 6] = [
     "position",
     "velocity",
     "time x velocity",
     "acceleration",
+    "lagged acceleration",
     "time",
 ];
 
 /// The better of two sets, the motion of the motor side and of the link.
-pub(super) fn sensor_side(
-    time: &[f64],
-    residual: &[f64],
-    motor: &[[f64; 3]],
-    link: &[[f64; 3]],
-) -> SensorSide {
-    let without = colour::likelihood(time, &centred(residual));
-    let on_motor = forward(time, residual, motor, without);
-    let on_link = forward(time, residual, link, without);
-    if on_link.gain > on_motor.gain {
-        on_link
-    } else {
+///
+/// `constant` is that of the lagged acceleration, s: about the reciprocal of the mode.
+pub(super) fn sensor_side(residual: &Residual, refit: &Basis, constant: f64) -> SensorSide {
+    let on_motor = forward(
+        residual,
+        columns(residual.time, residual.motor, constant),
+        refit,
+    );
+    let on_link = forward(
+        residual,
+        columns(residual.time, residual.link, constant),
+        refit,
+    );
+    if on_motor.gain > on_link.gain {
         on_motor
+    } else {
+        on_link
     }
+}
+
+/// What a regressor must gain: half the logarithm of the length (Schwarz, 1978) and, since it is the
+/// best of all in two sets, the logarithm of their number.
+fn cost(n: f64) -> f64 {
+    0.5 * n.ln() + (2.0 * NAMES.len() as f64).ln()
 }
 
 /// Forward selection: the regressor that explains most of what is left, made orthogonal to those
-/// already in, as long as it earns half the logarithm of the length (Schwarz, 1978).
-fn forward(time: &[f64], residual: &[f64], motion: &[[f64; 3]], without: f64) -> SensorSide {
-    let n = residual.len() as f64;
-    let original = columns(time, motion);
-    let mut columns: Vec<Vec<f64>> = original.iter().map(|c| centred(c)).collect();
-    let sizes: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-    let mut left = centred(residual);
+/// already in, as long as it earns [`cost`].
+fn forward(residual: &Residual, columns: Vec<Vec<f64>>, refit: &Basis) -> SensorSide {
+    let n = residual.residual.len() as f64;
+    let mut basis = refit.clone();
+    let mut left = basis.without(residual.residual);
     let mut found = SensorSide::default();
+    let mut chosen = Vec::new();
     for _ in 0..NAMES.len() {
-        let share = |c: usize| explained(&columns[c], sizes[c], &left);
-        let Some(best) = (0..NAMES.len()).max_by(|&a, &b| share(a).total_cmp(&share(b))) else {
+        let share = |column: &Vec<f64>| explained(&basis.without(column), column, &left);
+        let shares: Vec<f64> = columns.iter().map(share).collect();
+        let Some(best) = (0..NAMES.len()).max_by(|&a, &b| shares[a].total_cmp(&shares[b])) else {
             break;
         };
         let before = dot(&left, &left);
-        let after = before - share(best);
-        if n * (before / after.max(f64::MIN_POSITIVE)).ln() <= n.ln() {
+        let after = (before - shares[best]).max(f64::MIN_POSITIVE);
+        if 0.5 * n * (before / after).ln() <= cost(n) || !basis.add(&columns[best]) {
             break;
         }
-        let chosen = columns[best].clone();
-        remove(&chosen, &mut left);
-        columns
-            .iter_mut()
-            .for_each(|column| remove(&chosen, column));
-        if found.count == 0 {
-            found.best = Some((NAMES[best].into(), original[best].clone()));
+        basis.remove(&mut left);
+        if chosen.is_empty() {
+            found.best = Some((NAMES[best].into(), columns[best].clone()));
         }
-        found.count += 1;
+        chosen.push(best);
     }
-    if found.count > 0 {
-        found.gain = (colour::likelihood(time, &left) - without).max(0.0);
+    if !chosen.is_empty() {
+        let without = colour::likelihood(residual.time, residual.residual);
+        found.gain = (colour::likelihood(residual.time, &left) - without).max(0.0);
+        found.evidence = found.gain - cost(n) * chosen.len() as f64;
     }
+    found.acceleration = acceleration(residual, &columns, &chosen, refit);
+    found.left = left;
     found
 }
 
-fn columns(time: &[f64], motion: &[[f64; 3]]) -> Vec<Vec<f64>> {
+/// The factor on the acceleration, if chosen, beside a delay and what else was chosen but its like.
+fn acceleration(residual: &Residual, columns: &[Vec<f64>], chosen: &[usize], refit: &Basis) -> f64 {
+    let alike = |c: usize| c == ACCELERATION || c == ACCELERATION + 1;
+    if !chosen.iter().any(|&c| alike(c)) {
+        return 0.0;
+    }
+    let mut basis = refit.clone();
+    for &c in chosen.iter().chain(&[VELOCITY]).filter(|c| !alike(**c)) {
+        basis.add(&columns[c]);
+    }
+    let rest = basis.without(&columns[ACCELERATION]);
+    dot(&rest, residual.residual) / dot(&rest, &rest).max(f64::MIN_POSITIVE)
+}
+
+fn columns(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<Vec<f64>> {
     let middle = 0.5 * (time[0] + time[time.len() - 1]);
     let of = |f: &dyn Fn(f64, &[f64; 3]) -> f64| -> Vec<f64> {
         time.iter()
@@ -88,34 +123,28 @@ fn columns(time: &[f64], motion: &[[f64; 3]]) -> Vec<Vec<f64>> {
         of(&|_, m| m[1]),
         of(&|t, m| t * m[1]),
         of(&|_, m| m[2]),
+        lagged(time, motion, constant),
         of(&|t, _| t),
     ]
 }
 
-/// Sum of squares that a column explains; none where less than 1e-8 of it is left, which is rounding.
-fn explained(column: &[f64], size: f64, series: &[f64]) -> f64 {
-    let own = dot(column, column);
-    if own > 1e-8 * size && own > 0.0 {
-        dot(column, series).powi(2) / own
+/// The acceleration behind one pole.
+fn lagged(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<f64> {
+    let mut found = vec![motion[0][2]; time.len()];
+    for k in 1..time.len() {
+        let kept = ((time[k - 1] - time[k]) / constant).exp();
+        let input = 0.5 * (motion[k - 1][2] + motion[k][2]);
+        found[k] = input + (found[k - 1] - input) * kept;
+    }
+    found
+}
+
+/// Sum of squares that what is left of a column explains; none where that is rounding.
+fn explained(rest: &[f64], column: &[f64], series: &[f64]) -> f64 {
+    let own = dot(rest, rest);
+    if own > 1e-10 * dot(column, column) && own > 0.0 {
+        dot(rest, series).powi(2) / own
     } else {
         0.0
     }
-}
-
-/// Takes from a series its part along a direction.
-fn remove(direction: &[f64], series: &mut [f64]) {
-    let factor = dot(direction, series) / dot(direction, direction);
-    series
-        .iter_mut()
-        .zip(direction)
-        .for_each(|(s, d)| *s -= factor * d);
-}
-
-pub(super) fn centred(series: &[f64]) -> Vec<f64> {
-    let mean = series.iter().sum::<f64>() / series.len() as f64;
-    series.iter().map(|x| x - mean).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -22,6 +22,8 @@ pub(super) struct Smoother {
 
 /// What the smoother makes of a residual.
 pub(super) struct Smoothed {
+    /// Error and its rate, in units of the residual (and of it per second).
+    pub error: Vec<[f64; 2]>,
     /// Missing force, in units of the residual times `rate^2`.
     pub missing: Vec<f64>,
     /// Its standard deviation.
@@ -144,6 +146,7 @@ impl Smoother {
             .sum();
         let noise = (squares / n.max(1) as f64).max(f64::MIN_POSITIVE);
         let mut found = Smoothed {
+            error: vec![[0.0; 2]; n],
             missing: vec![0.0; n],
             missing_std: vec![0.0; n],
             velocity_jump: vec![0.0; n],
@@ -156,10 +159,37 @@ impl Smoother {
             let smoothed = pass.state + pass.covariance * adjoint;
             let row = pass.covariance.column(2);
             let variance = pass.covariance[(2, 2)] - row.dot(&(information * row));
+            found.error[k] = [smoothed[0], smoothed[1] * self.rate];
             found.missing[k] = smoothed[2] * scale;
             found.missing_std[k] = (variance.max(0.0) * noise).sqrt() * scale;
             found.velocity_jump[k] = jump(&adjoint, &information, 1) / noise;
             found.force_jump[k] = jump(&adjoint, &information, 2) / noise;
+        }
+        found
+    }
+
+    /// The error's response to a force given at the stamps, taken for constant in between at its mean.
+    pub fn response(&self, force: &[f64]) -> Vec<f64> {
+        let mut state = Vector3::zeros();
+        let mut found = vec![state[0]; force.len()];
+        for (k, &which) in self.which.iter().enumerate() {
+            state[2] = 0.5 * (force[k] + force[k + 1]);
+            state = self.transitions[which].phi * state;
+            found[k + 1] = state[0];
+        }
+        found
+    }
+
+    /// The error after a unit jump of one component of the state at a stamp.
+    pub fn after_jump(&self, stamp: usize, component: usize) -> Vec<f64> {
+        let mut found = vec![0.0; self.which.len() + 1];
+        let mut state = Vector3::zeros();
+        state[component] = 1.0;
+        for (k, error) in found.iter_mut().enumerate().skip(stamp) {
+            *error = state[0];
+            if let Some(&which) = self.which.get(k) {
+                state = self.transitions[which].phi * state;
+            }
         }
         found
     }

@@ -1,12 +1,14 @@
 //! Stretches of time in which the residual is strong.
 
+use super::correlation::length;
 use super::{MOST, Residual};
 
 /// Chi-squared over a moving window above what noise makes and a quarter of its greatest excess; at
 /// most eight stretches, those of most excess, in order of time.
-pub(super) fn strong(residual: &Residual, window: f64, correlated: f64) -> Vec<[f64; 2]> {
+pub(super) fn strong(residual: &Residual, window: f64) -> Vec<[f64; 2]> {
     let (time, n) = (residual.time, residual.time.len());
     let variance = residual.noise_std * residual.noise_std;
+    let correlated = length(time, residual.residual).samples;
     let mut sums = vec![0.0];
     for r in residual.residual {
         sums.push(sums[sums.len() - 1] + r * r / variance - 1.0);

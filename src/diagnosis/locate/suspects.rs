@@ -25,12 +25,16 @@ pub(super) enum Kind {
 /// An instant at which something happens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Suspect {
+    /// Stamp.
+    pub at: usize,
     /// When, s.
     pub time: f64,
     /// What.
     pub kind: Kind,
     /// Log-likelihood gain.
     pub gain: f64,
+    /// Share of the missing force's variance that it explains; 0 for jumps.
+    pub share: f64,
 }
 
 /// The most suspicious first, at least `apart` seconds from one another.
@@ -54,16 +58,27 @@ pub(super) fn suspects(
 }
 
 /// Local maxima of a jump's gain that noise would not make: half a chi-squared of one degree exceeds
-/// `g` with a probability below `exp(-g)`, at `n` stamps in two directions.
+/// `g` with a probability below `exp(-g)`, at `n` stamps in two directions. Where the gains at large
+/// are greater than that law's median, the noise is coloured, and they count for less.
 fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<Suspect> {
+    /// Median of half a chi-squared of one degree.
+    const MEDIAN: f64 = 0.227;
     let n = gain.len();
     let threshold = (2.0 * n as f64 / FALSE_ALARM).ln();
+    let typical = *gain
+        .to_vec()
+        .select_nth_unstable_by(n / 2, f64::total_cmp)
+        .1;
+    let scale = (typical / MEDIAN).max(1.0);
     (1..n.saturating_sub(1))
-        .filter(|&k| gain[k] > threshold && gain[k] > gain[k - 1] && gain[k] >= gain[k + 1])
-        .map(|k| Suspect {
-            time: time[k],
+        .filter(|&k| gain[k] > threshold * scale)
+        .filter(|&k| gain[k] > gain[k - 1] && gain[k] >= gain[k + 1])
+        .map(|at| Suspect {
+            at,
+            time: time[at],
             kind,
-            gain: gain[k],
+            gain: gain[at] / scale,
+            share: 0.0,
         })
         .collect()
 }
@@ -84,24 +99,28 @@ fn change(residual: &Residual, force: &[f64], at: &[usize]) -> Option<Suspect> {
         sums.push(next);
     }
     let whole = *sums.last()?;
-    let mut best = (0, 0.0);
+    let mut best = (0, 0.0, 0.0);
     // Each side keeps a twentieth, so that its coefficients mean something.
     for candidate in 0..CANDIDATES {
         let k = n / 20 + candidate * (n - n / 10) / CANDIDATES;
         let split = sums[k].left() + whole.minus(&sums[k]).left();
         let gain = 0.5 * n as f64 * (whole.left() / split.max(f64::MIN_POSITIVE)).ln();
         if gain > best.1 {
-            best = (k, gain);
+            best = (k, gain, (whole.left() - split) / whole.about_mean());
         }
     }
     let stamps: Vec<f64> = at.iter().map(|&k| residual.time[k]).collect();
     let series: Vec<f64> = at.iter().map(|&k| force[k]).collect();
     let gain = best.1 / length(&stamps, &series).samples;
-    (gain > threshold()).then(|| Suspect {
-        time: stamps[best.0],
+    let (at, share) = (at[best.0], best.2);
+    let found = Suspect {
+        at,
+        time: residual.time[at],
         kind: Kind::Change,
         gain,
-    })
+        share,
+    };
+    (gain > threshold()).then_some(found)
 }
 
 /// Half the chi-squared of four degrees, tail `exp(-g) (1 + g)`, that all candidates together exceed
@@ -161,6 +180,11 @@ impl Sums {
             square: self.square - other.square,
             count: self.count - other.count,
         }
+    }
+
+    /// Sum of squares about the mean; the first regressor is 1.
+    fn about_mean(&self) -> f64 {
+        (self.square - self.right[0] * self.right[0] / self.count).max(f64::MIN_POSITIVE)
     }
 
     /// Sum of squares that the regression leaves. A ridge of 1e-6 keeps regressors that do not move

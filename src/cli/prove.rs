@@ -1,0 +1,85 @@
+//! `quell prove`: the diagnosis on recordings in which something was hidden.
+
+use super::{CliError, output};
+use crate::proof::{Diagnose, ProofError, Source, read_cases, run as run_cases};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+
+/// Diagnoses concealed cases, then breaks the seal and prints the score.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell prove                                60 cases of the generator
+  quell prove --cases 500 --seed 1 --out out the full run, with a page
+  quell prove --from DIR --json              cases of another generator
+
+Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no
+catalogue holds, recorded by sensors with noise. The diagnosis sees the nominal model and one
+recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml, case-00/train/,
+case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
+pub struct Args {
+    /// How many cases to make.
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
+    cases: u64,
+    /// The seed; the same seed makes the same cases.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// A folder of cases, instead of making them.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["cases", "seed", "keep"])]
+    from: Option<PathBuf>,
+    /// Keeps the cases in this folder.
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
+    /// Writes proof.html and proof.json into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Prints the score as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the verb with this diagnosis.
+///
+/// # Errors
+/// [`CliError`] where cases cannot be made, read or written.
+pub fn run(args: Args, diagnose: &Diagnose) -> Result<(), CliError> {
+    let (source, count, subtitle) = source(&args)?;
+    let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
+    let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
+    let score = run_cases(&source, diagnose, &|| progress.inc(1)).map_err(told)?;
+    progress.finish_and_clear();
+    if let Some(folder) = &args.out {
+        output::folder(folder)?;
+        let page = score.page(&subtitle);
+        page.write(folder.join("proof.html"))
+            .map_err(CliError::failure)?;
+        let path = folder.join("proof.json");
+        let text = format!("{:#}\n", score.to_json());
+        std::fs::write(&path, text)
+            .map_err(|error| CliError::failure(format!("{}: {error}", path.display())))?;
+    }
+    if args.json {
+        return output::json(&score.to_json());
+    }
+    output::text(&format!("{subtitle}\n\n{}", score.to_text()))
+}
+
+/// Where the cases come from, how many they are, and a line that says so.
+fn source(args: &Args) -> Result<(Source, u64, String), CliError> {
+    if let Some(folder) = &args.from {
+        let count = read_cases(folder).map_err(CliError::input)?.len() as u64;
+        let line = format!("{count} cases of {}", folder.display());
+        return Ok((Source::Folder(folder.clone()), count, line));
+    }
+    let &Args { cases, seed, .. } = args;
+    let line = format!("{cases} cases of seed {seed}");
+    let keep = args.keep.clone();
+    Ok((Source::Generated { cases, seed, keep }, cases, line))
+}
+
+fn told(error: ProofError) -> CliError {
+    match error {
+        ProofError::Folder(error) => CliError::input(error),
+        ProofError::Plan { .. } => CliError::failure(error),
+    }
+}

@@ -1,0 +1,146 @@
+//! A driven axis: a carriage on rails under a position controller.
+
+use super::integrate::{Contact, Plant, State};
+use super::programme::Programme;
+use super::surfaces::DryFriction;
+
+const POSITION: usize = 0;
+const VELOCITY: usize = 1;
+const DELIVERED: usize = 2;
+
+/// The axis with what is hidden in it; absent or 0 where nothing is.
+#[derive(Clone, Debug, Default)]
+pub struct Axis {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Viscous friction, N.s/m.
+    pub viscous: f64,
+    /// The mass the controller counts with, kg, and its bandwidth, rad/s.
+    pub believed_mass: f64,
+    /// Bandwidth of the controller, rad/s.
+    pub bandwidth: f64,
+    /// Friction on the rails.
+    pub dry: Option<DryFriction>,
+    /// Force that is always there, N.
+    pub offset: f64,
+    /// Amplitude, N, waves per m and phase of a force that repeats with the position.
+    pub cogging: [f64; 3],
+    /// Force below which nothing arrives, N.
+    pub dead_zone: f64,
+    /// Force above which no more arrives, N; 0 for none.
+    pub saturation: f64,
+    /// Share of the force lost at this force, N.
+    pub loss: [f64; 2],
+    /// Time constant, s, with which the force follows its command; 0 for none.
+    pub lag: f64,
+}
+
+/// The axis on its way through a programme.
+pub struct Driven<'a> {
+    /// The axis.
+    pub axis: &'a Axis,
+    /// What it shall do.
+    pub programme: &'a Programme,
+    /// Whether the commanded force is shown, or the position.
+    pub shows_force: bool,
+}
+
+impl Driven<'_> {
+    /// The controller's force: feedforward of the believed mass, and a spring and a damper.
+    pub fn commanded(&self, time: f64, state: &State) -> f64 {
+        let axis = self.axis;
+        let [r, v, a] = self.programme.at(time);
+        let w = axis.bandwidth;
+        let back = w * w * (r - state[POSITION]) + 1.6 * w * (v - state[VELOCITY]);
+        axis.believed_mass * (a + back)
+    }
+
+    /// The force that arrives of a command.
+    fn arriving(&self, command: f64) -> f64 {
+        let axis = self.axis;
+        let mut force = command.signum() * (command.abs() - axis.dead_zone).max(0.0);
+        let [share, reference] = axis.loss;
+        if share != 0.0 {
+            // Iron that is full gives no less for more current.
+            let peak = reference / (3.0 * share).sqrt();
+            force = force.clamp(-peak, peak);
+            force *= 1.0 - share * (force / reference).powi(2);
+        }
+        match axis.saturation {
+            0.0 => force,
+            most => force.clamp(-most, most),
+        }
+    }
+
+    /// All forces but dry friction.
+    fn push(&self, time: f64, state: &State) -> f64 {
+        let axis = self.axis;
+        let drive = match axis.lag {
+            0.0 => self.arriving(self.commanded(time, state)),
+            _ => state[DELIVERED],
+        };
+        let [size, waves, phase] = axis.cogging;
+        let cogging = size * (waves * state[POSITION] + phase).sin();
+        drive + axis.offset + cogging - axis.viscous * state[VELOCITY]
+    }
+}
+
+impl Plant for Driven<'_> {
+    fn rates(&self, time: f64, state: &State, contact: Contact) -> State {
+        let axis = self.axis;
+        let friction = match (axis.dry, contact) {
+            (None, _) => 0.0,
+            (Some(_), Contact::Stuck) => -self.push(time, state),
+            (Some(dry), Contact::Sliding(sign)) => {
+                dry.sliding(sign, (sign * state[VELOCITY]).max(0.0), state[POSITION])
+            }
+        };
+        let mut rates = [0.0; 14];
+        rates[POSITION] = state[VELOCITY];
+        rates[VELOCITY] = (self.push(time, state) + friction) / axis.mass;
+        if axis.lag > 0.0 {
+            let command = self.arriving(self.commanded(time, state));
+            rates[DELIVERED] = (command - state[DELIVERED]) / axis.lag;
+        }
+        rates
+    }
+
+    fn slip(&self, _: f64, state: &State) -> Option<f64> {
+        self.axis.dry.map(|_| state[VELOCITY])
+    }
+
+    fn excess(&self, time: f64, state: &State) -> (f64, f64) {
+        let dry = self.axis.dry.as_ref();
+        dry.map_or((0.0, 1.0), |dry| {
+            dry.excess(-self.push(time, state), state[POSITION])
+        })
+    }
+
+    fn arrest(&self, _: f64, state: &mut State) {
+        state[VELOCITY] = 0.0;
+    }
+
+    fn edges(&self, time: f64, state: &State) -> [f64; 4] {
+        let axis = self.axis;
+        let command = self.commanded(time, state);
+        let beyond = |limit: f64| {
+            if limit > 0.0 {
+                command.abs() - limit
+            } else {
+                1.0
+            }
+        };
+        [beyond(axis.dead_zone), beyond(axis.saturation), 1.0, 1.0]
+    }
+
+    fn shown(&self, time: f64, state: &State, rates: &State) -> [f64; 2] {
+        if !self.shows_force {
+            return [state[POSITION], state[VELOCITY]];
+        }
+        let [_, v, a] = self.programme.at(time);
+        let w = self.axis.bandwidth;
+        let back = w * w * (v - state[VELOCITY]) + 1.6 * w * (a - rates[VELOCITY]);
+        // The jerk of the plan is left out: it only helps to interpolate within a step.
+        [self.commanded(time, state), self.axis.believed_mass * back]
+    }
+}

@@ -1,0 +1,95 @@
+//! A flexible joint and all that may be wrong with it.
+
+use super::surfaces::{BoucWen, Bristles, DryFriction, Gap, Knock, Stop};
+
+/// A body on a spring and a damper.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Its inertia.
+    pub inertia: f64,
+    /// Torque per angle.
+    pub stiffness: f64,
+    /// Torque per rate.
+    pub damping: f64,
+}
+
+/// A pendulum on the link that swings far: a hanging hose.
+#[derive(Clone, Copy, Debug)]
+pub struct Hose {
+    /// Its angular frequency, rad/s.
+    pub frequency: f64,
+    /// Its damping ratio.
+    pub damping_ratio: f64,
+    /// Its inertia over the link's.
+    pub share: f64,
+    /// The arm's length over the hose's.
+    pub length_ratio: f64,
+}
+
+/// The joint with what is hidden in it; absent or 0 where nothing is.
+#[derive(Clone, Debug, Default)]
+pub struct Joint {
+    /// Inertia of the link about the joint.
+    pub inertia: f64,
+    /// Torque per deformation.
+    pub stiffness: f64,
+    /// Torque per rate of deformation.
+    pub damping: f64,
+    /// Friction across the transmission.
+    pub dry: Option<DryFriction>,
+    /// Presliding friction across the transmission.
+    pub bristles: Option<Bristles>,
+    /// Hysteretic spring across the transmission.
+    pub hysteresis: Option<BoucWen>,
+    /// Play in series with the spring.
+    pub gap: Option<Gap>,
+    /// The spring's torque is `k (x + cubic x^3)`.
+    pub cubic: f64,
+    /// Relative change of stiffness beyond a knee for `x > 0` and for `x < 0`, and the knee.
+    pub bilinear: [f64; 3],
+    /// Torque per squared rate of deformation.
+    pub quadratic_damping: f64,
+    /// Torque per root of the rate of deformation.
+    pub root_damping: f64,
+    /// Amplitude, waves per rad and phase of an error of the transmission.
+    pub ripple: [f64; 3],
+    /// The stiffness changes by the first entry, with the second as time constant, s.
+    pub warming: [f64; 2],
+    /// Stiffness and time constant, s, of a spring and a dashpot in series beside the joint's spring.
+    pub creep: Option<[f64; 2]>,
+    /// Relative stiffness gained per motor speed, s/rad.
+    pub speed_stiffening: f64,
+    /// Depth and angular frequency of a damping that comes and goes.
+    pub damping_waves: [f64; 2],
+    /// Torque per speed of the link, to ground.
+    pub viscous_drag: f64,
+    /// Torque per squared speed of the link, to ground.
+    pub quadratic_drag: f64,
+    /// Torque `g sin(y + phase)` of gravity.
+    pub gravity: [f64; 2],
+    /// Relative change of the inertia with pose, `1 + a sin(y + phase)`.
+    pub pose: [f64; 2],
+    /// Time at which a load is taken up, s, and its inertia over the link's.
+    pub payload: Option<[f64; 2]>,
+    /// A further body on the link, and whether the tip is on it.
+    pub outer: Option<(Body, bool)>,
+    /// What the motor stands on.
+    pub base: Option<Body>,
+    /// A hose that swings.
+    pub hose: Option<Hose>,
+    /// A stop in the link's way.
+    pub stop: Option<Stop>,
+    /// Knocks on the link.
+    pub knocks: Vec<Knock>,
+    /// Time constant of the sensor, s, and whether there are two such lags in a row.
+    pub lag: Option<(f64, bool)>,
+}
+
+/// What the sensor is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// The link's angle.
+    Link,
+    /// The link's angle less the motor side's.
+    Deformation,
+}

@@ -1,0 +1,119 @@
+//! Whether intervals hold the true parameters.
+
+use crate::proof::truth::Truth;
+use crate::proof::verdict::Verdict;
+use serde::Serialize;
+
+/// One parameter held against the truth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Covered {
+    /// The effect.
+    pub effect: String,
+    /// The parameter, as the catalogue names it.
+    pub parameter: String,
+    /// Its true value.
+    pub truth: f64,
+    /// The diagnosis's interval.
+    pub ci95: [f64; 2],
+    /// Whether the interval holds the truth.
+    pub inside: bool,
+}
+
+/// Parameters that are the same physical quantity in the catalogue and in a generator: the effect, the
+/// catalogue's name, the names in the truth. What a generator shapes otherwise than the catalogue (the
+/// bristles of LuGre, the oil in a play, a damped stop) is not here.
+const SAME: &[(&str, &str, &[&str])] = &[
+    ("coulomb_friction", "friction", &["friction"]),
+    ("stribeck_friction", "friction", &["friction"]),
+    ("stribeck_friction", "excess", &["excess"]),
+    (
+        "stribeck_friction",
+        "stribeck_velocity",
+        &["stribeck_velocity"],
+    ),
+    ("asymmetric_friction", "friction", &["friction"]),
+    ("asymmetric_friction", "asymmetry", &["asymmetry"]),
+    ("presliding_hysteresis", "friction", &["friction"]),
+    (
+        "presliding_hysteresis",
+        "presliding_distance",
+        &["presliding_distance"],
+    ),
+    ("hysteretic_stiffness", "share", &["share"]),
+    (
+        "hysteretic_stiffness",
+        "yield_deformation",
+        &["yield_deformation"],
+    ),
+    ("backlash", "gap", &["gap", "gap_rad"]),
+    ("cubic_stiffness", "k3", &["k3"]),
+    ("bilinear_stiffness", "knee", &["knee"]),
+    ("quadratic_damping", "coefficient", &["coefficient"]),
+    (
+        "transmission_ripple",
+        "amplitude",
+        &["amplitude", "amp_rad"],
+    ),
+    ("transmission_ripple", "order", &["order", "cycles_per_rad"]),
+    (
+        "viscoelastic_creep",
+        "relative_stiffness",
+        &["relative_stiffness"],
+    ),
+    ("viscoelastic_creep", "time_constant", &["time_constant"]),
+    ("viscous_drag", "viscous", &["viscous"]),
+    ("quadratic_drag", "coefficient", &["coefficient"]),
+    ("gravity_load", "amplitude", &["amplitude"]),
+    ("second_mode", "natural_frequency", &["natural_frequency"]),
+    ("payload_change", "time", &["time", "at_s"]),
+    ("payload_change", "change", &["change"]),
+    ("external_disturbance", "time", &["time"]),
+    ("external_disturbance", "jump", &["jump"]),
+    ("sensor_lag", "time_constant", &["time_constant", "tau_s"]),
+    (
+        "sensor_lag_second_order",
+        "time_constant",
+        &["time_constant"],
+    ),
+    ("sensor_gain", "error", &["error"]),
+    ("deformation_gain", "error", &["error"]),
+    ("misalignment", "amplitude", &["amplitude"]),
+    ("sensor_drift", "rate", &["rate"]),
+    ("clock_skew", "skew", &["skew"]),
+    ("force_offset", "force", &["force"]),
+    ("cogging", "amplitude", &["amplitude"]),
+    ("cogging", "order", &["order"]),
+    ("dead_zone", "half_width", &["half_width"]),
+    ("saturation", "limit", &["limit"]),
+    ("drive_lag", "time_constant", &["time_constant"]),
+    ("drive_delay", "delay", &["delay"]),
+];
+
+/// The comparable parameters of all effects that were named rightly.
+pub(super) fn covered(truth: &Truth, verdict: &Verdict) -> Vec<Covered> {
+    let mut found = Vec::new();
+    for hidden in &truth.effects {
+        let named = verdict
+            .findings
+            .iter()
+            .find(|finding| finding.effect == hidden.effect);
+        for parameter in named.iter().flat_map(|finding| &finding.parameters) {
+            let same = SAME
+                .iter()
+                .find(|(effect, name, _)| *effect == hidden.effect && *name == parameter.name);
+            let known = |name: &str| same.is_some_and(|(_, _, names)| names.contains(&name));
+            let value = hidden.parameters.iter().find(|(name, _)| known(name));
+            found.extend(value.map(|&(_, value)| {
+                let [low, high] = parameter.ci95;
+                Covered {
+                    effect: hidden.effect.clone(),
+                    parameter: parameter.name.clone(),
+                    truth: value,
+                    ci95: parameter.ci95,
+                    inside: low <= value && value <= high,
+                }
+            }));
+        }
+    }
+    found
+}

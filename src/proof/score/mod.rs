@@ -1,0 +1,276 @@
+//! The score over many cases.
+
+mod coverage;
+mod judgement;
+mod page;
+mod print;
+mod rate;
+
+pub use coverage::Covered;
+pub use judgement::{Judgement, Kind};
+pub use rate::{Rate, Spread};
+
+use super::truth::Truth;
+use super::verdict::Verdict;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// A case after its seal was broken.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Its name.
+    pub name: String,
+    /// What was hidden.
+    pub truth: Truth,
+    /// What was said.
+    pub verdict: Verdict,
+    /// Rms over the noise on the test with the true machine; absent where the generator is not ours.
+    pub oracle: Option<f64>,
+    /// The one against the other.
+    pub judgement: Judgement,
+}
+
+impl Judged {
+    /// Breaks the seal of a case.
+    pub fn new(name: String, truth: Truth, verdict: Verdict, oracle: Option<f64>) -> Self {
+        let judgement = Judgement::new(&truth, &verdict);
+        Self {
+            name,
+            truth,
+            verdict,
+            oracle,
+            judgement,
+        }
+    }
+}
+
+/// All cases together.
+#[derive(Clone, Debug, Default)]
+pub struct Score {
+    /// The cases.
+    pub cases: Vec<Judged>,
+}
+
+/// One line of the score.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// Name in JSON.
+    pub key: &'static str,
+    /// What is counted.
+    pub name: &'static str,
+    /// How often it was so.
+    pub rate: Rate,
+    /// What is aimed at.
+    pub aim: &'static str,
+}
+
+impl Score {
+    /// Of the cases of these kinds that pass `among`, how many are `right`.
+    fn rate(
+        &self,
+        kinds: &[Kind],
+        among: impl Fn(&Judgement) -> bool,
+        right: impl Fn(&Judgement) -> bool,
+    ) -> Rate {
+        let judgements = self.cases.iter().map(|case| &case.judgement);
+        let these = judgements.filter(|j| kinds.contains(&j.kind) && among(j));
+        these.fold(Rate::default(), |rate, j| rate.and(right(j)))
+    }
+
+    /// The rates, each with what is aimed at.
+    pub fn lines(&self) -> Vec<Line> {
+        let lines = self.known_lines().into_iter();
+        lines.chain(self.other_lines()).collect()
+    }
+
+    /// Effects of the catalogue.
+    fn known_lines(&self) -> [Line; 6] {
+        const ONE: &[Kind] = &[Kind::One];
+        let known = [Kind::One, Kind::Two];
+        let found = |right: fn(&Judgement) -> bool| self.rate(ONE, |j| j.detected, right);
+        let detected = self.rate(&known, |_| true, |j| j.detected);
+        let families = self.rate(&[Kind::Two], |_| true, |j| j.family);
+        [
+            line("detected", "detected", detected, ""),
+            line(
+                "family",
+                "family, once detected",
+                found(|j| j.family),
+                ">= 98 %",
+            ),
+            line(
+                "exact",
+                "exact name, once detected",
+                found(|j| j.exact),
+                ">= 92 %",
+            ),
+            line("in_set", "truth in the set", found(|j| j.in_set), ">= 97 %"),
+            line("spurious", "a term too many", found(|j| j.spurious > 0), ""),
+            line(
+                "two_families",
+                "two effects, both families",
+                families,
+                ">= 94 %",
+            ),
+        ]
+    }
+
+    /// Clean cases, cases outside the catalogue, and parameters.
+    fn other_lines(&self) -> [Line; 4] {
+        let alarms = self.rate(&[Kind::Clean], |_| true, |j| j.false_alarm);
+        let noticed = self.rate(&[Kind::Outside], |_| true, |j| j.detected);
+        let flagged = self.rate(&[Kind::Outside], |_| true, |j| j.flagged);
+        let parameters = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.judgement.parameters);
+        let coverage = parameters.fold(Rate::default(), |rate, p| rate.and(p.inside));
+        [
+            line("false_alarms", "false alarms", alarms, "<= 1 %"),
+            line(
+                "outside_noticed",
+                "outside the catalogue, noticed",
+                noticed,
+                "",
+            ),
+            line(
+                "outside_flagged",
+                "outside the catalogue, flagged",
+                flagged,
+                ">= 85 %",
+            ),
+            line(
+                "coverage",
+                "95 % intervals that hold the truth",
+                coverage,
+                "90-98 %",
+            ),
+        ]
+    }
+
+    /// Names in the set of a single effect that was detected.
+    pub fn set_sizes(&self) -> Spread {
+        let single = self
+            .cases
+            .iter()
+            .filter(|case| case.judgement.kind == Kind::One);
+        Spread::of(
+            single
+                .filter_map(|case| case.judgement.set_size)
+                .map(|size| size as f64),
+        )
+    }
+
+    /// Median and 90th percentile of a figure of the verdicts.
+    pub fn spread(&self, figure: impl Fn(&Judged) -> f64) -> Spread {
+        Spread::of(self.cases.iter().map(figure))
+    }
+
+    /// The measured sizes: name and spread.
+    pub fn spreads(&self) -> Vec<(&'static str, &'static str, Spread)> {
+        let known = |case: &Judged| case.judgement.kind != Kind::Outside;
+        let test = |case: &Judged| {
+            if known(case) {
+                case.verdict.test_rms_over_noise
+            } else {
+                f64::NAN
+            }
+        };
+        vec![
+            (
+                "before_over_noise",
+                "held-out rms / noise before",
+                self.spread(|c| c.verdict.before_over_noise),
+            ),
+            (
+                "after_over_noise",
+                "held-out rms / noise after",
+                self.spread(|c| c.verdict.after_over_noise),
+            ),
+            (
+                "test_over_noise",
+                "rms / noise on moves never shown",
+                self.spread(test),
+            ),
+            (
+                "oracle_over_noise",
+                "the same, of the true machine",
+                self.spread(|c| c.oracle.unwrap_or(f64::NAN)),
+            ),
+            ("set_size", "names in the set, one effect", self.set_sizes()),
+            (
+                "seconds",
+                "seconds a case",
+                self.spread(|c| c.verdict.seconds),
+            ),
+        ]
+    }
+
+    /// How often each family was taken for each: truth, then named.
+    pub fn confusion(&self) -> BTreeMap<String, BTreeMap<String, usize>> {
+        let mut matrix: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
+        for case in &self.cases {
+            let [hidden, said] = case.judgement.confusion.clone();
+            *matrix.entry(hidden).or_default().entry(said).or_default() += 1;
+        }
+        matrix
+    }
+
+    /// Per hidden effect (alone): how often its family, its name and its set were right.
+    pub fn by_effect(&self) -> BTreeMap<String, [Rate; 4]> {
+        let mut rows: BTreeMap<String, [Rate; 4]> = BTreeMap::new();
+        for case in self
+            .cases
+            .iter()
+            .filter(|case| case.truth.effects.len() < 2)
+        {
+            let j = &case.judgement;
+            let detected = if j.kind == Kind::Clean {
+                !j.false_alarm
+            } else {
+                j.detected
+            };
+            let right = [detected, j.is_right(), j.exact, j.in_set];
+            let row = rows.entry(case.truth.name()).or_default();
+            for (rate, right) in row.iter_mut().zip(right) {
+                *rate = rate.and(right);
+            }
+        }
+        rows
+    }
+
+    /// The whole score for `--json`.
+    pub fn to_json(&self) -> Value {
+        let rates = self
+            .lines()
+            .into_iter()
+            .map(|line| (line.key.to_string(), line.rate.to_json()));
+        let spreads = self.spreads().into_iter();
+        let spreads = spreads.map(|(key, _, spread)| (key.to_string(), spread.to_json()));
+        let cases = self.cases.iter().map(|case| {
+            json!({
+                "case": case.name,
+                "truth": case.truth.to_json(),
+                "verdict": case.verdict,
+                "oracle_over_noise": case.oracle,
+                "judgement": case.judgement,
+            })
+        });
+        json!({
+            "cases": self.cases.len(),
+            "rates": rates.collect::<serde_json::Map<_, _>>(),
+            "figures": spreads.collect::<serde_json::Map<_, _>>(),
+            "confusion": self.confusion(),
+            "each": cases.collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn line(key: &'static str, name: &'static str, rate: Rate, aim: &'static str) -> Line {
+    Line {
+        key,
+        name,
+        rate,
+        aim,
+    }
+}

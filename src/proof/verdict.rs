@@ -1,0 +1,87 @@
+//! What a diagnosis said about a case, as far as it is scored.
+
+use serde::{Deserialize, Serialize};
+
+/// A diagnosis in a few words.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained`; `failed` where the
+    /// diagnosis came to no end.
+    pub kind: String,
+    /// The best explanation, strongest first.
+    pub findings: Vec<FindingSummary>,
+    /// Rms over the noise on the part of the recording that was kept apart, before.
+    pub before_over_noise: f64,
+    /// The same with the findings in the model.
+    pub after_over_noise: f64,
+    /// Rms over the noise of the model that came out on moves never shown.
+    pub test_rms_over_noise: f64,
+    /// Time of the diagnosis, s.
+    pub seconds: f64,
+}
+
+/// One finding.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FindingSummary {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// Its place.
+    pub place: String,
+    /// Effects that the data cannot tell from it.
+    pub alternatives: Vec<String>,
+    /// Its parameters.
+    pub parameters: Vec<ParameterSummary>,
+}
+
+/// A parameter with its interval, SI.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ParameterSummary {
+    /// Name.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// 95 % confidence interval.
+    pub ci95: [f64; 2],
+}
+
+impl Verdict {
+    /// A diagnosis that came to no end.
+    pub fn failed(seconds: f64) -> Self {
+        Self {
+            kind: "failed".into(),
+            before_over_noise: f64::NAN,
+            after_over_noise: f64::NAN,
+            test_rms_over_noise: f64::NAN,
+            seconds,
+            ..Self::default()
+        }
+    }
+
+    /// Whether it says that something is missing.
+    pub fn detects(&self) -> bool {
+        !["no_mismatch", "failed"].contains(&self.kind.as_str())
+    }
+
+    /// Whether it does not put its hand in the fire for a name.
+    pub fn doubts(&self) -> bool {
+        ["ambiguous", "partly_explained", "unexplained"].contains(&self.kind.as_str())
+    }
+
+    /// The name that it gives first.
+    pub fn first_name(&self) -> Option<&str> {
+        self.findings.first().map(|finding| finding.effect.as_str())
+    }
+}
+
+impl FindingSummary {
+    /// The name and all that cannot be told from it, each once.
+    pub fn set(&self) -> Vec<&str> {
+        let mut set = vec![self.effect.as_str()];
+        for other in &self.alternatives {
+            if !set.contains(&other.as_str()) {
+                set.push(other);
+            }
+        }
+        set
+    }
+}

@@ -1,0 +1,288 @@
+//! The generator of concealed cases and the score: repeatable, whole, and counting rightly.
+
+use quell::proof::{
+    Case, FindingSummary, HiddenEffect, Judged, Kind, ParameterSummary, Source, Truth, Verdict,
+    generate, our_name, read_cases, read_truths, run, write_cases,
+};
+use quell::recording::{Recording, Role};
+use serde_json::json;
+use std::path::Path;
+use tempfile::TempDir;
+
+const SEED: u64 = 7;
+
+fn cases(count: u64) -> Vec<Case> {
+    (0..count)
+        .map(|index| generate(SEED, index).unwrap())
+        .collect()
+}
+
+fn bytes(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(bytes(&path));
+        } else {
+            let name = path.file_name().unwrap().to_str().unwrap();
+            files.push((name.to_string(), std::fs::read(&path).unwrap()));
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes() {
+    let [first, second] = [(); 2].map(|()| {
+        let folder = TempDir::new().unwrap();
+        write_cases(folder.path(), &cases(4)).unwrap();
+        bytes(folder.path())
+    });
+    assert_eq!(first.len(), 4 * 7 + 1);
+    assert!(first == second);
+}
+
+#[test]
+fn recordings_are_whole_and_the_true_machine_leaves_the_noise() {
+    for (index, case) in cases(16).iter().enumerate() {
+        for recording in [&case.train, &case.test] {
+            for channel in &recording.channels {
+                assert!(channel.time.len() > 200, "case {index}");
+                assert!(channel.time.windows(2).all(|pair| pair[1] > pair[0]));
+                assert!(
+                    channel
+                        .columns
+                        .iter()
+                        .flatten()
+                        .all(|value| value.is_finite())
+                );
+            }
+        }
+        assert!(case.train.channel(Role::MotorPosition).is_some());
+        assert_ne!(case.train.channels, case.test.channels);
+        let model: toml::Table = case.model.parse().unwrap();
+        assert!(["flexible_joint", "rigid_axis"].contains(&model["kind"].as_str().unwrap()));
+        // The standard deviation of a sample of 800 or more is known to 2.5 %; coloured noise counts a
+        // third to a tenth of its samples, and rounding a rest always to the same side leaves less.
+        let floor = case.oracle();
+        let least = if case.truth.more["noise_colour"] == json!("quantised") {
+            0.7
+        } else {
+            0.85
+        };
+        assert!(floor > least && floor < 1.15, "case {index}: {floor}");
+    }
+}
+
+/// The truth in words: the reader of JSON may miss a number's last bit.
+fn told(truth: &Truth) -> String {
+    let figure = |value: Option<f64>| value.map(|value| format!("{value:.12e}"));
+    let parameters = truth.effects.iter().flat_map(|effect| &effect.parameters);
+    let parameters: Vec<_> = parameters
+        .map(|(name, value)| format!("{name} {value:.12e}"))
+        .collect();
+    let places: Vec<_> = truth.effects.iter().map(|effect| &effect.place).collect();
+    let figures = [
+        truth.natural_frequency_hz,
+        truth.damping_ratio,
+        Some(truth.noise),
+        truth.clock_offset_s,
+        truth.baseline_residual_over_noise,
+    ];
+    let (known, unit) = (truth.in_catalogue, &truth.noise_unit);
+    let (name, figures) = (truth.name(), figures.map(figure));
+    format!("{name} {places:?} {known} {unit} {figures:?} {parameters:?}")
+}
+
+#[test]
+fn a_folder_is_read_back_as_it_was_written() {
+    let folder = TempDir::new().unwrap();
+    let cases = cases(6);
+    let written = write_cases(folder.path(), &cases).unwrap();
+    assert_eq!(read_cases(folder.path()).unwrap(), written);
+    let truths = read_truths(folder.path()).unwrap();
+    for (sealed, case) in written.iter().zip(&cases) {
+        assert_eq!(told(&truths[&sealed.name]), told(&case.truth));
+        let train = Recording::from_path(&sealed.train).unwrap();
+        assert_eq!(train.channels, case.train.channels);
+        assert_eq!(train.name, format!("{}/train", sealed.name));
+    }
+}
+
+#[test]
+fn other_generators_truths_are_read() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"{
+        "case-00": {"effect": "none", "parameters": {}, "programme": "train"},
+        "case-01": {"effect": "coulomb_friction+hardening_stiffness",
+                    "parameters": {"friction_nm": 13.1, "k3": 2e5}, "tracker_noise_m": 1e-5},
+        "case-02": {"effect": "root_speed_friction", "parameters": {"c": 342.5}}
+    }"#;
+    std::fs::write(folder.path().join("truth.json"), text).unwrap();
+    let truths = read_truths(folder.path()).unwrap();
+    assert!(truths["case-00"].effects.is_empty() && truths["case-00"].in_catalogue);
+    assert_eq!(truths["case-01"].name(), "coulomb_friction+cubic_stiffness");
+    assert_eq!(truths["case-01"].noise, 1e-5);
+    assert!(!truths["case-02"].in_catalogue);
+    assert_eq!(our_name("base_compliance"), "base_mode");
+    std::fs::write(folder.path().join("truth.json"), r#"{"case-00": {}}"#).unwrap();
+    let error = read_truths(folder.path()).unwrap_err().to_string();
+    assert!(
+        error.contains("case-00") && error.contains("truth.json"),
+        "{error}"
+    );
+}
+
+fn truth(names: &[&str], in_catalogue: bool) -> Truth {
+    let effect = |name: &&str| HiddenEffect {
+        effect: name.to_string(),
+        place: "transmission".into(),
+        parameters: vec![("friction".into(), 1e-4)],
+    };
+    Truth {
+        effects: names.iter().map(effect).collect(),
+        in_catalogue,
+        ..Truth::default()
+    }
+}
+
+fn verdict(kind: &str, sets: &[&[&str]]) -> Verdict {
+    let finding = |set: &&[&str]| FindingSummary {
+        effect: set[0].into(),
+        place: "transmission".into(),
+        alternatives: set[1..].iter().map(|name| name.to_string()).collect(),
+        parameters: vec![ParameterSummary {
+            name: "friction".into(),
+            value: 1.1e-4,
+            ci95: [0.9e-4, 1.3e-4],
+        }],
+    };
+    Verdict {
+        kind: kind.into(),
+        findings: sets.iter().map(finding).collect(),
+        before_over_noise: 4.0,
+        after_over_noise: 1.02,
+        test_rms_over_noise: 1.05,
+        seconds: 0.5,
+    }
+}
+
+fn judged(hidden: &[&str], in_catalogue: bool, said: Verdict) -> Judged {
+    Judged::new("case".into(), truth(hidden, in_catalogue), said, Some(1.0))
+}
+
+fn hand_made() -> Vec<Judged> {
+    vec![
+        judged(&[], true, verdict("no_mismatch", &[])),
+        judged(&[], true, verdict("named", &[&["backlash"]])),
+        judged(
+            &["coulomb_friction"],
+            true,
+            verdict("named", &[&["coulomb_friction"]]),
+        ),
+        judged(
+            &["stribeck_friction"],
+            true,
+            verdict("ambiguous", &[&["coulomb_friction", "stribeck_friction"]]),
+        ),
+        judged(
+            &["backlash"],
+            true,
+            verdict("named", &[&["sensor_lag"], &["backlash"]]),
+        ),
+        judged(&["sensor_gain"], true, verdict("no_mismatch", &[])),
+        judged(
+            &["backlash", "sensor_lag"],
+            true,
+            verdict("named", &[&["sensor_delay"], &["backlash"]]),
+        ),
+        judged(
+            &["backlash", "sensor_lag"],
+            true,
+            verdict("named", &[&["backlash"]]),
+        ),
+        judged(&["swinging_cable"], false, verdict("unexplained", &[])),
+        judged(
+            &["swinging_cable"],
+            false,
+            verdict("named", &[&["second_mode"]]),
+        ),
+    ]
+}
+
+#[test]
+fn the_score_counts_as_one_would_by_hand() {
+    let score = quell::proof::Score { cases: hand_made() };
+    let rate = |key: &str| {
+        let line = score
+            .lines()
+            .into_iter()
+            .find(|line| line.key == key)
+            .unwrap();
+        (line.rate.right, line.rate.of)
+    };
+    assert_eq!(rate("detected"), (5, 6));
+    // A wrong first name is not made good by a right second one.
+    assert_eq!(rate("family"), (2, 3));
+    assert_eq!(rate("exact"), (1, 3));
+    assert_eq!(rate("in_set"), (2, 3));
+    assert_eq!(rate("spurious"), (1, 3));
+    assert_eq!(rate("two_families"), (1, 2));
+    assert_eq!(rate("false_alarms"), (1, 2));
+    assert_eq!(rate("outside_noticed"), (2, 2));
+    assert_eq!(rate("outside_flagged"), (1, 2));
+    // Only where the name is right: the Coulomb friction of the third case.
+    assert_eq!(rate("coverage"), (1, 1));
+    assert_eq!(score.set_sizes().mean, 4.0 / 3.0);
+    assert_eq!(score.cases[9].judgement.kind, Kind::Outside);
+    let confusion = score.confusion();
+    assert_eq!(confusion["dry friction"]["dry friction"], 2);
+    assert_eq!(confusion["play"]["sensor dynamics"], 1);
+    assert_eq!(confusion["outside"]["unexplained"], 1);
+}
+
+#[test]
+fn the_score_is_told_as_text_json_and_page() {
+    let score = quell::proof::Score { cases: hand_made() };
+    let text = score.to_text();
+    assert!(
+        text.contains("family, once detected") && text.contains("2 of 3"),
+        "{text}"
+    );
+    assert!(text.contains("backlash+sensor_lag"), "{text}");
+    let value = score.to_json();
+    assert_eq!(value["rates"]["false_alarms"]["percent"], json!(50.0));
+    assert_eq!(value["each"][2]["judgement"]["kind"], json!("one"));
+    let html = score.page("10 cases, by hand").render();
+    assert!(html.contains("What was taken for what") && html.contains("swinging_cable"));
+    let empty = quell::proof::Score::default();
+    assert!(empty.to_text().contains("0 of 0") && !empty.page("").render().is_empty());
+}
+
+#[test]
+fn a_run_asks_the_diagnosis_and_then_breaks_the_seal() {
+    let folder = TempDir::new().unwrap();
+    let keep = folder.path().join("cases");
+    let generated = Source::Generated {
+        cases: 6,
+        seed: SEED,
+        keep: Some(keep.clone()),
+    };
+    let diagnose = |model: &Path, train: &Recording, test: &Recording| {
+        assert!(model.is_file() && train.channels.len() == 2 && test.channels.len() == 2);
+        match train.channels[0].time.len() % 2 {
+            0 => Ok(verdict("named", &[&["coulomb_friction"]])),
+            _ => Err("an odd one".to_string()),
+        }
+    };
+    let first = run(&generated, &diagnose, &|| ()).unwrap();
+    let second = run(&Source::Folder(keep), &diagnose, &|| ()).unwrap();
+    assert_eq!(first.cases.len(), 6);
+    for (a, b) in first.cases.iter().zip(&second.cases) {
+        assert_eq!(
+            (&a.name, told(&a.truth), &a.judgement),
+            (&b.name, told(&b.truth), &b.judgement)
+        );
+    }
+}
