@@ -176,7 +176,6 @@ fn val_stick_slip_has_its_period() {
         assert!(starts.len() > 8, "{starts:?}");
         let periods = (starts.len() - 1) as f64;
         let period = (starts[starts.len() - 1] - starts[0]) / periods;
-        println!("{starts:?}");
         // Starts are seen at nodes only.
         let error = (period - slip - stick).abs();
         assert!(error < step / periods + 1e-4, "{period} {}", slip + stick);
@@ -467,9 +466,22 @@ fn every_law_converges_as_steps_are_halved() {
                 let off = |k: usize| (trace.link[k][0] - reference.link[k * 64 / parts][0]).abs();
                 (0..trace.time.len()).map(off).fold(0.0, f64::max) / 0.05
             };
+            // 0.2 to 0.0125 rad a step, in deformations.
             let errors = [1, 2, 4, 8, 16].map(error);
-            let errors = errors.map(|error| format!("{error:.1e}")).join(" ");
-            println!("{:28} {:14} {errors}", effect.name, place.name());
+            let told = errors.map(|error| format!("{error:.1e}")).join(" ");
+            println!("{:28} {:14} {told}", effect.name, place.name());
+            // Creep takes the deformation for a straight line within a step: second order. The others
+            // are of the fourth, down to the hair by which events are overshot.
+            let (factor, size) = match effect.name {
+                "viscoelastic_creep" => (3.5, 5e-3),
+                _ => (8.0, 1e-3),
+            };
+            assert!(errors[1] < size, "{}: {told}", effect.name);
+            assert!(
+                errors[1] / errors[3] > factor * factor,
+                "{}: {told}",
+                effect.name
+            );
         }
     }
 }
@@ -501,34 +513,4 @@ fn neutral_laws_are_the_baseline_to_the_bit() {
             assert!(trace.link == baseline.link, "{}", effect.name);
         }
     }
-}
-
-#[test]
-fn scratch() {
-    for name in ["backlash", "end_stop"] {
-        let effect = Effect::from_name(name).unwrap();
-        let place = effect.places[0];
-        let parameters: Vec<f64> = effect
-            .parameters
-            .iter()
-            .map(|p| (p.typical)(&scales()))
-            .collect();
-        println!("{name} {parameters:?}");
-        let run = |parts: f64| simulated((effect.law)(&parameters), place, 0.2 / parts);
-        let reference = run(256.0);
-        for parts in [2, 4, 8, 16, 64] {
-            let trace = run(parts as f64);
-            let mut text = String::new();
-            for t in [3., 5., 6., 7., 8., 9., 10., 12., 15., 17., 20., 25., 29.8] {
-                let k = (t / 0.2 * parts as f64 + 0.5) as usize;
-                text += &format!(
-                    "{:.1e} ",
-                    (trace.link[k][0] - reference.link[k * 256 / parts][0]) / 0.05
-                );
-            }
-            println!("{parts} {text}");
-        }
-    }
-    let linear = (kind("two_mass").linear)(&[0.06, 0.17, 0.0, 40.0, 9.0, 0.0, 0.0], Role::Torque);
-    println!("{linear:?}");
 }

@@ -9,6 +9,7 @@ mod file;
 mod flexible_joint;
 mod integrate;
 mod kind;
+mod linear;
 mod oscillator;
 mod output;
 mod piecewise;

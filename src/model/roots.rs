@@ -1,12 +1,12 @@
 //! Where in a step something changes its sign.
 
-/// The share in (0, 1) at which a function falls through 0, `f(1) < 0` given: false position after
-/// Illinois. None where it is nowhere above 0.
+/// The share in (0, `high`) at which a function falls through 0, `f(high) < 0` given: false position
+/// after Illinois. None where it is nowhere above 0.
 ///
 /// Where it starts at 0, as a velocity that has just been let go, it is first followed upwards.
-pub(super) fn first_root(f: impl Fn(f64) -> f64) -> Option<f64> {
+pub(super) fn first_root(f: impl Fn(f64) -> f64, mut high: f64) -> Option<f64> {
     let (mut low, mut at_low) = (0.0, f(0.0));
-    let (mut high, mut at_high) = (1.0, f(1.0));
+    let mut at_high = f(high);
     while at_low <= 0.0 {
         low = 0.5 * high;
         at_low = f(low);

@@ -40,10 +40,13 @@ pub(super) struct Trial {
 }
 
 /// A step of a length from a state whose instant is known.
-pub(super) type Step<T> = fn(&Chain, &Constants, &Span, &State, &Instant, f64) -> T;
+pub(super) type Step = fn(&Chain, &Constants, &Span, &State, &Instant, f64) -> Trial;
+
+/// The same, in place and without its stages.
+pub(super) type Whole = fn(&Chain, &Constants, &Span, &mut State, &Instant, f64);
 
 /// The step for this chain, with its stages and without.
-pub(super) fn steps(chain: &Chain) -> (Step<Trial>, Step<State>) {
+pub(super) fn steps(chain: &Chain) -> (Step, Whole) {
     let free = matches!(chain.linear.motor, MotorSide::Free { .. });
     let link = chain.linear.link.is_some();
     match (free, link, chain.is_linear()) {
@@ -56,11 +59,13 @@ pub(super) fn steps(chain: &Chain) -> (Step<Trial>, Step<State>) {
     }
 }
 
-fn pair<const MOTOR: bool, const LINK: bool, const LAWS: bool>() -> (Step<Trial>, Step<State>) {
+fn pair<const MOTOR: bool, const LINK: bool, const LAWS: bool>() -> (Step, Whole) {
     (
         trial::<MOTOR, LINK, LAWS>,
         |chain, constants, span, state, start, h| {
-            trial::<MOTOR, LINK, LAWS>(chain, constants, span, state, start, h).end
+            let end = trial::<MOTOR, LINK, LAWS>(chain, constants, span, state, start, h).end;
+            let modes = if LAWS { RESONANCES } else { 0 };
+            each::<MOTOR, LINK>(modes, |i| state[i] = end[i]);
         },
     )
 }

@@ -8,10 +8,10 @@
 //! machine; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.6, for the
 //! events.
 
+mod events;
+
 use super::chain::{Chain, Constants, Instant, SEATS, Seat, State, coordinate};
-use super::roots::{first_root, root_of_parabola};
-use super::runge_kutta::{Span, Step, Trial, steps};
-use crate::effects::Motion;
+use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 
 /// Events in one step after which it is taken as it is: a contact that chatters.
 const MOST_EVENTS: usize = 16;
@@ -29,10 +29,12 @@ const FINEST: f64 = 32.0;
 pub(super) struct Stepper<'a> {
     pub chain: &'a mut Chain,
     constants: Constants,
-    step: Step<Trial>,
-    whole: Step<State>,
+    step: Step,
+    whole: Whole,
     /// No event can happen.
     smooth: bool,
+    /// Nothing but the linear chain.
+    linear: bool,
     /// Corners of forces: index, sign of the switch.
     corners: Vec<(usize, f64)>,
     /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
@@ -82,6 +84,7 @@ impl<'a> Stepper<'a> {
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
+            linear: chain.is_linear(),
             chain,
             constants,
             step,
@@ -94,8 +97,18 @@ impl<'a> Stepper<'a> {
     }
 
     /// What follows from the state at the start of a span, once what bears too much is let go.
+    #[inline]
     pub fn settle(&mut self, state: &State, span: &Span) -> Instant {
         let (time, input) = span.at(0.0);
+        if self.linear {
+            return self
+                .chain
+                .evaluate::<false>(&self.constants, time, state, input);
+        }
+        self.let_go(state, time, input)
+    }
+
+    fn let_go(&mut self, state: &State, time: f64, input: [f64; 3]) -> Instant {
         if self.chain.frictions.is_empty() {
             return self.evaluate(time, state, input);
         }
@@ -122,13 +135,26 @@ impl<'a> Stepper<'a> {
     }
 
     /// From the start of the span, whose instant is given, to `to`.
-    pub fn advance(&mut self, state: &mut State, mut span: Span, to: f64, mut start: Instant) {
+    #[inline]
+    pub fn advance(&mut self, state: &mut State, span: Span, to: f64, start: Instant) {
         if self.smooth {
             let h = to - span.from;
-            *state = (self.whole)(self.chain, &self.constants, &span, state, &start, h);
-            self.remember(state, to, span.at(h).1);
+            (self.whole)(self.chain, &self.constants, &span, state, &start, h);
+            if !self.chain.forces.is_empty() {
+                self.remember(state, to, span.at(h).1);
+            }
             return;
         }
+        self.advance_between_events(state, span, to, start);
+    }
+
+    fn advance_between_events(
+        &mut self,
+        state: &mut State,
+        mut span: Span,
+        to: f64,
+        mut start: Instant,
+    ) {
         let (shortest, mut events) = ((to - span.from) / FINEST, 0);
         while to > span.from {
             let h = self.longest(&start, to - span.from).max(shortest);
@@ -177,12 +203,7 @@ impl<'a> Stepper<'a> {
                 continue;
             }
             let rate = slides * coordinate(seat, &start.motion)[1];
-            let change = slides
-                * match seat {
-                    Seat::Motor => start.motor,
-                    Seat::Across => start.link - start.motor,
-                    Seat::Link => start.link,
-                };
+            let change = slides * slip(start, seat);
             // Beyond three velocities the force is the kinetic one to 1e-4.
             let above = rate - 3.0 * velocity;
             longest = match above > 0.0 {
@@ -243,102 +264,6 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The event that comes first in the step, and at which share of it.
-    fn first_event(
-        &mut self,
-        state: &State,
-        start: &Instant,
-        trial: &Trial,
-        span: &Span,
-    ) -> Option<(Event, f64)> {
-        let mut first: Option<(Event, f64)> = None;
-        let mut note = |event, share| {
-            if first.is_none_or(|(_, earliest)| share < earliest) {
-                first = Some((event, share));
-            }
-        };
-        let end = self.motion_at(state, trial, span, 1.0);
-        for seat in self.rough() {
-            if self.holds(seat) {
-                let spare = |holding: &[f64; 3]| self.spare(seat, holding[seat as usize]);
-                let [middle, last] = &trial.holding;
-                let spare = [spare(&start.holding), spare(middle), spare(last)];
-                if spare[1].min(spare[2]) < 0.0 {
-                    // A hair later, so that it truly bears too much.
-                    let share = root_of_parabola(spare) * (1.0 + OVERSHOOT) + OVERSHOOT;
-                    note(Event::Breakaway, share.min(1.0));
-                }
-                continue;
-            }
-            let slides = self.slides[seat as usize];
-            let rate = |motion: &Motion| slides * coordinate(seat, motion)[1];
-            if rate(&end) < 0.0 {
-                let rate = |share| rate(&self.motion_at(state, trial, span, share));
-                note(Event::Stop(seat), first_root(rate).unwrap_or(0.0));
-            }
-        }
-        for index in 0..self.corners.len() {
-            let (force, side) = self.corners[index];
-            let element = &self.chain.forces[force];
-            let seat = self.chain.seat(element.place);
-            let switch = |motion: &Motion| {
-                let [x, v] = coordinate(seat, motion);
-                let value = element.law.switch(motion, x, v, &element.memory);
-                side * value.unwrap_or(side)
-            };
-            if switch(&end) < 0.0 {
-                let switch = |share| switch(&self.motion_at(state, trial, span, share));
-                match first_root(switch) {
-                    // On the far side, where the force has its other branch.
-                    Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
-                    // It was on the other side from the start.
-                    None => self.corners[index].1 = -side,
-                }
-            } else if side == 0.0 {
-                let [x, v] = coordinate(seat, &end);
-                let value = element.law.switch(&end, x, v, &element.memory);
-                self.corners[index].1 = value.map_or(0.0, sign);
-            }
-        }
-        first
-    }
-
-    fn motion_at(&self, state: &State, trial: &Trial, span: &Span, share: f64) -> Motion {
-        let (time, input) = span.at(share * trial.h);
-        let state = match share {
-            1.0 => trial.end,
-            _ => trial.within(state, share),
-        };
-        self.chain
-            .position::<true>(&self.constants, time, &state, input)
-            .motion
-    }
-
-    fn happen(&mut self, event: Event) {
-        match event {
-            Event::Breakaway | Event::Corner => {}
-            Event::Stop(seat) if self.yields(seat) => self.slides[seat as usize] = 0.0,
-            Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
-        }
-    }
-
-    /// Too much happens in one step: what would slide back sticks.
-    fn calm(&mut self, trial: &Trial, span: &Span) {
-        let end = self.motion_at(&trial.end, trial, span, 1.0);
-        for seat in self.rough() {
-            let rate = coordinate(seat, &end)[1];
-            if self.slides[seat as usize] * rate < 0.0 && self.yields(seat) {
-                self.slides[seat as usize] = 0.0;
-            }
-        }
-        for (force, side) in &mut self.corners {
-            let element = &self.chain.forces[*force];
-            let [x, v] = coordinate(self.chain.seat(element.place), &end);
-            let value = element.law.switch(&end, x, v, &element.memory);
-            *side = value.map_or(*side, sign);
-        }
-    }
-
     /// The state at the end of a step: what sticks stands still, memories move on.
     fn accept(&mut self, state: &mut State, time: f64, input: [f64; 3]) {
         for seat in self.rough() {
@@ -358,9 +283,6 @@ impl<'a> Stepper<'a> {
     }
 
     fn remember(&mut self, state: &State, time: f64, input: [f64; 3]) {
-        if self.chain.forces.is_empty() {
-            return;
-        }
         let motion = self
             .chain
             .position::<true>(&self.constants, time, state, input)
@@ -402,6 +324,15 @@ fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f
         found[seat as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
     }
     found
+}
+
+/// Slip acceleration at a seat.
+fn slip(instant: &Instant, seat: Seat) -> f64 {
+    match seat {
+        Seat::Motor => instant.motor,
+        Seat::Across => instant.link - instant.motor,
+        Seat::Link => instant.link,
+    }
 }
 
 /// The sign of a switch; 0 at the corner.

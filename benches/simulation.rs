@@ -1,0 +1,124 @@
+//! Cost of one simulation: the linear joint, and each law of the catalogue as a ratio to it.
+//!
+//! `cargo bench --bench simulation`: 13 s of moves at 250 Hz on a joint of 8 Hz, all at their typical
+//! sizes. Times are the least of many runs.
+
+use quell::effects::{EFFECTS, Law, Memory, Place, Scales};
+use quell::model::chain::{Chain, ForceElement, FrictionElement};
+use quell::model::{Grid, Hold, Kick, Kind, Timed, integrate};
+use quell::recording::Role;
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::time::Instant;
+
+const RATE: f64 = 250.0;
+const SECONDS: f64 = 13.0;
+const FREQUENCY_HZ: f64 = 8.2;
+const RUNS: usize = 300;
+
+/// Jerk-free at its ends.
+fn smooth_move(t: f64, duration: f64) -> f64 {
+    let s = (t / duration).clamp(0.0, 1.0);
+    s.powi(4) * (35.0 + s * (-84.0 + s * (70.0 - 20.0 * s)))
+}
+
+fn grid() -> Grid {
+    let n = (SECONDS * RATE) as usize;
+    let time: Vec<f64> = (0..=n).map(|k| k as f64 / RATE).collect();
+    // A move of 0.3 s every 1.3 s, there and back.
+    let position = |t: &f64| -> f64 {
+        let moves = (0..10).map(|k| (k, smooth_move(t - 1.3 * f64::from(k), 0.3)));
+        moves.map(|(k, s)| if k % 2 == 0 { s } else { -s }).sum()
+    };
+    let values: Vec<f64> = time.iter().map(position).collect();
+    let step = 0.15 / (TAU * FREQUENCY_HZ);
+    Grid::new(&time, &values, Hold::Spline, step).unwrap()
+}
+
+fn scales() -> Scales {
+    Scales {
+        deformation: 0.05,
+        deformation_rate: 2.0,
+        position: (0.0, 1.0),
+        velocity: 7.0,
+        acceleration: 80.0,
+        force: 0.05,
+        input: 1.0,
+        natural_frequency: TAU * FREQUENCY_HZ,
+        damping_ratio: 0.06,
+        span: (0.0, SECONDS),
+        sample_time: 1.0 / RATE,
+        suspects: vec![4.0],
+        suspect_frequencies: vec![TAU * 20.0],
+        suspect_orders: vec![30.0],
+    }
+}
+
+/// A chain with a law in it; none where the law is not in the chain.
+fn chain(law: Option<(Law, Place)>) -> Option<(Chain, Timed)> {
+    let joint = Kind::from_name("flexible_joint").unwrap();
+    let keys = [FREQUENCY_HZ, 0.06, 1.0, 0.0];
+    let mut chain = Chain::new((joint.linear)(&keys, Role::MotorPosition));
+    let mut timed = Timed::default();
+    match law {
+        None => {}
+        Some((Law::Force(law), place)) => {
+            timed.breaks = law.breaks();
+            let memory = Memory::default();
+            chain.forces.push(ForceElement { place, law, memory });
+        }
+        Some((Law::Friction(law), place)) => chain.frictions.push(FrictionElement {
+            place,
+            law,
+            slides: 0.0,
+        }),
+        Some((Law::Inertia(inertia), _)) => {
+            timed.breaks = inertia.breaks();
+            chain.inertias.push(inertia);
+        }
+        Some((Law::Kinematic(error), _)) => chain.kinematics.push(error),
+        Some((Law::Resonance(mode), _)) => chain.resonances.push(mode),
+        Some((Law::Impulse { time, size }, _)) => timed.kicks.push(Kick { time, size }),
+        Some((Law::Drive(_) | Law::Sensor(_), _)) => return None,
+    }
+    Some((chain, timed))
+}
+
+/// Least time of a simulation, s.
+fn time(grid: &Grid, build: impl Fn() -> Option<(Chain, Timed)>) -> Option<f64> {
+    let mut least = f64::INFINITY;
+    for _ in 0..RUNS {
+        let (mut chain, timed) = build()?;
+        let start = Instant::now();
+        black_box(integrate(&mut chain, grid, [0.0; 8], &timed));
+        least = least.min(start.elapsed().as_secs_f64());
+    }
+    Some(least)
+}
+
+fn main() {
+    let grid = grid();
+    let steps = grid.input.len() as f64;
+    let Some(linear) = time(&grid, || chain(None)) else {
+        return;
+    };
+    let tell = |name: &str, place: &str, time: f64| {
+        println!(
+            "{name:28} {place:14} {:7.1} us {:6.1} ns a step {:6.2}",
+            1e6 * time,
+            1e9 * time / steps,
+            time / linear
+        );
+    };
+    tell("linear", "", linear);
+    for effect in EFFECTS {
+        for &place in effect.places.iter().filter(|&&place| place != Place::Drive) {
+            let scales = scales();
+            let values = effect.parameters.iter().map(|p| (p.typical)(&scales));
+            let values: Vec<f64> = values.collect();
+            if let Some(time) = time(&grid, || chain(Some(((effect.law)(&values), place)))) {
+                tell(effect.name, place.name(), time);
+            }
+        }
+    }
+}
