@@ -222,12 +222,12 @@ fn quality(search: &Search, explanation: &Explanation) -> Quality {
 
 fn rms(search: &Search, point: &super::problem::Point, rows: &[Vec<Rows>]) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
-    for e in 0..search.problem.experiments.len() {
+    for (e, rows) in rows.iter().enumerate() {
         let residual = search
             .judge
             .explained(search.problem, search.projector, point, e);
         let scale = search.problem.experiments[e].outputs[0].scale;
-        for range in &rows[e][0] {
+        for range in &rows[0] {
             sum += residual[0][range.clone()]
                 .iter()
                 .map(|r| (r * scale).powi(2))

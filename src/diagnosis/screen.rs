@@ -8,6 +8,7 @@
 use super::fit::{Linearised, Projector, orthonormal};
 use super::problem::{Point, Problem};
 use crate::effects::{EFFECTS, Effect, Place};
+use crate::model::Term;
 use crate::recording::Role;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -52,6 +53,18 @@ pub fn candidates(problem: &Problem) -> Vec<(&'static Effect, Place)> {
     found
 }
 
+/// What the candidates of a screen are held against.
+struct Screen<'a> {
+    problem: &'a Problem<'a>,
+    point: &'a Point,
+    linear: &'a Linearised,
+    projector: &'a Projector,
+    /// Basis of all directions that the model itself has.
+    basis: DMatrix<f64>,
+    /// Residual of the refitted model, all experiments.
+    residual: DVector<f64>,
+}
+
 /// Scores every candidate at every size of its grid; best first, at most `each` sizes a candidate.
 pub fn screen(
     problem: &Problem,
@@ -60,120 +73,76 @@ pub fn screen(
     projector: &Projector,
     each: usize,
 ) -> Vec<Start> {
-    let bases: Vec<DMatrix<f64>> = linear
-        .jacobians
-        .iter()
-        .map(|jacobian| orthonormal(jacobian.clone()))
-        .collect();
-    let shared = basis(linear);
+    let screen = Screen {
+        problem,
+        point,
+        linear,
+        projector,
+        basis: basis(linear),
+        residual: stacked(&linear.residuals),
+    };
+    let there = |effect: &Effect, place: Place| {
+        let twice = |term: &Term| term.effect.name == effect.name && term.place == place;
+        point.terms.iter().any(twice)
+    };
     let tried: Vec<Vec<Start>> = candidates(problem)
         .into_par_iter()
-        .filter(|(effect, place)| {
-            let twice =
-                |term: &crate::model::Term| term.effect.name == effect.name && term.place == *place;
-            !point.terms.iter().any(twice)
-        })
-        .map(|(effect, place)| {
-            let mut starts: Vec<Start> = (effect.starts)(&problem.scales)
-                .into_iter()
-                .map(|values| {
-                    let score = match linear.jacobians.len() {
-                        1 => score(
-                            problem, point, linear, projector, &bases[0], effect, place, &values,
-                        ),
-                        _ => stacked(
-                            problem, point, linear, projector, &shared, effect, place, &values,
-                        ),
-                    };
-                    Start {
-                        effect,
-                        place,
-                        values,
-                        score,
-                    }
-                })
-                .collect();
-            starts.sort_by(|a, b| b.score.total_cmp(&a.score));
-            starts.truncate(each);
-            starts
-        })
+        .filter(|(effect, place)| !there(effect, *place))
+        .map(|(effect, place)| screen.sizes(effect, place, each))
         .collect();
     let mut all: Vec<Start> = tried.into_iter().flatten().collect();
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
     all
 }
 
+impl Screen<'_> {
+    /// The best sizes of one candidate.
+    fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
+        let mut starts: Vec<Start> = (effect.starts)(&self.problem.scales)
+            .into_iter()
+            .map(|values| Start {
+                score: self.score(&self.point.with(effect, place, values.clone())),
+                effect,
+                place,
+                values,
+            })
+            .collect();
+        starts.sort_by(|a, b| b.score.total_cmp(&a.score));
+        starts.truncate(each);
+        starts
+    }
+
+    fn score(&self, moved: &Point) -> f64 {
+        let rows: Vec<DVector<f64>> = (0..self.linear.residuals.len())
+            .map(|e| self.projector.remove(e, &self.problem.residuals(moved, e)))
+            .collect();
+        let mut change = stacked(&rows) - &self.residual;
+        change -= &self.basis * self.basis.tr_mul(&change);
+        gain(change.dot(&self.residual), change.norm_squared())
+    }
+}
+
+fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
+    let all = rows.iter().flat_map(|part| part.iter().copied());
+    DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
+}
+
 /// Basis of all directions that the model has, over the stacked rows of all experiments.
 fn basis(linear: &Linearised) -> DMatrix<f64> {
-    if linear.jacobians.len() == 1 {
-        return DMatrix::zeros(0, 0);
-    }
     let shared = linear.globals.len();
     let rows: usize = linear.jacobians.iter().map(|j| j.nrows()).sum();
     let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
-    let mut stacked = DMatrix::zeros(rows, shared + own);
+    let mut all = DMatrix::zeros(rows, shared + own);
     let (mut row, mut column) = (0, shared);
     for jacobian in &linear.jacobians {
         let (n, m) = jacobian.shape();
-        stacked
-            .view_mut((row, 0), (n, shared))
+        all.view_mut((row, 0), (n, shared))
             .copy_from(&jacobian.columns(0, shared));
-        stacked
-            .view_mut((row, column), (n, m - shared))
+        all.view_mut((row, column), (n, m - shared))
             .copy_from(&jacobian.columns(shared, m - shared));
         (row, column) = (row + n, column + m - shared);
     }
-    orthonormal(stacked)
-}
-
-fn change(
-    problem: &Problem,
-    point: &Point,
-    linear: &Linearised,
-    projector: &Projector,
-    experiment: usize,
-) -> DVector<f64> {
-    let moved = problem.residuals(point, experiment);
-    projector.remove(experiment, &moved) - &linear.residuals[experiment]
-}
-
-#[allow(clippy::too_many_arguments)]
-fn score(
-    problem: &Problem,
-    point: &Point,
-    linear: &Linearised,
-    projector: &Projector,
-    basis: &DMatrix<f64>,
-    effect: &'static Effect,
-    place: Place,
-    values: &[f64],
-) -> f64 {
-    let moved = point.with(effect, place, values.to_vec());
-    let mut d = change(problem, &moved, linear, projector, 0);
-    d -= basis * basis.tr_mul(&d);
-    gain(d.dot(&linear.residuals[0]), d.norm_squared())
-}
-
-#[allow(clippy::too_many_arguments)]
-fn stacked(
-    problem: &Problem,
-    point: &Point,
-    linear: &Linearised,
-    projector: &Projector,
-    basis: &DMatrix<f64>,
-    effect: &'static Effect,
-    place: Place,
-    values: &[f64],
-) -> f64 {
-    let moved = point.with(effect, place, values.to_vec());
-    let (mut d, mut r) = (Vec::new(), Vec::new());
-    for experiment in 0..problem.experiments.len() {
-        d.extend_from_slice(change(problem, &moved, linear, projector, experiment).as_slice());
-        r.extend_from_slice(linear.residuals[experiment].as_slice());
-    }
-    let mut d = DVector::from_vec(d);
-    d -= basis * basis.tr_mul(&d);
-    gain(d.dot(&DVector::from_vec(r)), d.norm_squared())
+    orthonormal(all)
 }
 
 /// What a change with this product and square promises.

@@ -18,8 +18,12 @@ pub struct Split {
 
 /// All rows are fitted.
 pub fn whole(experiment: &Experiment) -> Vec<Rows> {
-    let all = |output: &crate::model::Output| vec![0..output.values.len()];
+    let all = |output: &crate::model::Output| one(0..output.values.len());
     experiment.outputs.iter().map(all).collect()
+}
+
+fn one(range: std::ops::Range<usize>) -> Rows {
+    std::iter::once(range).collect()
 }
 
 /// Keeps the last third of the moves apart; the last third of the time where there are fewer than three
@@ -45,8 +49,8 @@ fn at(experiment: &Experiment, boundary: f64) -> Split {
         } else {
             n
         };
-        train.push(vec![0..k]);
-        held_out.push(if k < n { vec![k..n] } else { Vec::new() });
+        train.push(one(0..k));
+        held_out.push(if k < n { one(k..n) } else { Vec::new() });
     }
     Split { train, held_out }
 }

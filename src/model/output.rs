@@ -82,7 +82,7 @@ fn tip(
     for (k, point) in points.iter().enumerate() {
         let p = frame * point;
         let raw = p.y.atan2(p.x);
-        if k > 0 && (raw + turns - last as f64).abs() > PI {
+        if k > 0 && (raw + turns - last).abs() > PI {
             turns -= ((raw + turns - last) / TAU).round() * TAU;
         }
         last = raw + turns;

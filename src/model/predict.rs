@@ -210,13 +210,14 @@ impl Simulated {
         let first = |k: usize| -> Kinematics {
             let mut seen = trace.link[k];
             for (mode, &share) in self.shares.iter().enumerate() {
-                for i in 0..3 {
-                    let own = if self.prescribed {
-                        trace.link[k][i]
-                    } else {
-                        0.0
-                    };
-                    seen[i] += share * (trace.modes[k][mode][i] - own);
+                let own = match self.prescribed {
+                    true => trace.link[k],
+                    false => [0.0; 3],
+                };
+                for (seen, (further, own)) in
+                    seen.iter_mut().zip(trace.modes[k][mode].iter().zip(own))
+                {
+                    *seen += share * (further - own);
                 }
             }
             seen
