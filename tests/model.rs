@@ -157,8 +157,8 @@ fn val_coulomb_friction_takes_4_f_a_period_and_stops_off_centre() {
 fn val_stick_slip_has_its_period() {
     // A mass on ground with F_s, F_k, pulled by a spring at speed V: it slips for (2 pi - 2 atan((F_s -
     // F_k) w / (k V))) / w and sticks for 2 (F_s - F_k) / (k V).
-    let (breakaway, kinetic, speed) = (0.2, 0.1, 0.03);
-    let slip = TAU - 2.0 * ((breakaway - kinetic) / speed as f64).atan();
+    let (breakaway, kinetic, speed) = (0.2, 0.1, 0.03_f64);
+    let slip = TAU - 2.0 * ((breakaway - kinetic) / speed).atan();
     let stick = 2.0 * (breakaway - kinetic) / speed;
     for step in [0.15, 0.04] {
         let mut chain = Chain::new(joint(0.0));
@@ -385,7 +385,7 @@ fn val_a_driven_spring_says_its_force() {
     let mut chain = Chain::new(linear);
     add(&mut chain, (dahl.law)(&[0.7, 0.05]), Place::Transmission);
     let bristles = run(&mut chain, &motion, REST);
-    let (mut z, mut x) = (0.0, 0.0);
+    let (mut z, mut x) = (0.0, 0.0_f64);
     for k in 0..plain.time.len() {
         let t = plain.time[k];
         let (sin, cos) = (w * t).sin_cos();
@@ -398,7 +398,7 @@ fn val_a_driven_spring_says_its_force() {
         }
         // Dahl's bristles, a turning point at a time.
         let mut step = |to: f64| {
-            let sense = (to - x as f64).signum();
+            let sense = (to - x).signum();
             z = sense + (z - sense) * (-(to - x).abs() / 0.05).exp();
             x = to;
         };
