@@ -170,7 +170,11 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         TAU / (span.1 - span.0) * 10.0
     };
     let elastic = linear.stiffness * deformation / linear.unit_force;
-    let driven = linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force;
+    // Under a loop the input is a position: what drives is what the loop asks for.
+    let driven = match linear.position_loop {
+        Some(_) => most(&|k| trace.force[k]) / linear.unit_force,
+        None => linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force,
+    };
     let output = &experiment.outputs[0];
     Scales {
         deformation,
