@@ -182,11 +182,13 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         position: if range.0 < range.1 { range } else { (0.0, 1.0) },
         velocity: most(&|k| trace.link[k][1]),
         acceleration: most(&|k| trace.link[k][2]),
-        force: if elastic > 0.0 && linear.link.is_some() {
-            elastic
-        } else {
-            driven.max(f64::MIN_POSITIVE)
-        },
+        force: match linear.motor {
+            // Friction at the drive may take most of what drives, far more than the spring carries.
+            crate::model::chain::MotorSide::Free { .. } => elastic.max(driven),
+            _ if elastic > 0.0 && linear.link.is_some() => elastic,
+            _ => driven,
+        }
+        .max(f64::MIN_POSITIVE),
         input: input.max(f64::MIN_POSITIVE),
         natural_frequency: mode.map_or(fastest, |mode| mode.0),
         damping_ratio: mode.map_or(0.05, |mode| mode.1),
