@@ -170,7 +170,11 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         TAU / (span.1 - span.0) * 10.0
     };
     let elastic = linear.stiffness * deformation / linear.unit_force;
-    let driven = linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force;
+    // Under a loop the input is a position: what drives is what the loop asks for.
+    let driven = match linear.position_loop {
+        Some(_) => most(&|k| trace.force[k]) / linear.unit_force,
+        None => linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force,
+    };
     let output = &experiment.outputs[0];
     Scales {
         deformation,
@@ -178,11 +182,13 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         position: if range.0 < range.1 { range } else { (0.0, 1.0) },
         velocity: most(&|k| trace.link[k][1]),
         acceleration: most(&|k| trace.link[k][2]),
-        force: if elastic > 0.0 && linear.link.is_some() {
-            elastic
-        } else {
-            driven.max(f64::MIN_POSITIVE)
-        },
+        force: match linear.motor {
+            // Friction at the drive may take most of what drives, far more than the spring carries.
+            crate::model::chain::MotorSide::Free { .. } => elastic.max(driven),
+            _ if elastic > 0.0 && linear.link.is_some() => elastic,
+            _ => driven,
+        }
+        .max(f64::MIN_POSITIVE),
         input: input.max(f64::MIN_POSITIVE),
         natural_frequency: mode.map_or(fastest, |mode| mode.0),
         damping_ratio: mode.map_or(0.05, |mode| mode.1),

@@ -205,9 +205,10 @@ impl Problem<'_> {
     /// Weighted rows of residuals that are at hand, the witness' rows at their end.
     pub fn complete(&self, experiment: usize, raw: &[Vec<f64>]) -> DVector<f64> {
         let mut rows = self.weigh(experiment, raw);
-        for row in &mut rows {
+        for (index, row) in rows.iter_mut().enumerate() {
             if !row.is_finite() || row.abs() > 1e12 {
-                *row = 1e12;
+                // Of changing sign, so that no offset is a good fit to it.
+                *row = if index % 2 == 0 { 1e12 } else { -1e12 };
             }
         }
         for output in &self.experiments[experiment].outputs {

@@ -28,6 +28,8 @@ pub struct Simulated {
     sensors: Vec<Box<dyn Sensor>>,
     shares: Vec<f64>,
     prescribed: bool,
+    /// Whether a link hangs on the motor side.
+    elastic: bool,
 }
 
 /// What an output shows.
@@ -79,6 +81,7 @@ pub fn simulate(
         sensors,
         shares,
         prescribed,
+        elastic: chain.linear.link.is_some(),
     }
 }
 
@@ -235,6 +238,9 @@ impl Simulated {
                 .collect(),
             Role::LinkVelocity => nodes.map(|k| [first(k)[1], first(k)[2]]).collect(),
             Role::LinkAcceleration => sloped(&trace.time, nodes.map(|k| first(k)[2]).collect()),
+            Role::Force | Role::Torque | Role::MotorCurrent | Role::MotorVoltage => {
+                sloped(&trace.time, trace.force.clone())
+            }
             _ => nodes.map(|k| [first(k)[0], first(k)[1]]).collect(),
         }
     }
@@ -259,7 +265,12 @@ impl Simulated {
     pub fn predict(&self, output: &Output, offset: f64) -> Prediction {
         let time = &self.trace.time;
         let mut curve = self.curve(output.role);
-        for sensor in self.sensors.iter().filter(|sensor| sensor.filters()) {
+        // An encoder on the motor side is what the sensor of the link is compared with.
+        let sensors: &[Box<dyn Sensor>] = match output.role == Role::MotorPosition && self.elastic {
+            true => &[],
+            false => &self.sensors,
+        };
+        for sensor in sensors.iter().filter(|sensor| sensor.filters()) {
             sensor.filter(time, &mut curve);
         }
         let last = time.len() - 1;
@@ -270,7 +281,7 @@ impl Simulated {
         };
         for &stamp in &output.time {
             let mut at = stamp - offset;
-            for sensor in &self.sensors {
+            for sensor in sensors {
                 at = sensor.instant(at);
             }
             // Before and after the record everything stays as it was.
@@ -285,13 +296,13 @@ impl Simulated {
             let mut value = hermite(from, to, curve[k], curve[k + 1], inside);
             let s = (inside - from) / (to - from);
             let rate = curve[k][1] + s * (curve[k + 1][1] - curve[k][1]);
-            if !self.sensors.is_empty() {
+            if !sensors.is_empty() {
                 let u = |k: usize| [self.trace.motor[k][0], self.trace.motor[k][1]];
                 let motor = match relative {
                     true => 0.0,
                     false => hermite(from, to, u(k), u(k + 1), inside),
                 };
-                for sensor in &self.sensors {
+                for sensor in sensors {
                     value = sensor.read(&Reading {
                         time: inside,
                         value,
