@@ -30,10 +30,20 @@ fn example(name: &str, recordings: &str) -> Option<TempDir> {
     Some(folder)
 }
 
+/// Folder, manifest, roles, unit, rate and range of rows.
+type Row = (
+    &'static str,
+    &'static str,
+    &'static [Role],
+    &'static str,
+    f64,
+    [usize; 2],
+);
+
 #[test]
 fn examples_read_as_they_say() {
     use Role::*;
-    let rows: &[(&str, &str, &[Role], &str, f64, [usize; 2])] = &[
+    let rows: &[Row] = &[
         (
             "emps",
             "emps",
