@@ -8,6 +8,9 @@ use crate::signal::{Motion, RestRule, noise_floor, phases};
 /// Fewest samples of rest that tell the colour of the noise.
 const FEWEST: usize = 150;
 
+/// How much noisier one coordinate of a sensor may be than the others.
+const WITNESS: f64 = 3.0;
+
 /// Samples of a stretch whose variance is worth comparing.
 const SHORTEST: usize = 40;
 
@@ -35,6 +38,11 @@ pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: 
     };
     // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
     // quieter than its differences in motion does not either.
+    // Other coordinates of a sensor are about as noisy as this one.
+    let witness = output.noise_witness.unwrap_or(f64::INFINITY);
+    if found.deviation > WITNESS * witness {
+        return Whitening::white(witness.max(white).max(least));
+    }
     if found.deviation < least || found.innovation < 0.7 * white {
         return Whitening::white(white.max(least));
     }

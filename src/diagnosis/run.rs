@@ -152,25 +152,30 @@ fn surprised(judge: &Judge, found: &Found) -> bool {
 fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     let mut projector = Projector::new(problem);
     let start = problem.start(model);
-    let first = refit(problem, &start, &projector);
+    let mut first = refit(problem, &start, &projector);
+    if problem.departures.is_empty() {
+        first = ringing(problem, first, &projector);
+    }
+    // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
-    let mut fitted = problem.fit(&first.point, &projector, 20);
-    if problem.departures.is_empty() {
-        // Two more unknowns an experiment: the arm may already ring when the recording starts.
-        problem.departures = vec![2, 3];
-        let ringing = problem.fit(&fitted.point, &projector, 20);
-        let experiments = problem.experiments;
-        let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
-        let unit = (ringing.cost / rows).max(1.0);
-        let price = 2.0 * experiments.len() as f64 * rows.ln() + super::search::STRONG;
-        if (fitted.cost - ringing.cost) / unit > price {
-            fitted = ringing;
-        } else {
-            problem.departures.clear();
-        }
+    (problem.fit(&first.point, &projector, 20), projector)
+}
+
+/// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
+/// their price.
+fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitted {
+    problem.departures = vec![2, 3];
+    let ringing = problem.fit(&still.point, projector, 20);
+    let experiments = problem.experiments;
+    let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
+    let unit = (ringing.cost / rows).max(1.0);
+    let price = 2.0 * experiments.len() as f64 * rows.ln() + super::search::STRONG;
+    if (still.cost - ringing.cost) / unit > price {
+        return ringing;
     }
-    (fitted, projector)
+    problem.departures.clear();
+    still
 }
 
 /// Where the residual of the first output sits.

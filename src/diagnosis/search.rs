@@ -18,6 +18,10 @@ pub const EQUAL: f64 = 15.0;
 pub const FLOOR: f64 = 1.21;
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
+/// Sizes of each candidate that a fit starts from.
+const SIZES: usize = 3;
+/// Steps after which the best of these is chosen.
+const SHORT: usize = 5;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 /// Most effects in one explanation: with three the structure is no longer determined by a recording.
@@ -137,7 +141,7 @@ impl Search<'_> {
     pub fn extend(&self, from: &Explanation, count: usize) -> Vec<Trial> {
         let (problem, projector) = (self.problem, self.projector);
         let linear = problem.linearise(&from.fitted.point, projector);
-        let starts = screen(problem, &from.fitted.point, &linear, projector, 2);
+        let starts = screen(problem, &from.fitted.point, &linear, projector, SIZES);
         let mut trials: Vec<Trial> = chosen(starts, count)
             .into_par_iter()
             .filter_map(|starts| self.fit(from, &starts))
@@ -166,7 +170,7 @@ impl Search<'_> {
         }
         let short = |(start, point): (&Start, &Point)| {
             let point = point.with(start.effect, start.place, start.values.clone());
-            problem.fit(&point, projector, 4)
+            problem.fit(&point, projector, SHORT)
         };
         let first = starts
             .iter()

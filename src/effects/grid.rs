@@ -57,7 +57,9 @@ pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
         .iter()
         .copied()
         .fold(0.0, f64::max);
-    (0.1 * own, (20.0 * own).max(2.0 * highest))
+    // A period that fills half the recording can still be told from a drift.
+    let lowest = (2.0 * TAU / scales.duration()).min(0.1 * own);
+    (lowest, (20.0 * own).max(2.0 * highest))
 }
 
 /// Angular frequencies to look at.
