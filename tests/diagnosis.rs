@@ -1,0 +1,132 @@
+//! The diagnosis: on concealed cases of another simulator, on cases of the project's own generator, and
+//! its document.
+
+use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose, score};
+use quell::model::Model;
+use quell::proof::{FindingSummary, Judgement, Kind, read_cases, read_truths};
+use quell::recording::Recording;
+use std::path::{Path, PathBuf};
+
+fn outcome(model: &Path, train: &Recording) -> Outcome {
+    let model = Model::from_path(model).unwrap();
+    let train = std::slice::from_ref(train);
+    diagnose(&model, train, &[], &Options::default(), &|_, _| {}).unwrap()
+}
+
+/// The concealed cases: in `QUELL_CONCEALED`, else in `../shared/concealed` beside the project.
+fn concealed() -> Option<PathBuf> {
+    let folder = match std::env::var_os("QUELL_CONCEALED") {
+        Some(folder) => PathBuf::from(folder),
+        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/concealed"),
+    };
+    let found = folder.join("truth.json").is_file();
+    if !found {
+        println!("skipped: no concealed cases in {}", folder.display());
+    }
+    found.then_some(folder)
+}
+
+fn summary(diagnosis: &Diagnosis) -> quell::proof::Verdict {
+    quell::proof::Verdict {
+        kind: diagnosis.verdict.name().into(),
+        findings: diagnosis
+            .findings
+            .iter()
+            .map(|finding| FindingSummary {
+                effect: finding.effect.clone(),
+                place: finding.place.clone(),
+                alternatives: finding.alternatives.clone(),
+                parameters: Vec::new(),
+            })
+            .collect(),
+        ..Default::default()
+    }
+}
+
+/// From the training recording alone: the right family wherever something can be seen, no false alarm,
+/// no confident wrong name; and the model that comes out predicts moves that were never shown.
+#[test]
+fn val_concealed_cases_of_another_simulator() {
+    let Some(folder) = concealed() else { return };
+    let (mut verdicts, mut scores) = (Vec::new(), Vec::new());
+    for case in read_cases(&folder).unwrap() {
+        let outcome = outcome(&case.model, &Recording::from_path(&case.train).unwrap());
+        let test = Recording::from_path(&case.test).unwrap();
+        scores.push(score(&outcome.model, &test).unwrap().rms_over_noise);
+        verdicts.push((case.name.clone(), outcome.diagnosis));
+    }
+    // The truth is read after the last diagnosis.
+    let truths = read_truths(&folder).unwrap();
+    let (mut right, mut known) = (0, 0);
+    for (name, diagnosis) in &verdicts {
+        let truth = &truths[name];
+        let judgement = Judgement::new(truth, &summary(diagnosis));
+        println!("{name} ({}): {}", truth.name(), diagnosis.summary);
+        match judgement.kind {
+            Kind::Outside => {
+                assert_ne!(
+                    diagnosis.verdict,
+                    Verdict::Named,
+                    "{name} is in no catalogue"
+                );
+                continue;
+            }
+            Kind::Clean => assert!(!judgement.false_alarm, "{name} is clean"),
+            Kind::One | Kind::Two => {}
+        }
+        known += 1;
+        right += usize::from(judgement.family || judgement.kind == Kind::Clean);
+    }
+    scores.sort_by(f64::total_cmp);
+    let median = scores[scores.len() / 2];
+    println!("family right in {right} of {known}, median score {median:.3} times the noise");
+    assert!(right >= known - 1 && median <= 1.10);
+}
+
+/// The same input gives the same document, and the model that is written is the one that was fitted.
+#[test]
+fn the_same_input_gives_the_same_answer() {
+    let case = quell::proof::generate(3, 1).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let sealed = quell::proof::write_case(folder.path(), 0, &case).unwrap();
+    let train = Recording::from_path(&sealed.train).unwrap();
+    let [first, second] = [0, 1].map(|_| outcome(&sealed.model, &train));
+    assert_eq!(first.diagnosis, second.diagnosis);
+    let text = first.model.to_toml();
+    let again = Model::from_toml(&text, "model.toml").unwrap();
+    assert_eq!(again.to_toml(), text);
+    let test = Recording::from_path(&sealed.test).unwrap();
+    let [ours, theirs] = [&first.model, &again].map(|model| score(model, &test).unwrap());
+    assert_eq!(ours, theirs);
+}
+
+/// A model that already holds an effect at its neutral size simulates as the model without it does, to
+/// the bit, for every effect of the catalogue and every place.
+#[test]
+fn neutral_effects_change_nothing() {
+    use quell::effects::EFFECTS;
+    use quell::model::{Experiment, Term, simulate};
+    let case = quell::proof::generate(3, 0).unwrap();
+    let model = Model::from_toml(&case.model, "model.toml").unwrap();
+    let experiment = Experiment::new(&model, &case.train).unwrap();
+    let run = |terms: &[Term]| {
+        let simulated = simulate(model.kind, &model.keys(), terms, &experiment, &[0.0; 4]);
+        simulated.predict(&experiment.outputs[0], 0.0).values
+    };
+    let baseline = run(&[]);
+    for effect in EFFECTS {
+        for &place in effect.places {
+            let values = effect.neutral();
+            assert_eq!(
+                run(&[Term {
+                    effect,
+                    place,
+                    values
+                }]),
+                baseline,
+                "{}",
+                effect.name
+            );
+        }
+    }
+}
