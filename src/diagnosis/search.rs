@@ -300,11 +300,12 @@ impl Search<'_> {
             let explanation = &trial.explanation;
             let close = self.criterion(explanation) < self.criterion(best) + EQUAL * unit;
             let held = ratio(explanation.held_out, best.held_out);
-            // A law with more unknowns is listed only if it predicts better.
-            let most = match explanation.unknowns() > best.unknowns() {
-                true => GATE,
-                false => 2.0 - GATE,
+            // A law that contains the best one is listed only if it predicts better.
+            let limit = match (explanation.effects().as_slice(), best.effects().as_slice()) {
+                ([theirs], [own]) => contains(theirs.0, own.0),
+                _ => explanation.unknowns() > best.unknowns(),
             };
+            let most = if limit { GATE } else { 2.0 - GATE };
             let sound = trial.passed && held < most;
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);
