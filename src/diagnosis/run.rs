@@ -113,6 +113,11 @@ fn investigate(
         .scales
         .suspect_frequencies
         .clone_from(&located.suspect_frequencies);
+    if problem.scales.forced {
+        let residual = judge.explained(&problem, &projector, &baseline.fitted.point, 0);
+        let output = &problem.experiments[0].outputs[0];
+        problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
+    }
     problem
         .scales
         .suspect_orders
@@ -156,7 +161,10 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
     let mut fitted = problem.fit(&first.point, &projector, 20);
-    if problem.departures.is_empty() {
+    // A link that is held in a motion rings no further than that.
+    let input = problem.experiments[0].input;
+    let held = (problem.kind.linear)(&fitted.point.keys, input).link_is_input;
+    if problem.departures.is_empty() && !held {
         // Two more unknowns an experiment: the arm may already ring when the recording starts.
         problem.departures = vec![2, 3];
         let ringing = problem.fit(&fitted.point, &projector, 20);
