@@ -128,6 +128,7 @@ fn scales(base: &Trace) -> Scales {
         suspects: Vec::new(),
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
+        forced: false,
     }
 }
 

@@ -431,6 +431,7 @@ fn scales() -> Scales {
         suspects: vec![11.03],
         suspect_frequencies: vec![2.5],
         suspect_orders: vec![30.0],
+        forced: false,
     }
 }
 

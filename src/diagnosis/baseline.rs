@@ -6,6 +6,7 @@ use super::problem::{Point, Problem, Rows};
 use super::split;
 use super::whitening::Whitening;
 use crate::effects::Scales;
+use crate::model::chain::MotorSide;
 use crate::model::{Experiment, ExperimentError, Kind, Model, simulate};
 use std::f64::consts::TAU;
 
@@ -110,20 +111,27 @@ fn limits(range: (f64, f64), given: Option<(f64, f64)>, value: f64, std: f64) ->
 fn departures(model: &Model, experiments: &[Experiment]) -> Vec<usize> {
     let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
     match (linear.motor, linear.link) {
-        (crate::model::chain::MotorSide::Free { .. }, None) => vec![1],
-        (crate::model::chain::MotorSide::Free { .. }, Some(_)) => vec![0, 1, 2, 3],
-        (crate::model::chain::MotorSide::Fixed, _) => vec![2, 3],
-        (crate::model::chain::MotorSide::Prescribed, _) => Vec::new(),
+        (MotorSide::Free { .. }, None) => vec![1],
+        (MotorSide::Free { .. }, Some(_)) => vec![0, 1, 2, 3],
+        // A link that is held in a motion starts as it does.
+        (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
+        (MotorSide::Fixed, _) => vec![2, 3],
+        (MotorSide::Prescribed, _) => Vec::new(),
     }
 }
 
-fn departure_scale(scales: &Scales) -> [f64; 4] {
+fn departure_scale(scales: &Scales) -> [f64; 8] {
     let travel = scales.travel().max(scales.deformation);
+    let (deformation, rate) = (0.1 * scales.deformation, 0.1 * scales.deformation_rate);
     [
         0.01 * travel,
         0.1 * scales.velocity,
-        0.1 * scales.deformation,
-        0.1 * scales.deformation_rate,
+        deformation,
+        rate,
+        deformation,
+        rate,
+        deformation,
+        rate,
     ]
 }
 
@@ -142,7 +150,7 @@ fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
 /// How large the motion is that the model itself makes.
 pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Model) -> Scales {
     let experiment = &experiments[0];
-    let simulated = simulate(kind, keys, &model.terms(), experiment, &[0.0; 4]);
+    let simulated = simulate(kind, keys, &model.terms(), experiment, &[0.0; 8]);
     let trace = &simulated.trace;
     let most = |f: &dyn Fn(usize) -> f64| {
         let values = (0..trace.time.len()).map(f).filter(|v| v.is_finite());
@@ -157,10 +165,8 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         (low.min(v), high.max(v))
     });
     let linear = (kind.linear)(keys, experiment.input);
-    let input = experiment
-        .input_values
-        .iter()
-        .fold(0.0f64, |m, v| m.max(v.abs()));
+    let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let input = largest(&experiment.input_values);
     let span = experiment.span();
     let mode = kind.mode.map(|(f, xi)| (keys[f] * TAU, keys[xi]));
     let fastest = model.fastest();
@@ -172,6 +178,8 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
     let elastic = linear.stiffness * deformation / linear.unit_force;
     // Under a loop the input is a position: what drives is what the loop asks for.
     let driven = match linear.position_loop {
+        // What holds the link in its motion was measured: any one law may make all of it.
+        _ if linear.link_is_input => largest(&experiment.outputs[0].values),
         Some(_) => most(&|k| trace.force[k]) / linear.unit_force,
         None => linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force,
     };
@@ -184,8 +192,8 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         acceleration: most(&|k| trace.link[k][2]),
         force: match linear.motor {
             // Friction at the drive may take most of what drives, far more than the spring carries.
-            crate::model::chain::MotorSide::Free { .. } => elastic.max(driven),
-            _ if elastic > 0.0 && linear.link.is_some() => elastic,
+            MotorSide::Free { .. } => elastic.max(driven),
+            _ if elastic > 0.0 && linear.link.is_some() && !linear.link_is_input => elastic,
             _ => driven,
         }
         .max(f64::MIN_POSITIVE),
@@ -197,6 +205,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         suspects: Vec::new(),
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
+        forced: linear.motor == MotorSide::Fixed && !linear.link_is_input,
     }
 }
 

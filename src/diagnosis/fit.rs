@@ -124,8 +124,8 @@ impl Problem<'_> {
             for &global in &globals {
                 columns.push(self.slope(point, global, experiment, &whole));
             }
-            for component in &self.departures {
-                columns.push(self.start_slope(point, *component, experiment, &whole));
+            for component in self.departures(point) {
+                columns.push(self.start_slope(point, component, experiment, &whole));
             }
             for (output, data) in self.experiments[experiment].outputs.iter().enumerate() {
                 if data.own_clock {
@@ -278,7 +278,7 @@ impl Problem<'_> {
         }
         let mut k = globals.len();
         for (e, data) in self.experiments.iter().enumerate() {
-            for &component in &self.departures {
+            for component in self.departures(point) {
                 next.locals[e].departure[component] -= step[k];
                 k += 1;
             }

@@ -8,6 +8,9 @@ use crate::signal::{Motion, RestRule, noise_floor, phases};
 /// Fewest samples of rest that tell the colour of the noise.
 const FEWEST: usize = 150;
 
+/// Ratio of two estimates of a deviation, from a hundred samples and more each, that chance does not make.
+const LOUDER: f64 = 1.2;
+
 /// How much noisier one coordinate of a sensor may be than the others.
 const WITNESS: f64 = 3.0;
 
@@ -38,6 +41,11 @@ pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: 
     };
     // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
     // quieter than its differences in motion does not either.
+    // A sensor that rounds is quieter at rest than in motion.
+    let moving = noise_floor(&busy(residual, &quiet)).standard_deviation;
+    if moving > LOUDER * found.deviation {
+        return Whitening::white(moving.max(least));
+    }
     // Other coordinates of a sensor are about as noisy as this one.
     let witness = output.noise_witness.unwrap_or(f64::INFINITY);
     if found.deviation > WITNESS * witness {
@@ -85,6 +93,13 @@ fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::
         }
     }
     ranges
+}
+
+/// What is not in the ranges, which are in order.
+fn busy(values: &[f64], ranges: &[std::ops::Range<usize>]) -> Vec<f64> {
+    let inside = |k: &usize| ranges.iter().any(|range| range.contains(k));
+    let kept = (0..values.len()).filter(|k| !inside(k));
+    kept.map(|k| values[k]).collect()
 }
 
 /// Without its mean and slope.

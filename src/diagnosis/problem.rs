@@ -1,8 +1,8 @@
 //! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
 
 use super::whitening::Whitening;
-use crate::effects::Effect;
-use crate::effects::{Place, Scales};
+use crate::effects::{Effect, Law, Place, Scales};
+use crate::model::chain::RESONANCES;
 use crate::model::{Experiment, Kind, Model, Term, simulate};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -29,7 +29,7 @@ pub struct Problem<'a> {
     /// Components of the start (see [`simulate`]) that are free.
     pub departures: Vec<usize>,
     /// Typical sizes of these components.
-    pub departure_scale: [f64; 4],
+    pub departure_scale: [f64; 8],
     /// How large the motion is.
     pub scales: Scales,
 }
@@ -40,7 +40,7 @@ pub struct Local {
     /// Clock offset of each output, s.
     pub clocks: Vec<f64>,
     /// Departure of the start.
-    pub departure: [f64; 4],
+    pub departure: [f64; 8],
 }
 
 /// A point in the space of unknowns.
@@ -90,7 +90,7 @@ impl Problem<'_> {
     pub fn start(&self, model: &Model) -> Point {
         let local = |experiment: &Experiment| Local {
             clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
-            departure: [0.0; 4],
+            departure: [0.0; 8],
         };
         let terms = model.terms();
         Point {
@@ -109,6 +109,20 @@ impl Problem<'_> {
             (0..count).map(move |parameter| Global::Parameter(term, parameter))
         });
         keys.chain(parameters).collect()
+    }
+
+    /// Components of the start that are free at a point's structure: those of the model, and those of
+    /// further modes that a force drives. Where the motor side's motion drives them they start at rest.
+    pub fn departures(&self, point: &Point) -> Vec<usize> {
+        let mut free = self.departures.clone();
+        let there = |term: &&Term| term.values[0] != term.effect.parameters[0].neutral;
+        if self.scales.forced {
+            let terms = point.terms.iter().filter(there);
+            let modes = terms.filter(|t| matches!((t.effect.law)(&t.values), Law::Resonance(_)));
+            let count = modes.count().min(RESONANCES);
+            free.extend(4..4 + 2 * count);
+        }
+        free
     }
 
     /// Whether an unknown is fitted by its logarithm.

@@ -10,8 +10,9 @@ use super::problem::{Point, Problem};
 use crate::effects::{EFFECTS, Effect, Place};
 use crate::model::Term;
 use crate::recording::Role;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// Share of the gain at another size that is believed: effects are not linear in their size.
 const BELIEVED: f64 = 0.3;
@@ -144,6 +145,44 @@ fn basis(linear: &Linearised) -> DMatrix<f64> {
     }
     orthonormal(all)
 }
+
+/// Angular frequencies at which a residual has its three highest peaks, the highest first.
+///
+/// A mode that hardly decays is a line whose width is that of the recording: the steps are a quarter of
+/// `1 / T`, so that a start lies within the one minimum of the fit that leads to it.
+pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
+    let n = residual.len().min(MOST_SAMPLES);
+    if n < 16 {
+        return Vec::new();
+    }
+    let mean = residual[..n].iter().sum::<f64>() / n as f64;
+    let step = TAU / (4.0 * n as f64);
+    let power = |k: usize| {
+        let turn = Complex::from_polar(1.0, -step * k as f64);
+        let mut phase = Complex::new(1.0, 0.0);
+        let mut sum = Complex::new(0.0, 0.0);
+        for (i, value) in residual[..n].iter().enumerate() {
+            // Against the ends of the record, whose jump would be a peak at every frequency.
+            let window = 1.0 - (TAU * i as f64 / n as f64).cos();
+            sum += phase * (window * (value - mean));
+            phase *= turn;
+        }
+        sum.norm_sqr()
+    };
+    let powers: Vec<f64> = (0..2 * n).into_par_iter().map(power).collect();
+    let is_peak = |k: &usize| powers[*k] > powers[k - 1] && powers[*k] >= powers[k + 1];
+    let mut found: Vec<usize> = (8..2 * n - 1).filter(is_peak).collect();
+    found.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+    let rate = (n - 1) as f64 / (time[n - 1] - time[0]);
+    found
+        .iter()
+        .take(3)
+        .map(|&k| step * k as f64 * rate)
+        .collect()
+}
+
+/// Samples in which peaks are looked for: their number grows with its square.
+const MOST_SAMPLES: usize = 4096;
 
 /// What a change with this product and square promises.
 fn gain(product: f64, square: f64) -> f64 {

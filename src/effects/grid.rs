@@ -82,13 +82,14 @@ pub(super) fn resonant_order(scales: &Scales) -> f64 {
 
 /// Radians per unit of position that a periodic error may have.
 pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
-    let slowest = 0.5 * TAU / reach(scales);
     let most = scales.suspect_orders.iter().copied().fold(0.0, f64::max);
     let fastest = (300.0 * TAU / reach(scales)).max(30.0 * resonant_order(scales));
-    (
-        slowest.min(0.3 * resonant_order(scales)),
-        fastest.max(2.0 * most),
-    )
+    // On a spring to ground less than a period is the offset, slope and cubic of the spring's own law.
+    let slowest = match scales.forced {
+        true => TAU / reach(scales),
+        false => (0.5 * TAU / reach(scales)).min(0.3 * resonant_order(scales)),
+    };
+    (slowest, fastest.max(2.0 * most))
 }
 
 /// Orders to look at.

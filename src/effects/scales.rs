@@ -34,6 +34,8 @@ pub struct Scales {
     /// Radians of a force periodic in position for one unit of position (teeth, poles, balls) that
     /// would explain most of the residual; the strongest first.
     pub suspect_orders: Vec<f64>,
+    /// Whether a force drives the link, and not the motion of the motor side.
+    pub forced: bool,
 }
 
 impl Scales {

@@ -15,9 +15,14 @@ pub const SECOND_MODE: Effect = Effect {
         Parameter {
             name: "share",
             quantity: Quantity::NUMBER,
-            bounds: |_| (-1.0, 1.0),
+            // Seen from a base that moves, all modes together follow the base: none has a share above 1.
+            // Under a force each has a gain of its own, larger or smaller than the first one's.
+            bounds: |scales| match scales.forced {
+                true => (-3.0, 3.0),
+                false => (-1.0, 1.0),
+            },
             neutral: 0.0,
-            typical: |_| 0.1,
+            typical: |scales| if scales.forced { 0.3 } else { 0.1 },
         },
         Parameter {
             name: "natural_frequency",
@@ -42,5 +47,8 @@ pub const SECOND_MODE: Effect = Effect {
             share: p[0],
         })
     },
-    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 6), &[0.02]]),
+    starts: |scales| {
+        let share = if scales.forced { 0.3 } else { 0.05 };
+        product(&[&[-share, share], &frequencies(scales, 6), &[0.02]])
+    },
 };

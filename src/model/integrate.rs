@@ -5,6 +5,7 @@ use super::piecewise::Grid;
 use super::runge_kutta::Span;
 use super::stepper::Stepper;
 use super::trace::Trace;
+use std::collections::VecDeque;
 
 /// An impulse on the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,16 +152,23 @@ fn kicked(chain: &Chain, mut state: State, size: f64) -> State {
     state
 }
 
-/// A sampled position loop: what it saw at its last tick.
+/// A sampled position loop: what it saw at its last ticks.
 struct Ticks {
-    before: f64,
+    /// Positions, the oldest first.
+    before: VecDeque<f64>,
 }
 
 impl Ticks {
     /// Before the first tick the axis moved as it does then.
     fn new(chain: &Chain, state: &State) -> Self {
+        let (period, span) = match chain.linear.position_loop {
+            Some(own) if own.sample_time > 0.0 => (own.sample_time, own.velocity_span),
+            _ => (1.0, 0.0),
+        };
+        let count = (span / period).round().clamp(1.0, MOST_PERIODS) as u32;
+        let ago = |k: u32| state[0] - f64::from(k) * period * state[1];
         Self {
-            before: state[0] - period(chain).unwrap_or(0.0) * state[1],
+            before: (1..=count).rev().map(ago).collect(),
         }
     }
 
@@ -169,9 +177,14 @@ impl Ticks {
             return;
         };
         if let MotorSide::Free { .. } = chain.linear.motor {
-            let rate = (state[0] - self.before) / position_loop.sample_time;
+            let span = self.before.len() as f64 * position_loop.sample_time;
+            let oldest = self.before.pop_front().unwrap_or(state[0]);
+            let rate = (state[0] - oldest) / span;
             chain.held = Some(chain.put_out(&position_loop, reference, [state[0], rate]));
-            self.before = state[0];
+            self.before.push_back(state[0]);
         }
     }
 }
+
+/// Longest difference of a sampled loop, in periods: what is longer is no velocity.
+const MOST_PERIODS: f64 = 1000.0;

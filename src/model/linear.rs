@@ -28,6 +28,9 @@ pub struct PositionLoop {
     /// Period of the controller, s: it reads the position at its ticks, takes the backward difference
     /// for the velocity and holds its output. 0 for a loop that never sleeps.
     pub sample_time: f64,
+    /// Time over which a sampled loop takes the difference for the velocity, s: a whole number of periods,
+    /// at least one.
+    pub velocity_span: f64,
 }
 
 /// The linear chain.

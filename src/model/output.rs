@@ -28,13 +28,20 @@ pub(super) fn output(
     if channel.unit == "1" {
         unit = String::new();
     }
+    // A loop in the model steers by this encoder: what is an offset to it is one to the machine. A free
+    // offset would pass for the constant force that the loop holds with a lasting error.
+    let looped = experiment.input == Role::CommandPosition && channel.role == Role::MotorPosition;
+    let columns = match looped {
+        true => Vec::new(),
+        false => vec![vec![1.0; values.len()]],
+    };
     Ok(Output {
         role: match channel.role {
             Role::TipAcceleration => Role::LinkAcceleration,
             role => role,
         },
         channel: channel.role,
-        columns: vec![vec![1.0; values.len()]],
+        columns,
         witness: Vec::new(),
         time: channel.time.clone(),
         values,

@@ -42,13 +42,13 @@ pub struct Prediction {
 }
 
 /// Simulates an experiment for values of the kind's keys, effects, and a departure of the start
-/// (motor side, its velocity, deformation, its rate) from what was measured.
+/// (motor side, its velocity, deformation, its rate, and the same of two further modes) from what was measured.
 pub fn simulate(
     kind: &Kind,
     keys: &[f64],
     terms: &[Term],
     experiment: &Experiment,
-    departure: &[f64; 4],
+    departure: &[f64; 8],
 ) -> Simulated {
     let linear = (kind.linear)(keys, experiment.input);
     let mut chain = Chain::new(linear);
@@ -149,7 +149,7 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
 }
 
 /// The state at the first node: at rest in equilibrium on the motor side, and the departure.
-fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &[f64; 4]) -> State {
+fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &[f64; 8]) -> State {
     let mut state = [0.0; size_of::<State>() / size_of::<f64>()];
     let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
     state[0] = experiment.initial[0] + departure[0];
@@ -164,7 +164,8 @@ fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &[f
     state[2] += departure[2];
     state[3] += departure[3];
     for mode in 0..chain.resonances.len().min(super::chain::RESONANCES) {
-        (state[4 + 2 * mode], state[5 + 2 * mode]) = (motion.motor[0], motion.motor[1]);
+        state[4 + 2 * mode] = motion.motor[0] + departure[4 + 2 * mode];
+        state[5 + 2 * mode] = motion.motor[1] + departure[5 + 2 * mode];
     }
     state
 }

@@ -10,7 +10,8 @@ use crate::recording::Role;
 ///
 /// With a position loop in the model the input is its reference `r`: `F = K_v (K_p (r - u) - u')`, cut
 /// off at `output_limit`; where `loop_sample_time_s` is above 0, as a controller with that period
-/// computes it, its velocity a backward difference and its output held.
+/// computes it, its output held and its velocity the backward difference over one period, or over
+/// `loop_velocity_span_s` where that is longer.
 ///
 /// Source: Janot, Gautier, Brunot, Data set and reference models of EMPS, Workshop on Nonlinear System
 /// Identification Benchmarks (2019), for axis and loop.
@@ -71,6 +72,14 @@ pub const RIGID_AXIS: Kind = Kind {
             range: (1e-9, 1.0),
             belief: 0.0,
         },
+        Key {
+            // The mean of several backward differences is the difference over their time.
+            name: "loop_velocity_span_s",
+            quantity: Quantity::TIME,
+            default: Some(0.0),
+            range: (1e-9, 1.0),
+            belief: 0.0,
+        },
     ],
     // A loop in the model is there to be used: under feedback an open-loop replay drifts away.
     inputs: &[
@@ -105,6 +114,7 @@ pub const RIGID_AXIS: Kind = Kind {
             velocity_gain,
             limit,
             sample_time,
+            velocity_span,
         ] = p
         else {
             return Linear::NONE;
@@ -121,6 +131,7 @@ pub const RIGID_AXIS: Kind = Kind {
                 velocity_gain,
                 limit,
                 sample_time,
+                velocity_span,
             }),
             ..Linear::NONE
         }

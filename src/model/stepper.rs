@@ -35,6 +35,8 @@ pub(super) struct Stepper<'a> {
     smooth: bool,
     /// Nothing but the linear chain.
     linear: bool,
+    /// Nothing moves by itself: the whole motion is the input.
+    given: bool,
     /// Corners of forces: index, sign of the switch.
     corners: Vec<(usize, f64)>,
     /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
@@ -85,6 +87,7 @@ impl<'a> Stepper<'a> {
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
             linear: chain.is_linear(),
+            given: chain.linear.link_is_input && chain.resonances.is_empty(),
             chain,
             constants,
             step,
@@ -137,6 +140,12 @@ impl<'a> Stepper<'a> {
     /// From the start of the span, whose instant is given, to `to`.
     #[inline]
     pub fn advance(&mut self, state: &mut State, span: Span, to: f64, start: Instant) {
+        if self.given {
+            // Nothing is integrated: forces remember, and at the next instant friction has the sign of
+            // the motion that is given.
+            self.remember(state, to, span.at(to - span.from).1);
+            return;
+        }
         if self.smooth {
             let h = to - span.from;
             (self.whole)(self.chain, &self.constants, &span, state, &start, h);
