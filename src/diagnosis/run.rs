@@ -158,13 +158,15 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     let mut projector = Projector::new(problem);
     let start = problem.start(model);
     let mut first = refit(problem, &start, &projector);
-    if problem.departures.is_empty() {
+    // A link that is held in a motion rings no further than that.
+    let input = problem.experiments[0].input;
+    let held = (problem.kind.linear)(&first.point.keys, input).link_is_input;
+    if problem.departures.is_empty() && !held {
         first = ringing(problem, first, &projector);
     }
     // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
-<<<<<<< HEAD
     (problem.fit(&first.point, &projector, 20), projector)
 }
 
@@ -179,25 +181,6 @@ fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitte
     let price = 2.0 * experiments.len() as f64 * rows.ln() + super::search::STRONG;
     if (still.cost - ringing.cost) / unit > price {
         return ringing;
-=======
-    let mut fitted = problem.fit(&first.point, &projector, 20);
-    // A link that is held in a motion rings no further than that.
-    let input = problem.experiments[0].input;
-    let held = (problem.kind.linear)(&fitted.point.keys, input).link_is_input;
-    if problem.departures.is_empty() && !held {
-        // Two more unknowns an experiment: the arm may already ring when the recording starts.
-        problem.departures = vec![2, 3];
-        let ringing = problem.fit(&fitted.point, &projector, 20);
-        let experiments = problem.experiments;
-        let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
-        let unit = (ringing.cost / rows).max(1.0);
-        let price = 2.0 * experiments.len() as f64 * rows.ln() + super::search::STRONG;
-        if (fitted.cost - ringing.cost) / unit > price {
-            fitted = ringing;
-        } else {
-            problem.departures.clear();
-        }
->>>>>>> refs/heads/real2
     }
     problem.departures.clear();
     still
