@@ -112,7 +112,7 @@ fn neutral_effects_change_nothing() {
     let model = Model::from_toml(&case.model, "model.toml").unwrap();
     let experiment = Experiment::new(&model, &case.train).unwrap();
     let run = |terms: &[Term]| {
-        let simulated = simulate(model.kind, &model.keys(), terms, &experiment, &[0.0; 4]);
+        let simulated = simulate(model.kind, &model.keys(), terms, &experiment, &[0.0; 8]);
         simulated.predict(&experiment.outputs[0], 0.0).values
     };
     let baseline = run(&[]);

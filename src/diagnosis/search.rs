@@ -12,6 +12,9 @@ use rayon::prelude::*;
 pub const STRONG: f64 = 10.0;
 /// Held-out chi-squared of an effect over that without it, above which it is not believed.
 pub const GATE: f64 = 0.98;
+/// The same where the model alone is already at the floor: a part of the noise that is no larger than the
+/// uncertainty of its level (a twentieth in amplitude) is not called physics.
+const WEAK: f64 = 0.9;
 /// Explanations within this of the best cannot be told from it.
 pub const EQUAL: f64 = 15.0;
 /// Chi-squared per row up to which a residual is noise: its level is known within a tenth.
@@ -85,6 +88,11 @@ impl Search<'_> {
     /// Searches from the refitted model on.
     pub fn run(&self, baseline: Explanation) -> Found {
         let mut trials = self.extend(&baseline, FITTED);
+        if self.at_floor(&baseline) {
+            trials
+                .iter_mut()
+                .for_each(|trial| trial.passed &= trial.held_out_ratio < WEAK);
+        }
         let mut frontier: Vec<Explanation> = passed(&trials, BEAM);
         let mut best = self
             .simplest(&trials, &baseline)
