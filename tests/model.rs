@@ -315,7 +315,8 @@ fn val_two_frictions_share_a_load() {
 
 #[test]
 fn val_a_sliding_mass_stops_where_its_energy_ends() {
-    let linear = (kind("rigid_axis").linear)(&[2.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0], Role::Force);
+    let linear =
+        (kind("rigid_axis").linear)(&[2.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0], Role::Force);
     for (force, moves) in [(0.0, false), (0.9, false), (1.1, true)] {
         let mut chain = Chain::new(linear);
         chain.frictions.push(coulomb(Place::Drive, 1.0, 1.0));
@@ -341,7 +342,7 @@ fn val_a_sliding_mass_stops_where_its_energy_ends() {
 #[test]
 fn val_a_sampled_loop_is_the_recursion_of_its_controller() {
     let (mass, period) = (95.0, 0.001);
-    let keys = [mass, 0.0, 35.0, 160.0, 243.0, 10.0, period];
+    let keys = [mass, 0.0, 35.0, 160.0, 243.0, 10.0, period, 0.0];
     let linear = (kind("rigid_axis").linear)(&keys, Role::CommandPosition);
     let time: Vec<f64> = (0..=2000).map(|k| f64::from(k) * period).collect();
     let reference: Vec<f64> = time.iter().map(|&t| smooth_move(t, 1.0, 0.2)).collect();

@@ -44,7 +44,7 @@ The model says what is believed, such as
 Its parameters are refitted first, and what is still missing is looked for in the catalogue of
 effects. Without --held-out the last third of the moves judges what the rest was fitted to.
 
-Verdicts: no_mismatch, named, ambiguous (several explanations fit alike; the next move would tell),
+Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
 partly_explained, unexplained. The folder of --out gets report.html, diagnosis.json and model.toml
 with the physics in it, which `quell simulate` and `quell score` run.")]
 pub struct Args {
@@ -66,7 +66,7 @@ pub struct Args {
     /// Threads to work with [default: one a core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Seed of the bootstrap: the same seed gives the same intervals.
+    /// Seed of whatever is drawn at random; at present nothing is, and the intervals follow from the fit.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
 }

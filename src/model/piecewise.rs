@@ -18,6 +18,19 @@ impl Cubic {
         ]
     }
 
+    /// Where it turns round between two instants, in their order: the roots of its rate.
+    pub fn turns(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + use<> {
+        let [_, c, b, a] = self.0;
+        let (a, b) = (3.0 * a, 2.0 * b);
+        // Of the two forms of each root the one that does not cancel; without roots NaN, never inside.
+        let q = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));
+        let mut roots = [q / a, c / q];
+        roots.sort_by(f64::total_cmp);
+        roots
+            .into_iter()
+            .filter(move |root| *root > from && *root < to)
+    }
+
     /// The same polynomial from `s` on.
     fn shifted(&self, s: f64) -> Self {
         let [value, rate, second] = self.at(s);

@@ -143,6 +143,11 @@ impl<'a> Stepper<'a> {
         if self.given {
             // Nothing is integrated: forces remember, and at the next instant friction has the sign of
             // the motion that is given.
+            let from = span.from - span.t0;
+            for turn in span.input.turns(from, to - span.t0) {
+                // A memory that turns with the motion sees how far it went.
+                self.remember(state, span.t0 + turn, span.input.at(turn));
+            }
             self.remember(state, to, span.at(to - span.from).1);
             return;
         }
