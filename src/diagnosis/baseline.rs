@@ -223,8 +223,8 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
     let mut costs: Vec<(f64, Point)> = starts
         .into_iter()
         .map(|point| {
-            let short = problem.fit(&point, projector, 3);
-            (short.cost, short.point)
+            let (point, cost) = problem.descend(&point, projector, 3);
+            (cost, point)
         })
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -238,8 +238,8 @@ pub fn measure_noise(problem: &mut Problem, point: &Point) {
         None => problem.scales.natural_frequency * problem.scales.damping_ratio,
     };
     for e in 0..problem.experiments.len() {
-        let (raw, _) = problem.raw(point, e);
-        for (k, residual) in raw.iter().enumerate() {
+        let run = problem.run(point, e);
+        for (k, residual) in run.residuals.iter().enumerate() {
             let experiment = &problem.experiments[e];
             let output = &experiment.outputs[k];
             problem.whitening[e][k] = noise(experiment, output, residual, decay);

@@ -113,7 +113,7 @@ impl<'a> Judge<'a> {
         point: &Point,
         e: usize,
     ) -> Vec<Vec<f64>> {
-        let (mut raw, _) = problem.raw(point, e);
+        let mut raw = problem.run(point, e).residuals;
         let whole = problem.complete(e, &raw);
         let coefficients = coefficients(problem, projector, e, &whole);
         let mut next = coefficients.iter();
@@ -141,7 +141,7 @@ impl<'a> Judge<'a> {
         start.terms.clone_from(&point.terms);
         start.fixed_terms = start.terms.len();
         let projector = Projector::new(&problem);
-        problem.fit(&start, &projector, 10).cost
+        problem.descend(&start, &projector, 10).1
     }
 }
 

@@ -5,7 +5,7 @@
 //! Source: Marquardt, SIAM J. Applied Mathematics 11 (1963); Golub and Pereyra, Inverse Problems 19
 //! (2003) on separable least squares.
 
-use super::problem::{Global, Point, Problem};
+use super::problem::{Global, Point, Problem, Run};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// A fitted structure.
@@ -69,14 +69,30 @@ pub fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     }
 }
 
+/// The residuals at a point.
+pub struct Evaluated {
+    /// The experiments.
+    pub runs: Vec<Run>,
+    /// Weighted residuals of each experiment.
+    whole: Vec<DVector<f64>>,
+    /// The same, linear nuisances projected out.
+    pub residuals: Vec<DVector<f64>>,
+    /// Cost at the point.
+    pub cost: f64,
+}
+
 /// The normal equations at a point, all unknowns but the linear ones.
 pub struct Linearised {
+    /// The experiments.
+    pub runs: Vec<Run>,
     /// Weighted residuals of each experiment, linear nuisances projected out.
     pub residuals: Vec<DVector<f64>>,
     /// Their derivatives: shared unknowns first, then the experiment's own.
     pub jacobians: Vec<DMatrix<f64>>,
     /// The shared unknowns.
     pub globals: Vec<Global>,
+    /// Number of unknowns of the start, which follow.
+    pub departures: usize,
     /// Cost at the point.
     pub cost: f64,
 }
@@ -102,56 +118,93 @@ impl Problem<'_> {
         self.free.iter().filter(known).map(row).collect()
     }
 
-    /// Cost at a point.
-    pub fn cost(&self, point: &Point, projector: &Projector) -> f64 {
-        let of = |e| {
-            projector
-                .remove(e, &self.residuals(point, e))
-                .norm_squared()
-        };
-        (0..self.experiments.len()).map(of).sum::<f64>() + self.disbelief(point)
-    }
-
-    /// Residuals and derivatives at a point.
-    pub fn linearise(&self, point: &Point, projector: &Projector) -> Linearised {
-        let globals = self.globals(point);
-        let (mut residuals, mut jacobians) = (Vec::new(), Vec::new());
+    /// Residuals and cost at a point.
+    pub fn evaluate(&self, point: &Point, projector: &Projector) -> Evaluated {
+        let (mut runs, mut whole, mut residuals) = (Vec::new(), Vec::new(), Vec::new());
         let mut cost = self.disbelief(point);
         for experiment in 0..self.experiments.len() {
-            let (raw, rates) = self.raw(point, experiment);
-            let whole = self.complete(experiment, &raw);
-            let mut columns = Vec::new();
-            for &global in &globals {
-                columns.push(self.slope(point, global, experiment, &whole));
-            }
-            for component in self.departures(point) {
-                columns.push(self.start_slope(point, component, experiment, &whole));
-            }
-            for (output, data) in self.experiments[experiment].outputs.iter().enumerate() {
-                if data.own_clock {
-                    columns.push(self.clock_slope(experiment, output, &rates));
-                }
-            }
-            let project = |column: DVector<f64>| projector.remove(experiment, &column);
-            let columns: Vec<_> = columns.into_iter().map(project).collect();
-            let residual = projector.remove(experiment, &whole);
+            let run = self.run(point, experiment);
+            let rows = self.complete(experiment, &run.residuals);
+            let residual = projector.remove(experiment, &rows);
             cost += residual.norm_squared();
-            jacobians.push(match columns.is_empty() {
-                true => DMatrix::zeros(residual.len(), 0),
-                false => DMatrix::from_columns(&columns),
-            });
+            runs.push(run);
+            whole.push(rows);
             residuals.push(residual);
         }
-        Linearised {
+        Evaluated {
+            runs,
+            whole,
             residuals,
-            jacobians,
-            globals,
             cost,
         }
     }
 
+    /// Residuals and derivatives at a point.
+    pub fn linearise(&self, point: &Point, projector: &Projector) -> Linearised {
+        self.slopes(point, projector, self.evaluate(point, projector), None)
+    }
+
+    /// Derivatives at a point whose residuals are known. Those for unknowns that `near` has, a point
+    /// without the last effect, are taken from there.
+    pub fn slopes(
+        &self,
+        point: &Point,
+        projector: &Projector,
+        at: Evaluated,
+        near: Option<&Linearised>,
+    ) -> Linearised {
+        let globals = self.globals(point);
+        let mut jacobians = Vec::new();
+        for (e, run) in at.runs.iter().enumerate() {
+            let whole = &at.whole[e];
+            let taken = |index: Option<usize>| {
+                let jacobian = near.map(|near| &near.jacobians[e]);
+                Some(jacobian?.column(index?).into_owned())
+            };
+            let known =
+                |global| near.and_then(|near| near.globals.iter().position(|g| *g == global));
+            let mut columns = Vec::new();
+            for &global in &globals {
+                columns.push(taken(known(global)).unwrap_or_else(|| {
+                    projector.remove(e, &self.slope(point, global, e, run, whole))
+                }));
+            }
+            for (index, component) in self.departures(point).into_iter().enumerate() {
+                let there = near.filter(|near| index < near.departures);
+                let there = there.map(|near| near.globals.len() + index);
+                columns.push(taken(there).unwrap_or_else(|| {
+                    projector.remove(e, &self.start_slope(point, component, e, whole))
+                }));
+            }
+            for (output, data) in self.experiments[e].outputs.iter().enumerate() {
+                if data.own_clock {
+                    columns.push(projector.remove(e, &self.clock_slope(e, output, &run.rates)));
+                }
+            }
+            jacobians.push(match columns.is_empty() {
+                true => DMatrix::zeros(whole.len(), 0),
+                false => DMatrix::from_columns(&columns),
+            });
+        }
+        Linearised {
+            runs: at.runs,
+            residuals: at.residuals,
+            jacobians,
+            globals,
+            departures: self.departures(point).len(),
+            cost: at.cost,
+        }
+    }
+
     /// Derivative by a difference of a thousandth of the typical size, away from a bound.
-    fn slope(&self, p: &Point, global: Global, e: usize, at: &DVector<f64>) -> DVector<f64> {
+    fn slope(
+        &self,
+        p: &Point,
+        global: Global,
+        e: usize,
+        run: &Run,
+        at: &DVector<f64>,
+    ) -> DVector<f64> {
         let mut moved = p.clone();
         let here = self.get(p, global);
         let step = 1e-3 * self.typical(p, global).max(0.1 * here.abs().min(1e3));
@@ -164,7 +217,11 @@ impl Problem<'_> {
         if change == 0.0 {
             return DVector::zeros(at.len());
         }
-        (self.residuals(&moved, e) - at) / change
+        let moved = match global {
+            Global::Parameter(term, _) => self.run_again(&moved, e, term, run),
+            Global::Key(_) => self.run(&moved, e),
+        };
+        (self.complete(e, &moved.residuals) - at) / change
     }
 
     fn start_slope(
@@ -177,7 +234,7 @@ impl Problem<'_> {
         let mut moved = p.clone();
         let step = 1e-3 * self.departure_scale[component];
         moved.locals[e].departure[component] += step;
-        (self.residuals(&moved, e) - at) / step
+        (self.complete(e, &self.run(&moved, e).residuals) - at) / step
     }
 
     /// The prediction at `stamp - offset` changes by minus its rate, the residual by its rate.
@@ -195,49 +252,8 @@ impl Problem<'_> {
         DVector::from_vec(rows)
     }
 
-    /// Fits all unknowns from a point on, in at most `iterations` steps.
-    pub fn fit(&self, start: &Point, projector: &Projector, iterations: usize) -> Fitted {
-        let mut point = start.clone();
-        let mut damping = 1e-3;
-        let mut linear = self.linearise(&point, projector);
-        for _ in 0..iterations {
-            let (normal, gradient) = self.normal(&point, &linear);
-            let mut improved = None;
-            for _ in 0..6 {
-                let Some(step) = solve(&normal, &gradient, damping) else {
-                    damping *= 10.0;
-                    continue;
-                };
-                let next = self.moved(&point, &linear.globals, &step);
-                let cost = self.cost(&next, projector);
-                if cost < linear.cost {
-                    improved = Some((next, cost));
-                    damping = (damping * 0.1).max(1e-9);
-                    break;
-                }
-                damping *= 10.0;
-            }
-            let Some((next, cost)) = improved else { break };
-            // A hundredth of a unit of chi-squared decides nothing.
-            let settled = linear.cost - cost < 0.01 + 1e-6 * cost;
-            point = next;
-            linear = self.linearise(&point, projector);
-            if settled {
-                break;
-            }
-        }
-        let (normal, _) = self.normal(&point, &linear);
-        let shared = linear.globals.len();
-        Fitted {
-            cost: linear.cost,
-            covariance: inverse(&normal, shared),
-            globals: linear.globals,
-            point,
-        }
-    }
-
     /// `J^T J` and `J^T r` over shared unknowns and every experiment's own.
-    fn normal(&self, point: &Point, linear: &Linearised) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn normal(&self, point: &Point, linear: &Linearised) -> (DMatrix<f64>, DVector<f64>) {
         let shared = linear.globals.len();
         let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
         let mut normal = DMatrix::zeros(shared + own, shared + own);
@@ -264,37 +280,10 @@ impl Problem<'_> {
         }
         (normal, gradient)
     }
-
-    fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
-        let mut next = point.clone();
-        for (i, &global) in globals.iter().enumerate() {
-            // Never further than three typical sizes at once.
-            let most = 3.0
-                * self
-                    .typical(point, global)
-                    .max(0.1 * self.get(point, global).abs());
-            let change = (-step[i]).clamp(-most, most);
-            self.set(&mut next, global, self.get(point, global) + change);
-        }
-        let mut k = globals.len();
-        for (e, data) in self.experiments.iter().enumerate() {
-            for component in self.departures(point) {
-                next.locals[e].departure[component] -= step[k];
-                k += 1;
-            }
-            for (output, own) in data.outputs.iter().enumerate() {
-                if own.own_clock {
-                    next.locals[e].clocks[output] -= step[k];
-                    k += 1;
-                }
-            }
-        }
-        next
-    }
 }
 
 /// `(N + damping diag N) x = g`.
-fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+pub fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
     let scale = scales(normal);
     let mut scaled = normal.clone();
     for i in 0..scaled.nrows() {
@@ -316,7 +305,7 @@ fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
 }
 
 /// The block of the shared unknowns of the inverse; large where the data say nothing.
-fn inverse(normal: &DMatrix<f64>, shared: usize) -> DMatrix<f64> {
+pub fn inverse(normal: &DMatrix<f64>, shared: usize) -> DMatrix<f64> {
     let scale = scales(normal);
     let n = normal.nrows();
     let scaled = DMatrix::from_fn(n, n, |i, j| {

@@ -4,6 +4,8 @@
 
 mod baseline;
 mod conclude;
+mod descent;
+mod displacement;
 mod document;
 mod draw;
 mod explanation;

@@ -3,7 +3,7 @@
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
-use crate::model::{Experiment, Kind, Model, Term, simulate};
+use crate::model::{Experiment, Kind, Model, Simulated, Term, simulate};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -41,6 +41,16 @@ pub struct Local {
     pub clocks: Vec<f64>,
     /// Departure of the start.
     pub departure: [f64; 8],
+}
+
+/// A simulated experiment, held against what was recorded.
+pub struct Run {
+    /// The motion.
+    pub simulated: Simulated,
+    /// Recorded minus predicted, an output each.
+    pub residuals: Vec<Vec<f64>>,
+    /// Rates of the prediction, an output each.
+    pub rates: Vec<Vec<f64>>,
 }
 
 /// A point in the space of unknowns.
@@ -180,21 +190,40 @@ impl Problem<'_> {
         }
     }
 
-    /// Residuals of one experiment at a point: recorded minus predicted for each output, and the rates
-    /// of the prediction.
-    pub fn raw(&self, point: &Point, experiment: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    /// One experiment at a point.
+    pub fn run(&self, point: &Point, experiment: usize) -> Run {
         let local = &point.locals[experiment];
         let data = &self.experiments[experiment];
         let simulated = simulate(self.kind, &point.keys, &point.terms, data, &local.departure);
-        let mut residuals = Vec::with_capacity(data.outputs.len());
-        let mut rates = Vec::with_capacity(data.outputs.len());
-        for (output, &clock) in data.outputs.iter().zip(&local.clocks) {
+        self.compared(point, experiment, simulated)
+    }
+
+    /// One experiment at a point that differs from that of a run in one effect only. What only reads the
+    /// motion leaves it as it is.
+    pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
+        let own = &point.terms[term];
+        match (own.effect.law)(&own.values) {
+            Law::Sensor(_) => self.compared(point, experiment, run.simulated.read_by(&point.terms)),
+            _ => self.run(point, experiment),
+        }
+    }
+
+    /// A simulated experiment, held against what was recorded.
+    fn compared(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
+        let data = &self.experiments[experiment];
+        let clocks = &point.locals[experiment].clocks;
+        let (mut residuals, mut rates) = (Vec::new(), Vec::new());
+        for (output, &clock) in data.outputs.iter().zip(clocks) {
             let prediction = simulated.predict(output, clock);
             let pairs = output.values.iter().zip(&prediction.values);
             residuals.push(pairs.map(|(y, p)| y - p).collect());
             rates.push(prediction.rates);
         }
-        (residuals, rates)
+        Run {
+            simulated,
+            residuals,
+            rates,
+        }
     }
 
     /// Weighted, whitened rows of one experiment from one series an output.
@@ -209,14 +238,8 @@ impl Problem<'_> {
         rows
     }
 
-    /// Weighted residuals of one experiment, the witness' rows at their end. NaN (a simulation that ran
-    /// away) becomes a large number, so that the fit turns back.
-    pub fn residuals(&self, point: &Point, experiment: usize) -> DVector<f64> {
-        let (raw, _) = self.raw(point, experiment);
-        self.complete(experiment, &raw)
-    }
-
-    /// Weighted rows of residuals that are at hand, the witness' rows at their end.
+    /// Weighted rows of the residuals of one experiment, the witness' rows at their end. NaN (a
+    /// simulation that ran away) becomes a large number, so that the fit turns back.
     pub fn complete(&self, experiment: usize, raw: &[Vec<f64>]) -> DVector<f64> {
         let mut rows = self.weigh(experiment, raw);
         for (index, row) in rows.iter_mut().enumerate() {

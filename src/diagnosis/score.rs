@@ -53,13 +53,13 @@ pub fn predict(
     fit.free.clear();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
-    let first = fit.fit(&start, &projector, 15);
-    measure_noise(&mut fit, &first.point);
+    let (first, _) = fit.descend(&start, &projector, 15);
+    measure_noise(&mut fit, &first);
     projector = Projector::new(&fit);
-    let fitted = fit.fit(&first.point, &projector, 15);
+    let (point, _) = fit.descend(&first, &projector, 15);
     let data = Data::new(experiments.clone(), experiments.clone());
     let judge = Judge::new(model, &data, &fit);
-    let residual = judge.explained(&fit, &projector, &fitted.point, 0);
+    let residual = judge.explained(&fit, &projector, &point, 0);
     let mut outputs = Vec::new();
     for (output, residual) in experiments[0].outputs.iter().zip(&residual) {
         let values = output.values.iter();

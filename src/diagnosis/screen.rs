@@ -114,8 +114,14 @@ impl Screen<'_> {
     }
 
     fn score(&self, moved: &Point) -> f64 {
+        let last = moved.terms.len() - 1;
         let rows: Vec<DVector<f64>> = (0..self.linear.residuals.len())
-            .map(|e| self.projector.remove(e, &self.problem.residuals(moved, e)))
+            .map(|e| {
+                let before = &self.linear.runs[e];
+                let run = self.problem.run_again(moved, e, last, before);
+                let rows = self.problem.complete(e, &run.residuals);
+                self.projector.remove(e, &rows)
+            })
             .collect();
         let mut change = stacked(&rows) - &self.residual;
         change -= &self.basis * self.basis.tr_mul(&change);

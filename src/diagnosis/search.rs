@@ -1,7 +1,8 @@
 //! The search for what is missing: screen, fit, decide; once more on the better model; prune.
 
+use super::descent::Descent;
 use super::explanation::{Explanation, Judge};
-use super::fit::Projector;
+use super::fit::{Linearised, Projector};
 use super::problem::{Point, Problem};
 use super::screen::{Start, screen};
 use crate::effects::{Place, contains};
@@ -23,8 +24,15 @@ pub const FLOOR: f64 = 1.21;
 const FITTED: usize = 10;
 /// Sizes of each candidate that a fit starts from.
 const SIZES: usize = 3;
+/// Steps after which the better ones of these go on (successive halving: Jamieson and Talwalkar,
+/// AISTATS 2016).
+const FIRST: usize = 2;
+/// How many go on.
+const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
-const SHORT: usize = 5;
+const SHORT: usize = 3;
+/// Most steps of the fit that is carried through.
+const LONG: usize = 25;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 /// Most effects in one explanation: with three the structure is no longer determined by a recording.
@@ -152,7 +160,7 @@ impl Search<'_> {
         let starts = screen(problem, &from.fitted.point, &linear, projector, SIZES);
         let mut trials: Vec<Trial> = chosen(starts, count)
             .into_par_iter()
-            .filter_map(|starts| self.fit(from, &starts))
+            .filter_map(|starts| self.fit(from, &linear, &starts))
             .collect();
         let unit = trials
             .iter()
@@ -169,26 +177,33 @@ impl Search<'_> {
     }
 
     /// The best of a candidate's starts, fitted to its end.
-    fn fit(&self, from: &Explanation, starts: &[Start]) -> Option<Trial> {
+    fn fit(&self, from: &Explanation, linear: &Linearised, starts: &[Start]) -> Option<Trial> {
         let (problem, projector) = (self.problem, self.projector);
         // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
         let mut believed = from.fitted.point.clone();
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
         }
-        let short = |(start, point): (&Start, &Point)| {
+        let begin = |(start, point): (&Start, &Point)| {
             let point = point.with(start.effect, start.place, start.values.clone());
-            problem.fit(&point, projector, SHORT)
+            let mut descent = Descent::new(problem, projector, &point, Some(linear));
+            descent.run(FIRST);
+            descent
         };
-        let first = starts
+        let starts = starts
             .iter()
-            .flat_map(|start| [(start, &from.fitted.point), (start, &believed)])
-            .map(short)
-            .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        if first.cost > from.fitted.cost {
+            .flat_map(|start| [(start, &from.fitted.point), (start, &believed)]);
+        let mut descents: Vec<Descent> = starts.map(begin).collect();
+        descents.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        descents.truncate(SECOND);
+        descents.iter_mut().for_each(|descent| descent.run(SHORT));
+        let best = descents.into_iter();
+        let mut best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+        if best.cost() > from.fitted.cost {
             return None;
         }
-        let fitted = problem.fit(&first.point, projector, 25);
+        best.run(LONG);
+        let fitted = best.end();
         let explanation = self.judge.judge(problem, projector, fitted);
         Some(Trial {
             explanation,
@@ -268,7 +283,7 @@ impl Search<'_> {
         }
         terms
             .map(|term| {
-                let fitted = self.problem.fit(&point.without(term), self.projector, 25);
+                let fitted = self.problem.fit(&point.without(term), self.projector, LONG);
                 self.judge.judge(self.problem, self.projector, fitted)
             })
             .collect()
@@ -286,7 +301,7 @@ impl Search<'_> {
             let unit = self.unit(&best);
             let dropped = terms
                 .map(|term| {
-                    let fitted = self.problem.fit(&point.without(term), self.projector, 25);
+                    let fitted = self.problem.fit(&point.without(term), self.projector, LONG);
                     self.judge.judge(self.problem, self.projector, fitted)
                 })
                 .filter(|without| {

@@ -9,6 +9,7 @@ use super::{Kind, Model};
 use crate::effects::{Drive, Effect, Law, Memory, Place, Reading, Sensor};
 use crate::recording::Role;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// An effect with numbers.
 #[derive(Clone)]
@@ -24,7 +25,7 @@ pub struct Term {
 /// A simulated experiment.
 pub struct Simulated {
     /// The motion at the nodes.
-    pub trace: Trace,
+    pub trace: Arc<Trace>,
     sensors: Vec<Box<dyn Sensor>>,
     shares: Vec<f64>,
     prescribed: bool,
@@ -77,7 +78,7 @@ pub fn simulate(
     let prescribed = chain.linear.motor != MotorSide::Fixed;
     let trace = integrate(&mut chain, &grid, state, &timed);
     Simulated {
-        trace,
+        trace: Arc::new(trace),
         sensors,
         shares,
         prescribed,
@@ -208,6 +209,25 @@ fn equilibrium(chain: &mut Chain, time: f64, state: &State, input: [f64; 3]) -> 
 }
 
 impl Simulated {
+    /// The same motion, read by sensors with these effects.
+    pub fn read_by(&self, terms: &[Term]) -> Self {
+        let there = |term: &&Term| term.values[0] != term.effect.parameters[0].neutral;
+        let laws = terms
+            .iter()
+            .filter(there)
+            .map(|term| (term.effect.law)(&term.values));
+        let sensors = laws.filter_map(|law| match law {
+            Law::Sensor(sensor) => Some(sensor),
+            _ => None,
+        });
+        Self {
+            trace: Arc::clone(&self.trace),
+            sensors: sensors.collect(),
+            shares: self.shares.clone(),
+            ..*self
+        }
+    }
+
     /// The quantity that an output measures, at the nodes.
     fn curve(&self, role: Role) -> Vec<[f64; 2]> {
         let trace = &self.trace;

@@ -57,13 +57,13 @@ impl<'a> ForcedResponse<'a> {
 impl Piece {
     fn new(motor: &CubicSpline, k: usize, mode: Mode, ground: bool, state: (f64, f64)) -> Self {
         let (t0, t1) = (motor.knots()[k], motor.knots()[k + 1]);
-        let (m0, m1) = (motor.second_derivative(t0), motor.second_derivative(t1));
+        let (m0, m1) = (motor.second(k), motor.second(k + 1));
         let jerk = (m1 - m0) / (t1 - t0);
         let alpha2 = 2.0 * mode.decay_rate();
         let alpha1 = mode.natural_frequency().powi(2);
         let c = if ground { alpha2 } else { 0.0 };
         let drive = [
-            -(m0 + c * motor.derivative(t0)),
+            -(m0 + c * motor.slope(k, t1 - t0)),
             -(jerk + c * m0),
             -c * jerk / 2.0,
         ];

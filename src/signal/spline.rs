@@ -95,13 +95,20 @@ impl CubicSpline {
 
     /// Interval, time into it, its length.
     pub(super) fn locate(&self, time: f64) -> (usize, f64, f64) {
-        let after = self.time.partition_point(|&t| t <= time);
-        let k = after.clamp(1, self.time.len() - 1) - 1;
+        let last = self.time.len() - 1;
+        let share = (time - self.time[0]) / (self.time[last] - self.time[0]);
+        // Where the clock is even this is it already; a share that is not finite becomes 0.
+        let guess = ((share * last as f64) as usize).min(last - 1);
+        let hit = self.time[guess] <= time && time < self.time[guess + 1];
+        let k = match hit {
+            true => guess,
+            false => self.time.partition_point(|&t| t <= time).clamp(1, last) - 1,
+        };
         (k, time - self.time[k], self.time[k + 1] - self.time[k])
     }
 
-    /// First derivative at the start of interval `k`.
-    fn slope(&self, k: usize, h: f64) -> f64 {
+    /// First derivative at the start of interval `k`, whose length is `h`.
+    pub(super) fn slope(&self, k: usize, h: f64) -> f64 {
         (self.values[k + 1] - self.values[k]) / h
             - h * (2.0 * self.second[k] + self.second[k + 1]) / 6.0
     }

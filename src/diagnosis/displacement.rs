@@ -1,0 +1,64 @@
+//! Displacements in the space of unknowns: the shared ones first, then those of each experiment.
+
+use super::problem::{Global, Point, Problem};
+use nalgebra::DVector;
+
+/// Typical sizes that a shared unknown may move at once.
+const FARTHEST: f64 = 3.0;
+
+impl Problem<'_> {
+    /// The point moved against a step over all unknowns, within bounds.
+    pub fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
+        let mut next = point.clone();
+        for (i, &global) in globals.iter().enumerate() {
+            let most = FARTHEST * self.size(point, global);
+            let change = (-step[i]).clamp(-most, most);
+            self.set(&mut next, global, self.get(point, global) + change);
+        }
+        let mut k = globals.len();
+        for (e, data) in self.experiments.iter().enumerate() {
+            for component in self.departures(point) {
+                next.locals[e].departure[component] -= step[k];
+                k += 1;
+            }
+            for (output, own) in data.outputs.iter().enumerate() {
+                if own.own_clock {
+                    next.locals[e].clocks[output] -= step[k];
+                    k += 1;
+                }
+            }
+        }
+        next
+    }
+
+    /// What an experiment sees of the way from one point to another, in the order of its Jacobian.
+    pub fn way(&self, from: &Point, to: &Point, globals: &[Global], e: usize) -> DVector<f64> {
+        let (old, new) = (&from.locals[e], &to.locals[e]);
+        let shared = globals.iter().map(|&g| self.get(to, g) - self.get(from, g));
+        let departures = self.departures(from).into_iter();
+        let departures = departures.map(|k| new.departure[k] - old.departure[k]);
+        let outputs = self.experiments[e].outputs.iter().enumerate();
+        let clocks = outputs.filter(|(_, output)| output.own_clock);
+        let clocks = clocks.map(|(k, _)| new.clocks[k] - old.clocks[k]);
+        let all: Vec<f64> = shared.chain(departures).chain(clocks).collect();
+        DVector::from_vec(all)
+    }
+
+    /// Typical sizes of the unknowns of an experiment, in the order of its Jacobian.
+    pub fn sizes(&self, point: &Point, globals: &[Global], e: usize) -> DVector<f64> {
+        let shared = globals.iter().map(|&global| self.size(point, global));
+        let departures = self.departures(point).into_iter();
+        let departures = departures.map(|component| self.departure_scale[component]);
+        let outputs = self.experiments[e].outputs.iter();
+        let clocks = outputs.filter(|output| output.own_clock);
+        let clocks = clocks.map(|_| self.scales.sample_time);
+        let all: Vec<f64> = shared.chain(departures).chain(clocks).collect();
+        DVector::from_vec(all)
+    }
+
+    /// Typical size of a shared unknown, or a tenth of what it is.
+    fn size(&self, point: &Point, global: Global) -> f64 {
+        let here = self.get(point, global).abs();
+        self.typical(point, global).max(0.1 * here)
+    }
+}
