@@ -82,7 +82,7 @@ impl<'a> Judge<'a> {
     /// recording that is held out as a whole has its own fitted.
     pub fn held_out(&self, problem: &Problem, projector: &Projector, point: &Point) -> f64 {
         if !self.data.apart.is_empty() {
-            return self.apart(point);
+            return self.apart(point).2.cost;
         }
         let sum = |e: usize| -> f64 {
             let residual = self.explained(problem, projector, point, e);
@@ -128,8 +128,9 @@ impl<'a> Judge<'a> {
         raw
     }
 
-    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted.
-    fn apart(&self, point: &Point) -> f64 {
+    /// The recordings kept apart as a problem of their own, and the fit of their clocks, offsets and
+    /// frames; all that is shared is a point's.
+    pub fn apart(&self, point: &Point) -> (Problem<'a>, Projector, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.free.clear();
@@ -141,7 +142,8 @@ impl<'a> Judge<'a> {
         start.terms.clone_from(&point.terms);
         start.fixed_terms = start.terms.len();
         let projector = Projector::new(&problem);
-        problem.fit(&start, &projector, 10).cost
+        let fitted = problem.fit(&start, &projector, 10);
+        (problem, projector, fitted)
     }
 }
 

@@ -5,8 +5,9 @@
 //! Source: Marquardt, SIAM J. Applied Mathematics 11 (1963); Golub and Pereyra, Inverse Problems 19
 //! (2003) on separable least squares.
 
+use super::normal::solve;
 use super::problem::{Global, Point, Problem};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// A fitted structure.
 #[derive(Clone)]
@@ -17,8 +18,6 @@ pub struct Fitted {
     pub cost: f64,
     /// The shared unknowns.
     pub globals: Vec<Global>,
-    /// Inverse of the normal matrix for the shared unknowns, the others projected out.
-    pub covariance: DMatrix<f64>,
 }
 
 /// Projects the linear nuisances of every experiment out of residuals.
@@ -88,7 +87,7 @@ impl Problem<'_> {
     }
 
     /// Key, departure in standard deviations, standard deviation.
-    fn belief_rows(&self, point: &Point) -> Vec<(usize, f64, f64)> {
+    pub fn belief_rows(&self, point: &Point) -> Vec<(usize, f64, f64)> {
         let row = |&key: &usize| {
             let (value, std) = self.beliefs[key];
             let global = Global::Key(key);
@@ -201,7 +200,8 @@ impl Problem<'_> {
         let mut damping = 1e-3;
         let mut linear = self.linearise(&point, projector);
         for _ in 0..iterations {
-            let (normal, gradient) = self.normal(&point, &linear);
+            let normal = self.normal(&point, &linear);
+            let gradient = self.gradient(&point, &linear, &linear.residuals);
             let mut improved = None;
             for _ in 0..6 {
                 let Some(step) = solve(&normal, &gradient, damping) else {
@@ -226,55 +226,30 @@ impl Problem<'_> {
                 break;
             }
         }
-        let (normal, _) = self.normal(&point, &linear);
-        let shared = linear.globals.len();
         Fitted {
             cost: linear.cost,
-            covariance: inverse(&normal, shared),
             globals: linear.globals,
             point,
         }
     }
 
-    /// `J^T J` and `J^T r` over shared unknowns and every experiment's own.
-    fn normal(&self, point: &Point, linear: &Linearised) -> (DMatrix<f64>, DVector<f64>) {
-        let shared = linear.globals.len();
-        let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
-        let mut normal = DMatrix::zeros(shared + own, shared + own);
-        let mut gradient = DVector::zeros(shared + own);
-        let mut offset = shared;
-        for (jacobian, residual) in linear.jacobians.iter().zip(&linear.residuals) {
-            let product = jacobian.tr_mul(jacobian);
-            let right = jacobian.tr_mul(residual);
-            let place = |i: usize| if i < shared { i } else { offset + i - shared };
-            for i in 0..jacobian.ncols() {
-                gradient[place(i)] += right[i];
-                for j in 0..jacobian.ncols() {
-                    normal[(place(i), place(j))] += product[(i, j)];
-                }
-            }
-            offset += jacobian.ncols() - shared;
+    /// A step away from a point, none of the shared unknowns further than three typical sizes at once.
+    fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
+        let mut limited = step.clone();
+        for (change, &global) in limited.iter_mut().zip(globals) {
+            let size = self
+                .typical(point, global)
+                .max(0.1 * self.get(point, global).abs());
+            *change = change.clamp(-3.0 * size, 3.0 * size);
         }
-        for (key, departure, std) in self.belief_rows(point) {
-            let global = Global::Key(key);
-            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
-                normal[(i, i)] += std.powi(-2);
-                gradient[i] += departure / std;
-            }
-        }
-        (normal, gradient)
+        self.stepped(point, globals, &limited)
     }
 
-    fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
+    /// The point less a step over shared unknowns and every experiment's own, kept within the bounds.
+    pub fn stepped(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
         let mut next = point.clone();
-        for (i, &global) in globals.iter().enumerate() {
-            // Never further than three typical sizes at once.
-            let most = 3.0
-                * self
-                    .typical(point, global)
-                    .max(0.1 * self.get(point, global).abs());
-            let change = (-step[i]).clamp(-most, most);
-            self.set(&mut next, global, self.get(point, global) + change);
+        for (&change, &global) in step.iter().zip(globals) {
+            self.set(&mut next, global, self.get(point, global) - change);
         }
         let mut k = globals.len();
         for (e, data) in self.experiments.iter().enumerate() {
@@ -291,40 +266,4 @@ impl Problem<'_> {
         }
         next
     }
-}
-
-/// `(N + damping diag N) x = g`.
-fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let scale = scales(normal);
-    let mut scaled = normal.clone();
-    for i in 0..scaled.nrows() {
-        for j in 0..scaled.ncols() {
-            scaled[(i, j)] /= scale[i] * scale[j];
-        }
-        // A direction without any effect does not move; the rounding of the sums keeps it positive.
-        scaled[(i, i)] += damping + 1e-13;
-    }
-    let right = gradient.component_div(&scale);
-    let solution = Cholesky::new(scaled)?.solve(&right).component_div(&scale);
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
-}
-
-/// Square roots of the diagonal; 1 where it is 0.
-fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
-    let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
-    normal.diagonal().map(root)
-}
-
-/// The block of the shared unknowns of the inverse; large where the data say nothing.
-fn inverse(normal: &DMatrix<f64>, shared: usize) -> DMatrix<f64> {
-    let scale = scales(normal);
-    let n = normal.nrows();
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        normal[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-12 } else { 0.0 }
-    });
-    let whole = Cholesky::new(scaled).map(|root| root.inverse());
-    DMatrix::from_fn(shared, shared, |i, j| {
-        let entry = whole.as_ref().map_or(f64::INFINITY, |m| m[(i, j)]);
-        entry / (scale[i] * scale[j])
-    })
 }

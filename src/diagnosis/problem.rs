@@ -11,6 +11,7 @@ use std::ops::Range;
 pub type Rows = Vec<Range<usize>>;
 
 /// What is known, and what is to be explained.
+#[derive(Clone)]
 pub struct Problem<'a> {
     /// Structure of the model.
     pub kind: &'static Kind,
