@@ -68,9 +68,21 @@ pub fn diagnose(
         let remark = "What was held out differs from what was fitted: something changed with time. \
             Stretches of every move were held out instead of the last moves.";
         let second = investigate(model, &data, options, progress, vec![remark.into()]);
-        return Ok(second.outcome);
+        return Ok(named(second.outcome, &data, train));
     }
-    Ok(first.outcome)
+    Ok(named(first.outcome, &data, train))
+}
+
+/// Where there are several recordings, each series that is drawn bears the name of its own.
+fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome {
+    if recordings.len() > 1 {
+        let pairs = recordings.iter().zip(&data.experiments);
+        let names = pairs.flat_map(|(r, e)| std::iter::repeat_n(&r.name, e.outputs.len()));
+        for (trace, name) in outcome.traces.outputs.iter_mut().zip(names) {
+            trace.name = format!("{name}: {}", trace.name);
+        }
+    }
+    outcome
 }
 
 /// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
