@@ -3,7 +3,7 @@
 use super::fit::{Fitted, Projector};
 use super::noise::noise;
 use super::problem::{Point, Problem, Rows};
-use super::split;
+use super::split::{self, HeldOut};
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
@@ -24,6 +24,8 @@ pub struct Data {
     pub held_out: Vec<Vec<Rows>>,
     /// Recordings that are held out as a whole.
     pub apart: Vec<Experiment>,
+    /// What is held out.
+    pub judged_by: HeldOut,
 }
 
 impl Data {
@@ -40,16 +42,22 @@ impl Data {
                 held_out.push(vec![Vec::new(); experiment.outputs.len()]);
             }
         }
+        let judged_by = match apart.is_empty() {
+            true => split::last_of(&experiments),
+            false => HeldOut::Recordings,
+        };
         Self {
             experiments,
             train,
             held_out,
             apart,
+            judged_by,
         }
     }
 
     /// The same experiments, split in turns.
     pub fn interleave(&mut self, stretch: f64) {
+        self.judged_by = HeldOut::Stretches;
         for (index, experiment) in self.experiments.iter().enumerate() {
             let parts = split::interleaved(experiment, stretch);
             self.train[index] = parts.train;

@@ -49,7 +49,7 @@ pub fn conclude(
         candidates: found.trials.iter().filter_map(candidate).collect(),
         remarks,
     };
-    diagnosis.summary = super::summary::summary(&diagnosis);
+    diagnosis.summary = super::summary::summary(&diagnosis, search.judge.data.judged_by);
     diagnosis
 }
 
