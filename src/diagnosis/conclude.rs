@@ -177,12 +177,11 @@ fn parameters(
 ) -> Vec<FittedParameter> {
     let point = &best.fitted.point;
     let own = &point.terms[term];
-    let experiment = &search.problem.experiments[0];
-    let (force, position) = super::units::units(search.problem.kind, experiment);
+    let units = super::units::units(search.problem, point);
     let fitted = |(index, parameter): (usize, &crate::effects::Parameter)| FittedParameter {
         name: parameter.name.to_string(),
         value: own.values[index],
-        unit: parameter.quantity.unit(&force, &position),
+        unit: parameter.quantity.unit(&units),
         ci95: scatter.interval(search.problem, point, Global::Parameter(term, index)),
     };
     own.effect
