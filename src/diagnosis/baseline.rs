@@ -97,6 +97,7 @@ pub fn problem<'a>(
         free,
         beliefs,
         bounds,
+        given: model.effects.iter().map(|e| e.parameters.clone()).collect(),
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
         scales,

@@ -23,7 +23,7 @@ use super::fit::Linearised;
 use super::normal::{deviations, solve};
 use super::problem::{Global, Point, Problem};
 use super::search::Search;
-use crate::model::Experiment;
+use crate::model::{Experiment, Value};
 use input_error::InputError;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
@@ -144,6 +144,7 @@ impl<'a> World<'a> {
         let problem = Problem {
             experiments: &experiments,
             beliefs: self.beliefs(&mut random),
+            given: self.given(&mut random),
             ..self.search.problem.clone()
         };
         let (mut point, mut changes) = (self.point.clone(), Vec::new());
@@ -197,6 +198,19 @@ impl<'a> World<'a> {
             }
         }
         beliefs
+    }
+
+    /// The same for the parameters of the given model's effects.
+    fn given(&self, random: &mut ChaCha8Rng) -> Vec<Vec<Value>> {
+        let mut given = self.search.problem.given.clone();
+        for (values, term) in given.iter_mut().zip(&self.point.terms) {
+            for (value, fitted) in values.iter_mut().zip(&term.values) {
+                if let Some(std) = value.std {
+                    value.value = fitted + std * random.sample::<f64, _>(StandardNormal);
+                }
+            }
+        }
+        given
     }
 
     /// Whether second steps are small beside first ones, for all shared unknowns.

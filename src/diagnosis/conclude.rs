@@ -100,7 +100,7 @@ fn candidate(trial: &Trial) -> Option<Candidate> {
 fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let best = &found.best;
     let point = &best.fitted.point;
-    let mut findings: Vec<(f64, Finding)> = (point.fixed_terms..point.terms.len())
+    let mut findings: Vec<(f64, Finding)> = (point.given_terms..point.terms.len())
         .map(|term| {
             let alone = found.without(term);
             let gain = alone.train - best.train;
@@ -123,10 +123,10 @@ fn finding(
     let own = &point.terms[term];
     let mut alternatives: Vec<(String, f64)> = Vec::new();
     for equal in &found.equals {
-        let others = &equal.explanation.fitted.point.terms[point.fixed_terms..];
+        let others = &equal.explanation.fitted.point.terms[point.given_terms..];
         let worse = search.criterion(&equal.explanation) - search.criterion(best);
         for other in others {
-            let shared = point.terms[point.fixed_terms..]
+            let shared = point.terms[point.given_terms..]
                 .iter()
                 .any(|term| term.effect.name == other.effect.name);
             let known = alternatives
@@ -162,7 +162,7 @@ fn finding(
 /// Whether an explanation has all other effects of the best one, so that it replaces this one.
 fn replaces(best: &Explanation, other: &Explanation, term: usize) -> bool {
     let terms = &best.fitted.point.terms;
-    let (first, theirs) = (best.fitted.point.fixed_terms, other.effects());
+    let (first, theirs) = (best.fitted.point.given_terms, other.effects());
     let kept = (first..terms.len())
         .filter(|&k| k != term)
         .all(|k| theirs.iter().any(|effect| effect.0 == terms[k].effect.name));
@@ -231,7 +231,13 @@ pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
     for (value, fitted) in better.values.iter_mut().zip(&point.keys) {
         value.value = *fitted;
     }
-    for term in &point.terms[point.fixed_terms..] {
+    let (given, found) = point.terms.split_at(point.given_terms);
+    for (effect, term) in better.effects.iter_mut().zip(given) {
+        for (value, fitted) in effect.parameters.iter_mut().zip(&term.values) {
+            value.value = *fitted;
+        }
+    }
+    for term in found {
         better.effects.push(ModelEffect {
             effect: term.effect,
             place: term.place,

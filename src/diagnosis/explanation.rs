@@ -23,7 +23,7 @@ impl Explanation {
     /// Names and places of the effects that were added to the model.
     pub fn effects(&self) -> Vec<(&'static str, Place)> {
         let point = &self.fitted.point;
-        let added = &point.terms[point.fixed_terms..];
+        let added = &point.terms[point.given_terms..];
         added
             .iter()
             .map(|term| (term.effect.name, term.place))
@@ -133,14 +133,14 @@ impl<'a> Judge<'a> {
     pub fn apart(&self, point: &Point) -> (Problem<'a>, Projector, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
-        problem.free.clear();
+        problem.freeze();
         if !self.apart_noise.is_empty() {
             problem.whitening.clone_from(&self.apart_noise);
         }
         let mut start = problem.start(self.model);
         start.keys.clone_from(&point.keys);
         start.terms.clone_from(&point.terms);
-        start.fixed_terms = start.terms.len();
+        start.given_terms = start.terms.len();
         let projector = Projector::new(&problem);
         let fitted = problem.fit(&start, &projector, 10);
         (problem, projector, fitted)

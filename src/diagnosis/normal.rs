@@ -1,7 +1,7 @@
 //! The normal equations of a fit: their matrix, their right-hand side, their solution.
 
 use super::fit::Linearised;
-use super::problem::{Global, Point, Problem};
+use super::problem::{Point, Problem};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 impl Problem<'_> {
@@ -17,8 +17,7 @@ impl Problem<'_> {
                 }
             }
         }
-        for (key, _, std) in self.belief_rows(point) {
-            let global = Global::Key(key);
+        for (global, _, std) in self.belief_rows(point) {
             if let Some(i) = linear.globals.iter().position(|g| *g == global) {
                 normal[(i, i)] += std.powi(-2);
             }
@@ -41,8 +40,7 @@ impl Problem<'_> {
                 gradient[row] += value;
             }
         }
-        for (key, departure, std) in self.belief_rows(point) {
-            let global = Global::Key(key);
+        for (global, departure, std) in self.belief_rows(point) {
             if let Some(i) = linear.globals.iter().position(|g| *g == global) {
                 gradient[i] += departure / std;
             }

@@ -50,7 +50,7 @@ pub fn predict(
     let experiments = vec![Experiment::new(model, recording)?];
     let rows = experiments.iter().map(split::whole).collect();
     let mut fit = problem(model, &experiments, rows);
-    fit.free.clear();
+    fit.freeze();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
     let first = fit.fit(&start, &projector, 15);
