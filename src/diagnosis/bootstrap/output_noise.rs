@@ -7,6 +7,7 @@
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::whitening::Whitening;
+use crate::model::Output;
 use crate::recording::health::quantum;
 use rand::Rng;
 use rand_distr::StandardNormal;
@@ -22,8 +23,18 @@ const CHANCE: f64 = 3.0;
 
 /// Where the noise of one output comes from.
 pub enum OutputNoise {
-    /// Its own model; the output is rounded to steps, if it has such.
-    Model(Whitening, Option<f64>),
+    /// Its own model.
+    Model(Whitening),
+    /// A sensor that rounds over white noise: what it makes of small motion is no noise, and its levels
+    /// are where they were.
+    Rounding {
+        /// Standard deviation before it is rounded.
+        white: f64,
+        /// Its step.
+        step: f64,
+        /// One of its levels.
+        level: f64,
+    },
     /// The residual in blocks.
     Blocks {
         /// Recorded minus predicted.
@@ -41,7 +52,11 @@ pub fn of(search: &Search, best: &Explanation, e: usize, left: &[Vec<f64>]) -> V
     let outputs = &problem.experiments[e].outputs;
     let unit = search.unit(best);
     let chance = CHANCE * (2.0 / search.judge.train_rows.max(1) as f64).sqrt();
-    let noise = |(k, output): (usize, &crate::model::Output)| {
+    let noise = |(k, output): (usize, &Output)| {
+        let whitening = problem.whitening[e][k].louder(unit.sqrt());
+        if let Some(rounding) = rounding(output, &whitening) {
+            return rounding;
+        }
         let fitted = problem.rows[e][k].clone();
         let count: usize = fitted.iter().map(|range| range.len()).sum();
         if unit > 1.0 + chance && count > 0 {
@@ -54,11 +69,20 @@ pub fn of(search: &Search, best: &Explanation, e: usize, left: &[Vec<f64>]) -> V
                 fitted,
             };
         }
-        let whitening = problem.whitening[e][k].louder(unit.sqrt());
-        let step = quantum(&output.values).filter(|_| whitening.coefficients.is_empty());
-        OutputNoise::Model(whitening, step)
+        OutputNoise::Model(whitening)
     };
     outputs.iter().enumerate().map(noise).collect()
+}
+
+/// A sensor whose rounding is most of its noise's power.
+fn rounding(output: &Output, noise: &Whitening) -> Option<OutputNoise> {
+    let step = quantum(&output.values)?;
+    let (power, own) = (noise.deviation.powi(2), step * step / 12.0);
+    (own > 0.5 * power).then(|| OutputNoise::Rounding {
+        white: (power - own).max(0.0).sqrt(),
+        step,
+        level: output.values[0],
+    })
 }
 
 impl OutputNoise {
@@ -70,10 +94,14 @@ impl OutputNoise {
         blocks: &(impl Rng + Clone),
     ) -> Vec<f64> {
         let noise = match self {
-            Self::Model(whitening, Some(step)) => {
-                return rounded(predicted, whitening.deviation, *step, random);
+            &Self::Rounding { white, step, level } => {
+                let rounded = |y: &f64| {
+                    let seen = y + white * random.sample::<f64, _>(StandardNormal);
+                    level + step * ((seen - level) / step).round()
+                };
+                return predicted.iter().map(rounded).collect();
             }
-            Self::Model(whitening, None) => whitening.draw(predicted.len(), random),
+            Self::Model(whitening) => whitening.draw(predicted.len(), random),
             Self::Blocks {
                 residual,
                 fitted,
@@ -82,17 +110,6 @@ impl OutputNoise {
         };
         predicted.iter().zip(noise).map(|(y, e)| y + e).collect()
     }
-}
-
-/// Rounded to steps that lie anywhere, over what white noise there is besides.
-fn rounded(predicted: &[f64], deviation: f64, step: f64, random: &mut impl Rng) -> Vec<f64> {
-    let white = (deviation * deviation - step * step / 12.0).max(0.0).sqrt();
-    let phase: f64 = random.random();
-    let one = |y: &f64| {
-        let seen = y + white * random.sample::<f64, _>(StandardNormal);
-        step * ((seen / step + phase).round() - phase)
-    };
-    predicted.iter().map(one).collect()
 }
 
 /// As many values as the residual has, in blocks of what was fitted.
