@@ -102,6 +102,35 @@ fn the_same_input_gives_the_same_answer() {
     assert_eq!(ours, theirs);
 }
 
+/// A recording that is held out as a whole is judged as `score` judges it, with a clock and an offset of
+/// its own, and the summary says what was held out; several recordings are drawn under their names.
+#[test]
+fn recordings_are_held_out_as_a_whole() {
+    let case = quell::proof::generate(3, 1).unwrap();
+    let model = Model::from_toml(&case.model, "model.toml").unwrap();
+    let (train, test) = (std::slice::from_ref(&case.train), &case.test);
+    let run = |train: &[Recording], held_out: &[Recording]| {
+        diagnose(&model, train, held_out, &Options::default(), &|_, _| {}).unwrap()
+    };
+    let apart = run(train, std::slice::from_ref(test));
+    let fit = &apart.diagnosis.fit;
+    let scored = score(&apart.model, test).unwrap().rms;
+    assert!((fit.after.held_out_rms / scored - 1.0).abs() < 0.01);
+    assert!(
+        apart
+            .diagnosis
+            .summary
+            .contains("recordings that were held out")
+    );
+    let both = run(&[case.train.clone(), test.clone()], &[]);
+    let names: Vec<_> = both.traces.outputs.iter().map(|o| &o.name).collect();
+    assert!(
+        names[0].starts_with("train: ") && names[1].starts_with("test: "),
+        "{names:?}"
+    );
+    assert!(!apart.traces.outputs[0].name.contains(':'));
+}
+
 /// A model that already holds an effect at its neutral size simulates as the model without it does, to
 /// the bit, for every effect of the catalogue and every place.
 #[test]

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use quell::effects::{
     Drive, EFFECTS, Effect, Force, Friction, Inertia, Law, Memory, Motion, Place, Reading, Scales,
-    Sensor,
+    Sensor, Units,
 };
 use std::collections::HashSet;
 use std::path::Path;
@@ -38,6 +38,20 @@ fn inertia(name: &str, parameters: &[f64]) -> Box<dyn Inertia> {
         Law::Inertia(inertia) => inertia,
         _ => panic!("{name} is no inertia"),
     }
+}
+
+/// What the drive makes of a current is told in amperes and seconds.
+#[test]
+fn drives_are_told_in_the_unit_of_their_input() {
+    let units = Units {
+        force: "N.m".into(),
+        position: "rad".into(),
+        input: "A".into(),
+    };
+    let of = |name: &str| effect(name).parameters[0].quantity.unit(&units);
+    assert_eq!(["dead_zone", "saturation"].map(of), ["A", "A"]);
+    let found = ["rate_limit", "torque_constant_nonlinearity", "drive_lag"].map(of);
+    assert_eq!(found, ["A/s", "1/A", "s"]);
 }
 
 /// A motion of unit stiffness.

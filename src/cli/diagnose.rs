@@ -66,7 +66,7 @@ pub struct Args {
     /// Threads to work with [default: one a core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Seed of whatever is drawn at random; at present nothing is, and the intervals follow from the fit.
+    /// Seed of the confidence intervals' bootstrap.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
 }

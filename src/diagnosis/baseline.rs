@@ -3,7 +3,7 @@
 use super::fit::{Fitted, Projector};
 use super::noise::noise;
 use super::problem::{Point, Problem, Rows};
-use super::split;
+use super::split::{self, HeldOut};
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
@@ -24,6 +24,8 @@ pub struct Data {
     pub held_out: Vec<Vec<Rows>>,
     /// Recordings that are held out as a whole.
     pub apart: Vec<Experiment>,
+    /// What is held out.
+    pub judged_by: HeldOut,
 }
 
 impl Data {
@@ -40,16 +42,22 @@ impl Data {
                 held_out.push(vec![Vec::new(); experiment.outputs.len()]);
             }
         }
+        let judged_by = match apart.is_empty() {
+            true => split::last_of(&experiments),
+            false => HeldOut::Recordings,
+        };
         Self {
             experiments,
             train,
             held_out,
             apart,
+            judged_by,
         }
     }
 
     /// The same experiments, split in turns.
     pub fn interleave(&mut self, stretch: f64) {
+        self.judged_by = HeldOut::Stretches;
         for (index, experiment) in self.experiments.iter().enumerate() {
             let parts = split::interleaved(experiment, stretch);
             self.train[index] = parts.train;
@@ -89,6 +97,7 @@ pub fn problem<'a>(
         free,
         beliefs,
         bounds,
+        given: model.effects.iter().map(|e| e.parameters.clone()).collect(),
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
         scales,
@@ -223,8 +232,8 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
     let mut costs: Vec<(f64, Point)> = starts
         .into_iter()
         .map(|point| {
-            let (point, cost) = problem.descend(&point, projector, 3);
-            (cost, point)
+            let short = problem.fit(&point, projector, 3);
+            (short.cost, short.point)
         })
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,33 +1,31 @@
 //! From what the search found to verdict, findings and the better model.
 
-use super::document::{
-    Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Quality, Verdict,
-};
+use super::bootstrap::{Scatter, bootstrap};
+use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
 use super::locate::Located;
-use super::problem::{Global, Problem, Rows};
-use super::search::{EQUAL, Found, Search, Trial, ratio};
+use super::problem::Global;
+use super::quality::{level, quality};
+use super::search::{EQUAL, Found, Search, Trial};
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
-
-/// Two-sided 95 % of the normal distribution, in standard deviations.
-const NORMAL_95: f64 = 1.959_964;
 
 /// Residual, in times the noise, that is a mismatch even if it cannot be located: no estimate of a noise
 /// level is that far off.
 const CERTAIN: f64 = 1.5;
 
-/// All of a diagnosis that follows from a search.
+/// All of a diagnosis that follows from a search; the intervals are drawn with a seed.
 pub fn conclude(
     search: &Search,
     found: &Found,
     located: &Located,
     remarks: Vec<String>,
+    seed: u64,
 ) -> Diagnosis {
     let verdict = verdict(search, found, located);
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained => Vec::new(),
-        _ => findings(search, found),
+        _ => findings(search, found, &bootstrap(search, &found.best, seed)),
     };
     let fit = Fit {
         before: quality(search, &found.baseline),
@@ -51,7 +49,7 @@ pub fn conclude(
         candidates: found.trials.iter().filter_map(candidate).collect(),
         remarks,
     };
-    diagnosis.summary = super::summary::summary(&diagnosis);
+    diagnosis.summary = super::summary::summary(&diagnosis, search.judge.data.judged_by);
     diagnosis
 }
 
@@ -99,30 +97,36 @@ fn candidate(trial: &Trial) -> Option<Candidate> {
 }
 
 /// The effects of the best explanation, the one whose absence costs most first.
-fn findings(search: &Search, found: &Found) -> Vec<Finding> {
+fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let best = &found.best;
     let point = &best.fitted.point;
-    let mut findings: Vec<(f64, Finding)> = (point.fixed_terms..point.terms.len())
+    let mut findings: Vec<(f64, Finding)> = (point.given_terms..point.terms.len())
         .map(|term| {
             let alone = found.without(term);
             let gain = alone.train - best.train;
-            (gain, finding(search, found, term, alone))
+            let parameters = parameters(search, best, term, scatter);
+            (gain, finding(search, found, term, parameters))
         })
         .collect();
     findings.sort_by(|a, b| b.0.total_cmp(&a.0));
     findings.into_iter().map(|(_, finding)| finding).collect()
 }
 
-fn finding(search: &Search, found: &Found, term: usize, without: &Explanation) -> Finding {
-    let best = &found.best;
+fn finding(
+    search: &Search,
+    found: &Found,
+    term: usize,
+    parameters: Vec<FittedParameter>,
+) -> Finding {
+    let (best, without) = (&found.best, found.without(term));
     let point = &best.fitted.point;
     let own = &point.terms[term];
     let mut alternatives: Vec<(String, f64)> = Vec::new();
     for equal in &found.equals {
-        let others = &equal.explanation.fitted.point.terms[point.fixed_terms..];
+        let others = &equal.explanation.fitted.point.terms[point.given_terms..];
         let worse = search.criterion(&equal.explanation) - search.criterion(best);
         for other in others {
-            let shared = point.terms[point.fixed_terms..]
+            let shared = point.terms[point.given_terms..]
                 .iter()
                 .any(|term| term.effect.name == other.effect.name);
             let known = alternatives
@@ -143,7 +147,7 @@ fn finding(search: &Search, found: &Found, term: usize, without: &Explanation) -
         effect: own.effect.name.to_string(),
         place: own.place.name().to_string(),
         probability: 1.0 / (1.0 + weight),
-        parameters: parameters(search, found, term),
+        parameters,
         evidence: format!(
             "Without it the residual on what was held out is {:.2} times the noise, with it {:.2}; the \
              Bayesian information criterion falls by {:.0}.",
@@ -158,32 +162,27 @@ fn finding(search: &Search, found: &Found, term: usize, without: &Explanation) -
 /// Whether an explanation has all other effects of the best one, so that it replaces this one.
 fn replaces(best: &Explanation, other: &Explanation, term: usize) -> bool {
     let terms = &best.fitted.point.terms;
-    let (first, theirs) = (best.fitted.point.fixed_terms, other.effects());
+    let (first, theirs) = (best.fitted.point.given_terms, other.effects());
     let kept = (first..terms.len())
         .filter(|&k| k != term)
         .all(|k| theirs.iter().any(|effect| effect.0 == terms[k].effect.name));
     kept || theirs.len() < terms.len() - first
 }
 
-fn parameters(search: &Search, found: &Found, term: usize) -> Vec<FittedParameter> {
-    let best = &found.best;
-    let own = &best.fitted.point.terms[term];
-    let experiment = &search.problem.experiments[0];
-    let (force, position) = super::units::units(search.problem.kind, experiment);
-    let fitted = |(index, parameter): (usize, &crate::effects::Parameter)| {
-        let global = Global::Parameter(term, index);
-        let value = own.values[index];
-        let (low, high) = search.problem.limits(&best.fitted.point, global);
-        let reach = NORMAL_95 * deviation(best, global, found.unit);
-        FittedParameter {
-            name: parameter.name.to_string(),
-            value,
-            unit: parameter.quantity.unit(&force, &position),
-            ci95: [
-                (value - reach).max(low.min(value)),
-                (value + reach).min(high.max(value)),
-            ],
-        }
+fn parameters(
+    search: &Search,
+    best: &Explanation,
+    term: usize,
+    scatter: &Scatter,
+) -> Vec<FittedParameter> {
+    let point = &best.fitted.point;
+    let own = &point.terms[term];
+    let units = super::units::units(search.problem, point);
+    let fitted = |(index, parameter): (usize, &crate::effects::Parameter)| FittedParameter {
+        name: parameter.name.to_string(),
+        value: own.values[index],
+        unit: parameter.quantity.unit(&units),
+        ci95: scatter.interval(search.problem, point, Global::Parameter(term, index)),
     };
     own.effect
         .parameters
@@ -193,68 +192,7 @@ fn parameters(search: &Search, found: &Found, term: usize) -> Vec<FittedParamete
         .collect()
 }
 
-/// Standard deviation of a shared unknown, in its own unit, what the model leaves taken as noise.
-fn deviation(best: &Explanation, global: Global, unit: f64) -> f64 {
-    let index = best.fitted.globals.iter().position(|g| *g == global);
-    index.map_or(f64::INFINITY, |i| {
-        (best.fitted.covariance[(i, i)].max(0.0) * unit).sqrt()
-    })
-}
-
-/// Root mean square residuals in the unit of the first output.
-fn quality(search: &Search, explanation: &Explanation) -> Quality {
-    let judge = search.judge;
-    let problem = search.problem;
-    let point = &explanation.fitted.point;
-    let noise = level(problem).noise_std;
-    let train = rms(search, point, &problem.rows);
-    let held = match judge.data.apart.is_empty() {
-        true => rms(search, point, &judge.data.held_out),
-        false => noise * ratio(explanation.held_out, judge.held_out_rows as f64).sqrt(),
-    };
-    let held = if held.is_finite() { held } else { train };
-    Quality {
-        train_rms: train,
-        held_out_rms: held,
-        held_out_over_noise: held / noise,
-    }
-}
-
-fn rms(search: &Search, point: &super::problem::Point, rows: &[Vec<Rows>]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for (e, rows) in rows.iter().enumerate() {
-        let residual = search
-            .judge
-            .explained(search.problem, search.projector, point, e);
-        let scale = search.problem.experiments[e].outputs[0].scale;
-        for range in &rows[0] {
-            sum += residual[0][range.clone()]
-                .iter()
-                .map(|r| (r * scale).powi(2))
-                .sum::<f64>();
-            count += range.len();
-        }
-    }
-    (sum / count as f64).sqrt()
-}
-
-/// Noise of the first output.
-fn level(problem: &Problem) -> Fit {
-    let output = &problem.experiments[0].outputs[0];
-    let nothing = Quality {
-        train_rms: 0.0,
-        held_out_rms: 0.0,
-        held_out_over_noise: 0.0,
-    };
-    Fit {
-        noise_std: problem.whitening[0][0].deviation * output.scale,
-        unit: output.unit.clone(),
-        before: nothing,
-        after: nothing,
-    }
-}
-
-/// Clock offsets and the model's own parameters, with their standard deviations.
+/// Clock offsets and the model's own parameters.
 fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64> {
     let mut all = BTreeMap::new();
     let point = &explanation.fitted.point;
@@ -293,7 +231,13 @@ pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
     for (value, fitted) in better.values.iter_mut().zip(&point.keys) {
         value.value = *fitted;
     }
-    for term in &point.terms[point.fixed_terms..] {
+    let (given, found) = point.terms.split_at(point.given_terms);
+    for (effect, term) in better.effects.iter_mut().zip(given) {
+        for (value, fitted) in effect.parameters.iter_mut().zip(&term.values) {
+            value.value = *fitted;
+        }
+    }
+    for term in found {
         better.effects.push(ModelEffect {
             effect: term.effect,
             place: term.place,

@@ -5,7 +5,8 @@
 //! fails or before the fit ends. Sources: Marquardt, SIAM J. Applied Mathematics 11 (1963); Broyden,
 //! Mathematics of Computation 19 (1965).
 
-use super::fit::{Evaluated, Fitted, Linearised, Projector, inverse, solve};
+use super::fit::{Evaluated, Fitted, Linearised, Projector};
+use super::normal::solve;
 use super::problem::{Point, Problem};
 use nalgebra::{DMatrix, DVector};
 
@@ -36,13 +37,6 @@ impl Problem<'_> {
         let mut descent = Descent::new(self, projector, start, None);
         descent.run(iterations);
         descent.end()
-    }
-
-    /// The same without a covariance: where it ended, and the cost there.
-    pub fn descend(&self, start: &Point, projector: &Projector, iterations: usize) -> (Point, f64) {
-        let mut descent = Descent::new(self, projector, start, None);
-        descent.run(iterations);
-        (descent.point, descent.linear.cost)
     }
 }
 
@@ -82,13 +76,9 @@ impl<'a> Descent<'a> {
     }
 
     /// Where it ended.
-    pub fn end(mut self) -> Fitted {
-        self.take_jacobian();
-        let (normal, _) = self.problem.normal(&self.point, &self.linear);
-        let shared = self.linear.globals.len();
+    pub fn end(self) -> Fitted {
         Fitted {
             cost: self.linear.cost,
-            covariance: inverse(&normal, shared),
             globals: self.linear.globals,
             point: self.point,
         }
@@ -112,7 +102,9 @@ impl<'a> Descent<'a> {
 
     /// Tries more and more damped steps until one lowers the cost.
     fn attempt(&mut self, tries: usize) {
-        let (normal, gradient) = self.problem.normal(&self.point, &self.linear);
+        let (point, linear) = (&self.point, &self.linear);
+        let normal = self.problem.normal(point, linear);
+        let gradient = self.problem.gradient(point, linear, &linear.residuals);
         for _ in 0..tries {
             if let Some((next, promised)) = self.proposed(&normal, gradient.clone()) {
                 if self.is_little(promised) {

@@ -7,13 +7,21 @@ use nalgebra::DVector;
 const FARTHEST: f64 = 3.0;
 
 impl Problem<'_> {
-    /// The point moved against a step over all unknowns, within bounds.
+    /// A step away from a point, none of the shared unknowns further than three typical sizes at once.
     pub fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
-        let mut next = point.clone();
-        for (i, &global) in globals.iter().enumerate() {
+        let mut limited = step.clone();
+        for (change, &global) in limited.iter_mut().zip(globals) {
             let most = FARTHEST * self.size(point, global);
-            let change = (-step[i]).clamp(-most, most);
-            self.set(&mut next, global, self.get(point, global) + change);
+            *change = change.clamp(-most, most);
+        }
+        self.stepped(point, globals, &limited)
+    }
+
+    /// The point less a step over shared unknowns and every experiment's own, kept within the bounds.
+    pub fn stepped(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
+        let mut next = point.clone();
+        for (&change, &global) in step.iter().zip(globals) {
+            self.set(&mut next, global, self.get(point, global) - change);
         }
         let mut k = globals.len();
         for (e, data) in self.experiments.iter().enumerate() {

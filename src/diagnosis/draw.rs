@@ -3,7 +3,9 @@
 use super::explanation::Explanation;
 use super::locate::Located;
 use super::search::Search;
-use super::traces::{OutputTrace, SpectrumTrace, Traces};
+use super::traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};
+use super::units::{of_values, over_seconds_squared};
+use crate::effects::Place;
 use crate::model::{Experiment, Output};
 use crate::recording::Role;
 use crate::signal::{CubicSpline, End, Window, spectrum};
@@ -36,17 +38,41 @@ pub fn draw(
             });
         }
     }
-    let first = &search.problem.experiments[0].outputs[0];
+    let experiment = &search.problem.experiments[0];
+    let first = &experiment.outputs[0];
     Traces {
         missing_time: first.time.clone(),
         missing: located.missing.clone(),
         missing_std: located.missing_std.clone(),
-        missing_unit: format!("{}/s^2", search.problem.experiments[0].position_unit),
-        coordinate: located.coordinate.clone(),
+        missing_unit: over_seconds_squared(&of_values(experiment, first)),
+        coordinate: coordinate(experiment, located),
         spectrum: outputs.first().map(spectra).unwrap_or_default(),
         phases: located.phases.clone(),
         outputs,
     }
+}
+
+/// What the missing part follows, with units: at a sensor it is the residual itself.
+fn coordinate(experiment: &Experiment, located: &Located) -> Option<CoordinateTrace> {
+    let position = &experiment.position_unit;
+    let trace = located.coordinate.clone()?;
+    let coordinate_unit = match trace.coordinate.as_str() {
+        "time" => "s".into(),
+        // A hysteresis state is a number from -1 to 1.
+        "hysteresis" => "1".into(),
+        "velocity" | "deformation rate" => format!("{position}/s"),
+        "acceleration" | "lagged acceleration" => over_seconds_squared(position),
+        _ => position.clone(),
+    };
+    let own = of_values(experiment, &experiment.outputs[0]);
+    Some(CoordinateTrace {
+        coordinate_unit,
+        unit: match located.location.place.as_deref() == Some(Place::Sensor.name()) {
+            true => own,
+            false => over_seconds_squared(&own),
+        },
+        ..trace
+    })
 }
 
 fn trace(experiment: &Experiment, output: &Output, old: &[f64], new: &[f64]) -> OutputTrace {

@@ -23,7 +23,7 @@ impl Explanation {
     /// Names and places of the effects that were added to the model.
     pub fn effects(&self) -> Vec<(&'static str, Place)> {
         let point = &self.fitted.point;
-        let added = &point.terms[point.fixed_terms..];
+        let added = &point.terms[point.given_terms..];
         added
             .iter()
             .map(|term| (term.effect.name, term.place))
@@ -82,7 +82,7 @@ impl<'a> Judge<'a> {
     /// recording that is held out as a whole has its own fitted.
     pub fn held_out(&self, problem: &Problem, projector: &Projector, point: &Point) -> f64 {
         if !self.data.apart.is_empty() {
-            return self.apart(point);
+            return self.apart(point).2.cost;
         }
         let sum = |e: usize| -> f64 {
             let residual = self.explained(problem, projector, point, e);
@@ -128,20 +128,22 @@ impl<'a> Judge<'a> {
         raw
     }
 
-    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted.
-    fn apart(&self, point: &Point) -> f64 {
+    /// The recordings kept apart as a problem of their own, and the fit of their clocks, offsets and
+    /// frames; all that is shared is a point's.
+    pub fn apart(&self, point: &Point) -> (Problem<'a>, Projector, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
-        problem.free.clear();
+        problem.freeze();
         if !self.apart_noise.is_empty() {
             problem.whitening.clone_from(&self.apart_noise);
         }
         let mut start = problem.start(self.model);
         start.keys.clone_from(&point.keys);
         start.terms.clone_from(&point.terms);
-        start.fixed_terms = start.terms.len();
+        start.given_terms = start.terms.len();
         let projector = Projector::new(&problem);
-        problem.descend(&start, &projector, 10).1
+        let fitted = problem.fit(&start, &projector, 10);
+        (problem, projector, fitted)
     }
 }
 

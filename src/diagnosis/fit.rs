@@ -6,7 +6,7 @@
 //! (2003) on separable least squares.
 
 use super::problem::{Global, Point, Problem, Run};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// A fitted structure.
 #[derive(Clone)]
@@ -17,8 +17,6 @@ pub struct Fitted {
     pub cost: f64,
     /// The shared unknowns.
     pub globals: Vec<Global>,
-    /// Inverse of the normal matrix for the shared unknowns, the others projected out.
-    pub covariance: DMatrix<f64>,
 }
 
 /// Projects the linear nuisances of every experiment out of residuals.
@@ -98,24 +96,33 @@ pub struct Linearised {
 }
 
 impl Problem<'_> {
-    /// Cost of the beliefs on the keys.
+    /// Cost of the beliefs.
     pub fn disbelief(&self, point: &Point) -> f64 {
         self.belief_rows(point).iter().map(|(_, r, _)| r * r).sum()
     }
 
-    /// Key, departure in standard deviations, standard deviation.
-    fn belief_rows(&self, point: &Point) -> Vec<(usize, f64, f64)> {
-        let row = |&key: &usize| {
+    /// Unknown, departure in standard deviations, standard deviation: of keys and of the given effects.
+    pub fn belief_rows(&self, point: &Point) -> Vec<(Global, f64, f64)> {
+        let key = |&key: &usize| {
             let (value, std) = self.beliefs[key];
             let global = Global::Key(key);
             let (at, centre) = match self.kind.keys[key].range.0 > 0.0 {
                 true => (self.get(point, global), value.ln()),
                 false => (point.keys[key], value),
             };
-            (key, (at - centre) / std, std)
+            (global, (at - centre) / std, std)
         };
         let known = |key: &&usize| self.beliefs[**key].1.is_finite();
-        self.free.iter().filter(known).map(row).collect()
+        let keys = self.free.iter().filter(known).map(key);
+        let effects = self.given.iter().enumerate().flat_map(|(term, values)| {
+            let parameters = values.iter().enumerate();
+            parameters.filter_map(move |(parameter, value)| {
+                let std = value.std.filter(|_| !value.fixed)?;
+                let global = Global::Parameter(term, parameter);
+                Some((global, (self.get(point, global) - value.value) / std, std))
+            })
+        });
+        keys.chain(effects).collect()
     }
 
     /// Residuals and cost at a point.
@@ -251,69 +258,4 @@ impl Problem<'_> {
         rows.extend(vec![0.0; witnesses]);
         DVector::from_vec(rows)
     }
-
-    /// `J^T J` and `J^T r` over shared unknowns and every experiment's own.
-    pub fn normal(&self, point: &Point, linear: &Linearised) -> (DMatrix<f64>, DVector<f64>) {
-        let shared = linear.globals.len();
-        let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
-        let mut normal = DMatrix::zeros(shared + own, shared + own);
-        let mut gradient = DVector::zeros(shared + own);
-        let mut offset = shared;
-        for (jacobian, residual) in linear.jacobians.iter().zip(&linear.residuals) {
-            let product = jacobian.tr_mul(jacobian);
-            let right = jacobian.tr_mul(residual);
-            let place = |i: usize| if i < shared { i } else { offset + i - shared };
-            for i in 0..jacobian.ncols() {
-                gradient[place(i)] += right[i];
-                for j in 0..jacobian.ncols() {
-                    normal[(place(i), place(j))] += product[(i, j)];
-                }
-            }
-            offset += jacobian.ncols() - shared;
-        }
-        for (key, departure, std) in self.belief_rows(point) {
-            let global = Global::Key(key);
-            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
-                normal[(i, i)] += std.powi(-2);
-                gradient[i] += departure / std;
-            }
-        }
-        (normal, gradient)
-    }
-}
-
-/// `(N + damping diag N) x = g`.
-pub fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let scale = scales(normal);
-    let mut scaled = normal.clone();
-    for i in 0..scaled.nrows() {
-        for j in 0..scaled.ncols() {
-            scaled[(i, j)] /= scale[i] * scale[j];
-        }
-        // A direction without any effect does not move; the rounding of the sums keeps it positive.
-        scaled[(i, i)] += damping + 1e-13;
-    }
-    let right = gradient.component_div(&scale);
-    let solution = Cholesky::new(scaled)?.solve(&right).component_div(&scale);
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
-}
-
-/// Square roots of the diagonal; 1 where it is 0.
-fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
-    let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
-    normal.diagonal().map(root)
-}
-
-/// The block of the shared unknowns of the inverse; large where the data say nothing.
-pub fn inverse(normal: &DMatrix<f64>, shared: usize) -> DMatrix<f64> {
-    let scale = scales(normal);
-    let n = normal.nrows();
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        normal[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-12 } else { 0.0 }
-    });
-    let whole = Cholesky::new(scaled).map(|root| root.inverse());
-    DMatrix::from_fn(shared, shared, |i, j| {
-        let entry = whole.as_ref().map_or(f64::INFINITY, |m| m[(i, j)]);
-        entry / (scale[i] * scale[j])
-    })
 }

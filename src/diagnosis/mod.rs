@@ -3,6 +3,7 @@
 //! A pure function from a model and recordings to a [`Diagnosis`]; it never sees names of files.
 
 mod baseline;
+mod bootstrap;
 mod conclude;
 mod descent;
 mod displacement;
@@ -12,7 +13,9 @@ mod explanation;
 mod fit;
 mod locate;
 mod noise;
+mod normal;
 mod problem;
+mod quality;
 mod remarks;
 mod run;
 mod score;

@@ -3,7 +3,7 @@
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
-use crate::model::{Experiment, Kind, Model, Simulated, Term, simulate};
+use crate::model::{Experiment, Kind, Model, Simulated, Term, Value, simulate};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -11,6 +11,7 @@ use std::ops::Range;
 pub type Rows = Vec<Range<usize>>;
 
 /// What is known, and what is to be explained.
+#[derive(Clone)]
 pub struct Problem<'a> {
     /// Structure of the model.
     pub kind: &'static Kind,
@@ -26,6 +27,8 @@ pub struct Problem<'a> {
     pub beliefs: Vec<(f64, f64)>,
     /// Bounds on the keys.
     pub bounds: Vec<(f64, f64)>,
+    /// What the given model says of the parameters of its effects, an effect each; fitted as keys are.
+    pub given: Vec<Vec<Value>>,
     /// Components of the start (see [`simulate`]) that are free.
     pub departures: Vec<usize>,
     /// Typical sizes of these components.
@@ -60,8 +63,8 @@ pub struct Point {
     pub keys: Vec<f64>,
     /// Effects with their values.
     pub terms: Vec<Term>,
-    /// Effects before this one belong to the given model and are not fitted.
-    pub fixed_terms: usize,
+    /// Effects before this one belong to the given model.
+    pub given_terms: usize,
     /// What each experiment alone has.
     pub locals: Vec<Local>,
 }
@@ -105,7 +108,7 @@ impl Problem<'_> {
         let terms = model.terms();
         Point {
             keys: model.keys(),
-            fixed_terms: terms.len(),
+            given_terms: terms.len(),
             terms,
             locals: self.experiments.iter().map(local).collect(),
         }
@@ -114,11 +117,29 @@ impl Problem<'_> {
     /// The shared unknowns at a point's structure.
     pub fn globals(&self, point: &Point) -> Vec<Global> {
         let keys = self.free.iter().map(|&key| Global::Key(key));
-        let parameters = (point.fixed_terms..point.terms.len()).flat_map(|term| {
-            let count = point.terms[term].values.len();
-            (0..count).map(move |parameter| Global::Parameter(term, parameter))
+        let parameters = (0..point.terms.len()).flat_map(|term| {
+            let free = move |parameter: &usize| {
+                let given = self
+                    .given(term, *parameter)
+                    .is_some_and(|value| !value.fixed);
+                term >= point.given_terms || given
+            };
+            let all = 0..point.terms[term].values.len();
+            all.filter(free)
+                .map(move |parameter| Global::Parameter(term, parameter))
         });
         keys.chain(parameters).collect()
+    }
+
+    /// What the given model says of a parameter of one of its effects.
+    fn given(&self, term: usize, parameter: usize) -> Option<&Value> {
+        self.given.get(term)?.get(parameter)
+    }
+
+    /// Keys and effects stay as they are: only what each experiment alone has is fitted.
+    pub fn freeze(&mut self) {
+        self.free.clear();
+        self.given.clear();
     }
 
     /// Components of the start that are free at a point's structure: those of the model, and those of
@@ -171,7 +192,17 @@ impl Problem<'_> {
         match global {
             Global::Key(key) => self.bounds[key],
             Global::Parameter(term, parameter) => {
-                (point.terms[term].effect.parameters[parameter].bounds)(&self.scales)
+                let physical = point.terms[term].effect.parameters[parameter].bounds;
+                let (low, high) = physical(&self.scales);
+                match self
+                    .given(term, parameter)
+                    .filter(|_| term < point.given_terms)
+                {
+                    Some(given) => given
+                        .bounds
+                        .unwrap_or((low.min(given.value), high.max(given.value))),
+                    None => (low, high),
+                }
             }
         }
     }

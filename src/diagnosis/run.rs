@@ -43,7 +43,7 @@ pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 /// Says what physics a model lacks, from recordings of the machine.
 ///
 /// `held_out` recordings judge what `train` was fitted to; without them the last third of the moves is
-/// kept apart. The same input gives the same answer.
+/// kept apart. The same input and seed give the same answer.
 ///
 /// # Errors
 /// [`DiagnosisError`] where a recording does not suit the model.
@@ -51,7 +51,7 @@ pub fn diagnose(
     model: &Model,
     train: &[Recording],
     held_out: &[Recording],
-    _options: &Options,
+    options: &Options,
     progress: Progress,
 ) -> Result<Outcome, DiagnosisError> {
     progress(0.0, "reading the recordings");
@@ -59,7 +59,7 @@ pub fn diagnose(
         return Err(DiagnosisError::NoRecording);
     }
     let mut data = Data::new(experiments(model, train)?, experiments(model, held_out)?);
-    let first = investigate(model, &data, progress, Vec::new());
+    let first = investigate(model, &data, options, progress, Vec::new());
     if data.apart.is_empty() && first.surprised {
         // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
         // of every move instead.
@@ -67,10 +67,22 @@ pub fn diagnose(
         data.interleave(stretch);
         let remark = "What was held out differs from what was fitted: something changed with time. \
             Stretches of every move were held out instead of the last moves.";
-        let second = investigate(model, &data, progress, vec![remark.into()]);
-        return Ok(second.outcome);
+        let second = investigate(model, &data, options, progress, vec![remark.into()]);
+        return Ok(named(second.outcome, &data, train));
     }
-    Ok(first.outcome)
+    Ok(named(first.outcome, &data, train))
+}
+
+/// Where there are several recordings, each series that is drawn bears the name of its own.
+fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome {
+    if recordings.len() > 1 {
+        let pairs = recordings.iter().zip(&data.experiments);
+        let names = pairs.flat_map(|(r, e)| std::iter::repeat_n(&r.name, e.outputs.len()));
+        for (trace, name) in outcome.traces.outputs.iter_mut().zip(names) {
+            trace.name = format!("{name}: {}", trace.name);
+        }
+    }
+    outcome
 }
 
 /// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
@@ -98,6 +110,7 @@ struct Investigation {
 fn investigate(
     model: &Model,
     data: &Data,
+    options: &Options,
     progress: Progress,
     mut remarks: Vec<String>,
 ) -> Investigation {
@@ -132,7 +145,7 @@ fn investigate(
     let found = search.run(baseline);
     let surprised = surprised(&judge, &found);
     remarks.extend(super::remarks::remarks(&problem, &found));
-    let diagnosis = conclude(&search, &found, &located, remarks);
+    let diagnosis = conclude(&search, &found, &located, remarks, options.seed);
     let told = reported(diagnosis.verdict, &found);
     let traces = draw(&search, &found.baseline, told, &located);
     Investigation {

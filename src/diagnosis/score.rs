@@ -50,16 +50,16 @@ pub fn predict(
     let experiments = vec![Experiment::new(model, recording)?];
     let rows = experiments.iter().map(split::whole).collect();
     let mut fit = problem(model, &experiments, rows);
-    fit.free.clear();
+    fit.freeze();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
-    let (first, _) = fit.descend(&start, &projector, 15);
-    measure_noise(&mut fit, &first);
+    let first = fit.fit(&start, &projector, 15);
+    measure_noise(&mut fit, &first.point);
     projector = Projector::new(&fit);
-    let (point, _) = fit.descend(&first, &projector, 15);
+    let fitted = fit.fit(&first.point, &projector, 15);
     let data = Data::new(experiments.clone(), experiments.clone());
     let judge = Judge::new(model, &data, &fit);
-    let residual = judge.explained(&fit, &projector, &point, 0);
+    let residual = judge.explained(&fit, &projector, &fitted.point, 0);
     let mut outputs = Vec::new();
     for (output, residual) in experiments[0].outputs.iter().zip(&residual) {
         let values = output.values.iter();

@@ -75,7 +75,7 @@ pub struct Found {
 impl Found {
     /// The best explanation without one of its terms.
     pub fn without(&self, term: usize) -> &Explanation {
-        let index = term - self.best.fitted.point.fixed_terms;
+        let index = term - self.best.fitted.point.given_terms;
         self.ablated.get(index).unwrap_or(&self.baseline)
     }
 }
@@ -277,7 +277,7 @@ impl Search<'_> {
     /// The explanation without each of its effects, refitted.
     fn ablated(&self, best: &Explanation, baseline: &Explanation) -> Vec<Explanation> {
         let point = &best.fitted.point;
-        let terms = point.fixed_terms..point.terms.len();
+        let terms = point.given_terms..point.terms.len();
         if terms.len() < 2 {
             return vec![baseline.clone(); terms.len()];
         }
@@ -294,7 +294,7 @@ impl Search<'_> {
         let mut best = explanation;
         loop {
             let point = &best.fitted.point;
-            let terms = point.fixed_terms..point.terms.len();
+            let terms = point.given_terms..point.terms.len();
             if terms.len() < 2 {
                 return best;
             }

@@ -16,6 +16,45 @@ pub struct Split {
     pub held_out: Vec<Rows>,
 }
 
+/// What was held out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeldOut {
+    /// The last third of the moves.
+    Moves,
+    /// The last third of the time.
+    End,
+    /// Stretches of every move.
+    Stretches,
+    /// Whole recordings.
+    Recordings,
+}
+
+impl HeldOut {
+    /// As a sentence names it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Moves => "moves that were held out",
+            Self::End => "the last third, which was held out,",
+            Self::Stretches => "stretches that were held out",
+            Self::Recordings => "recordings that were held out",
+        }
+    }
+}
+
+/// Moves up to which the time is divided, and not the moves.
+const FEW_MOVES: usize = 2;
+
+/// What [`last_third`] holds out of experiments.
+pub fn last_of(experiments: &[Experiment]) -> HeldOut {
+    match experiments
+        .iter()
+        .all(|e| move_starts(e).len() <= FEW_MOVES)
+    {
+        true => HeldOut::End,
+        false => HeldOut::Moves,
+    }
+}
+
 /// All rows are fitted.
 pub fn whole(experiment: &Experiment) -> Vec<Rows> {
     let all = |output: &crate::model::Output| one(0..output.values.len());
@@ -32,7 +71,7 @@ pub fn last_third(experiment: &Experiment) -> Split {
     let (first, last) = experiment.span();
     let starts = move_starts(experiment);
     let boundary = match starts.len() {
-        0..=2 => first + (last - first) * 2.0 / 3.0,
+        0..=FEW_MOVES => first + (last - first) * 2.0 / 3.0,
         n => starts[(2 * n).div_ceil(3)],
     };
     at(experiment, boundary)

@@ -1,24 +1,27 @@
 //! The verdict in one sentence.
 
 use super::document::{Diagnosis, Verdict};
+use super::split::HeldOut;
 
 /// One sentence, as an engineer would write it.
-pub fn summary(diagnosis: &Diagnosis) -> String {
+pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
+    let held_out = judged_by.words();
     let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
     let times = |x: f64| match x < 10.0 {
         true => format!("{x:.2}"),
         false => format!("{x:.0}"),
     };
     let change = format!(
-        "on moves that were held out the residual falls from {} to {} times the noise",
+        "on {held_out} the residual falls from {} to {} times the noise",
         times(before.held_out_over_noise),
         times(after.held_out_over_noise)
     );
     match diagnosis.verdict {
         Verdict::NoMismatch => format!(
             "Nothing is missing: with its parameters refitted the model explains the recording down to \
-             the noise ({} times the noise on moves that were held out).",
-            times(before.held_out_over_noise)
+             the noise ({} times the noise on {}).",
+            times(before.held_out_over_noise),
+            held_out.trim_end_matches(',')
         ),
         Verdict::Named => format!("The model lacks {}: {change}.", names(diagnosis)),
         Verdict::Ambiguous => format!(
@@ -32,9 +35,10 @@ pub fn summary(diagnosis: &Diagnosis) -> String {
         ),
         Verdict::Unexplained => format!(
             "Something is missing that the catalogue does not explain{}: the residual is {} times the \
-             noise on moves that were held out.",
+             noise on {}.",
             place(diagnosis),
-            times(before.held_out_over_noise)
+            times(before.held_out_over_noise),
+            held_out.trim_end_matches(',')
         ),
     }
 }

@@ -1,5 +1,8 @@
 //! What makes noise white: an autoregressive filter, since real noise is not white.
 
+use rand::Rng;
+use rand_distr::StandardNormal;
+
 /// `e_t = (r_t - a_1 r_{t-1} - ... - a_p r_{t-p}) / sigma`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whitening {
@@ -10,6 +13,9 @@ pub struct Whitening {
     /// Standard deviation of the noise itself.
     pub deviation: f64,
 }
+
+/// Samples after which a drawn series has forgotten how it began.
+const WARM_UP: usize = 500;
 
 /// Highest order that is tried. A second-order resonance of the sensor needs 2; mains hum and a
 /// low-pass need some more.
@@ -81,5 +87,27 @@ impl Whitening {
             let expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
             rows.push((value - expected) / self.innovation);
         }
+    }
+
+    /// The same colour, so many times as loud.
+    pub fn louder(&self, times: f64) -> Self {
+        Self {
+            coefficients: self.coefficients.clone(),
+            innovation: times * self.innovation,
+            deviation: times * self.deviation,
+        }
+    }
+
+    /// Noise of this level and colour.
+    pub fn draw(&self, count: usize, random: &mut impl Rng) -> Vec<f64> {
+        let p = self.coefficients.len();
+        let before = if p == 0 { 0 } else { WARM_UP };
+        let mut values: Vec<f64> = Vec::with_capacity(before + count);
+        for t in 0..before + count {
+            let past = self.coefficients.iter().take(t).enumerate();
+            let expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
+            values.push(expected + self.innovation * random.sample::<f64, _>(StandardNormal));
+        }
+        values.split_off(before)
     }
 }

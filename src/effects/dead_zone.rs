@@ -26,7 +26,7 @@ pub const DEAD_ZONE: Effect = Effect {
         Systems with Actuator and Sensor Nonlinearities (1996), chapter 2.",
     parameters: &[Parameter {
         name: "half_width",
-        quantity: Quantity::FORCE,
+        quantity: Quantity::INPUT,
         bounds: |scales| (0.0, scales.input),
         neutral: 0.0,
         typical: |scales| 0.05 * scales.input,

@@ -54,7 +54,7 @@ mod viscous_drag;
 mod viscous_friction;
 
 pub use law::{Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, Sensor};
-pub use parameter::{Parameter, Quantity};
+pub use parameter::{Parameter, Quantity, Units};
 pub use scales::Scales;
 
 /// Where in the chain an effect sits.

@@ -2,10 +2,10 @@
 
 use super::Scales;
 
-/// A unit as a product of the model's units of force and position and of seconds.
+/// A unit as a product of the model's units of force, position and input and of seconds.
 ///
-/// A damping coefficient is `Quantity { force: 1, position: -1, time: 1 }`: N.s/m on a linear axis,
-/// N.m.s/rad on a joint, and s where forces are divided by a stiffness.
+/// A damping coefficient is `Quantity::new(1, -1, 1)`: N.s/m on a linear axis, N.m.s/rad on a joint, and
+/// s where forces are divided by a stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
     /// Power of the unit of force.
@@ -14,6 +14,19 @@ pub struct Quantity {
     pub position: i8,
     /// Power of the second.
     pub time: i8,
+    /// Power of the unit of what the drive is given: a force, a current, a voltage, a position.
+    pub input: i8,
+}
+
+/// The units of a model that is driven in a certain way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Units {
+    /// Of force.
+    pub force: String,
+    /// Of position.
+    pub position: String,
+    /// Of what the drive is given.
+    pub input: String,
 }
 
 impl Quantity {
@@ -29,6 +42,8 @@ impl Quantity {
     pub const TIME: Self = Self::new(0, 0, 1);
     /// A frequency or an angular frequency.
     pub const FREQUENCY: Self = Self::new(0, 0, -1);
+    /// What the drive is given.
+    pub const INPUT: Self = Self::driven(1, 0);
 
     /// The product of these powers.
     pub const fn new(force: i8, position: i8, time: i8) -> Self {
@@ -36,25 +51,50 @@ impl Quantity {
             force,
             position,
             time,
+            input: 0,
         }
     }
 
-    /// The unit's name, for a model whose units of force and position are given.
+    /// The product of a power of the input's unit and one of the second.
+    pub const fn driven(input: i8, time: i8) -> Self {
+        Self {
+            force: 0,
+            position: 0,
+            time,
+            input,
+        }
+    }
+
+    /// The unit's name, for a model whose units are given.
     ///
     /// # Example
     /// ```
-    /// use quell::effects::Quantity;
-    /// assert_eq!(Quantity::new(1, -1, 1).unit("N", "m"), "N.s/m");
+    /// use quell::effects::{Quantity, Units};
+    /// let units = |force: &str, position: &str, input: &str| Units {
+    ///     force: force.into(),
+    ///     position: position.into(),
+    ///     input: input.into(),
+    /// };
+    /// let damping = Quantity::new(1, -1, 1);
+    /// assert_eq!(damping.unit(&units("N", "m", "N")), "N.s/m");
     /// // Forces divided by a stiffness are positions.
-    /// assert_eq!(Quantity::new(1, -1, 1).unit("rad", "rad"), "s");
-    /// assert_eq!(Quantity::NUMBER.unit("N", "m"), "1");
+    /// assert_eq!(damping.unit(&units("rad", "rad", "rad")), "s");
+    /// assert_eq!(Quantity::NUMBER.unit(&units("N", "m", "N")), "1");
+    /// assert_eq!(Quantity::driven(1, -1).unit(&units("N.m", "rad", "A")), "A/s");
     /// ```
-    pub fn unit(self, force: &str, position: &str) -> String {
-        let mut factors = vec![(force, self.force), (position, self.position)];
-        if force == position {
-            factors = vec![(force, self.force + self.position)];
+    pub fn unit(self, units: &Units) -> String {
+        let mut factors: Vec<(&str, i8)> = Vec::new();
+        for (name, power) in [
+            (units.force.as_str(), self.force),
+            (&units.position, self.position),
+            (&units.input, self.input),
+            ("s", self.time),
+        ] {
+            match factors.iter_mut().find(|factor| factor.0 == name) {
+                Some(factor) => factor.1 += power,
+                None => factors.push((name, power)),
+            }
         }
-        factors.push(("s", self.time));
         let side = |sign: i8| -> Vec<String> {
             let of = |&(name, power): &(&str, i8)| match power * sign {
                 1 => Some(name.to_string()),

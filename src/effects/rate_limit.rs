@@ -31,7 +31,7 @@ pub const RATE_LIMIT: Effect = Effect {
         its speed limit. Source: Duda, AIAA J. Guidance, Control, and Dynamics 20 (1997).",
     parameters: &[Parameter {
         name: "rate",
-        quantity: Quantity::new(1, 0, -1),
+        quantity: Quantity::driven(1, -1),
         bounds: |scales| (0.0, 100.0 * scales.input * scales.natural_frequency),
         neutral: 0.0,
         typical: |scales| 0.3 * scales.input * scales.natural_frequency,

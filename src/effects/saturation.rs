@@ -25,7 +25,7 @@ pub const SATURATION: Effect = Effect {
         Khalil, Nonlinear Systems (2002), section 1.2; Hippe, Windup in Control (2006).",
     parameters: &[Parameter {
         name: "limit",
-        quantity: Quantity::FORCE,
+        quantity: Quantity::INPUT,
         bounds: |scales| (0.0, 1.5 * scales.input),
         neutral: 0.0,
         typical: |scales| 0.7 * scales.input,

@@ -28,7 +28,7 @@ pub const TORQUE_CONSTANT_NONLINEARITY: Effect = Effect {
         Design (2003); Krishnan, Electric Motor Drives (2001).",
     parameters: &[Parameter {
         name: "droop",
-        quantity: Quantity::new(-1, 0, 0),
+        quantity: Quantity::driven(-1, 0),
         // More current never gives less torque.
         bounds: |scales| (0.0, 0.5 / scales.input),
         neutral: 0.0,

@@ -136,6 +136,17 @@ impl Experiment {
         }
     }
 
+    /// The same experiment with other values of the input at its stamps; values that are not finite change
+    /// nothing.
+    pub fn with_input(&self, values: Vec<f64>) -> Self {
+        let mut other = self.clone();
+        let step = self.grid.step() * (1.0 + 1e-9);
+        if let Ok(grid) = Grid::new(&self.input_time, &values, self.hold, step) {
+            (other.grid, other.input_values) = (grid, values);
+        }
+        other
+    }
+
     /// First and last instant of the input, s.
     pub fn span(&self) -> (f64, f64) {
         (

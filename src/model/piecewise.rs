@@ -97,4 +97,10 @@ impl Grid {
         }
         Ok(grid)
     }
+
+    /// The longest step, s.
+    pub fn step(&self) -> f64 {
+        let steps = self.time.windows(2).map(|w| w[1] - w[0]);
+        steps.fold(0.0, f64::max)
+    }
 }

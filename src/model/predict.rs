@@ -124,12 +124,7 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
         .iter()
         .map(|mode| mode.natural_frequency)
         .fold(0.0, f64::max);
-    let coarse = experiment
-        .grid
-        .time
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .fold(0.0, f64::max);
+    let coarse = experiment.grid.step();
     // A further mode is smaller than the first; twice the step leaves 16 times the relative error.
     let fine = fastest * coarse > 2.0 * RADIANS_A_STEP;
     if drives.is_empty() && !fine {

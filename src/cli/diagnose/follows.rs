@@ -27,7 +27,7 @@ pub fn scatter(case: &Case) -> Option<Chart> {
         unit => unit,
     };
     let (along, up) = (
-        Shown::of(&coordinate_unit(case, trace), peak(&trace.x)),
+        Shown::of(&trace.coordinate_unit, peak(&trace.x)),
         Shown::of(unit, peak(&trace.missing)),
     );
     let stride = trace.x.len().div_ceil(POINTS);
@@ -63,21 +63,6 @@ pub fn scatter(case: &Case) -> Option<Chart> {
             "One sample in {stride} is drawn; the mean is over all."
         )),
     })
-}
-
-/// The coordinate's unit, or what follows from the missing acceleration's.
-fn coordinate_unit(case: &Case, trace: &CoordinateTrace) -> String {
-    let position = case.traces.missing_unit.strip_suffix("/s^2");
-    let (true, Some(position)) = (trace.coordinate_unit.is_empty(), position) else {
-        return trace.coordinate_unit.clone();
-    };
-    match trace.coordinate.as_str() {
-        "time" => "s".into(),
-        "position" | "deformation" => position.into(),
-        "velocity" | "deformation rate" => format!("{position}/s"),
-        "acceleration" => format!("{position}/s^2"),
-        _ => String::new(),
-    }
 }
 
 /// Stretches of equal width that hold samples: coordinate, and mean less, alone, plus one deviation.

@@ -2,7 +2,7 @@
 
 use super::super::{Model, Value};
 use super::HOLDS;
-use crate::effects::Quantity;
+use crate::effects::{Quantity, Units};
 use std::fmt::Write;
 
 impl Model {
@@ -55,7 +55,11 @@ impl Model {
         } else {
             "force"
         };
-        let unit = quantity.unit(force, "position");
+        let unit = quantity.unit(&Units {
+            force: force.into(),
+            position: "position".into(),
+            input: "input".into(),
+        });
         (unit != "1").then_some(unit)
     }
 }

@@ -67,7 +67,11 @@ const SAME: &[(&str, &str, &[&str])] = &[
     ("second_mode", "natural_frequency", &["natural_frequency"]),
     ("payload_change", "time", &["time", "at_s"]),
     ("payload_change", "change", &["change"]),
-    ("external_disturbance", "time", &["time"]),
+    (
+        "external_disturbance",
+        "time",
+        &["time", "time_2", "time_3"],
+    ),
     ("external_disturbance", "jump", &["jump"]),
     ("sensor_lag", "time_constant", &["time_constant", "tau_s"]),
     (
@@ -102,7 +106,10 @@ pub(super) fn covered(truth: &Truth, verdict: &Verdict) -> Vec<Covered> {
                 .iter()
                 .find(|(effect, name, _)| *effect == hidden.effect && *name == parameter.name);
             let known = |name: &str| same.is_some_and(|(_, _, names)| names.contains(&name));
-            let value = hidden.parameters.iter().find(|(name, _)| known(name));
+            // Of several knocks the one that was found.
+            let off = |value: f64| (value - parameter.value).abs();
+            let values = hidden.parameters.iter().filter(|(name, _)| known(name));
+            let value = values.min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
             found.extend(value.map(|&(_, value)| {
                 let [low, high] = parameter.ci95;
                 Covered {

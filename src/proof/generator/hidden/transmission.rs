@@ -77,13 +77,12 @@ fn presliding(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Par
         },
         stribeck_velocity: scales.rate * between(0.05, 0.3, shape[3]),
     });
-    // Without a Stribeck curve the distance is Dahl's.
-    let name = if dahl {
-        "presliding_distance"
-    } else {
-        "bristle_distance"
+    // Without a Stribeck curve and a damping of their own the bristles are Dahl's.
+    let [force, length] = match dahl {
+        true => ["friction", "presliding_distance"],
+        false => ["kinetic_friction", "bristle_distance"],
     };
-    vec![("friction", friction), (name, distance)]
+    vec![(force, friction), (length, distance)]
 }
 
 /// The loop beside the spring; told as a share of the sum of both. It unloads so that it never gives

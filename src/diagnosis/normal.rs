@@ -1,0 +1,116 @@
+//! The normal equations of a fit: their matrix, their right-hand side, their solution.
+
+use super::fit::Linearised;
+use super::problem::{Point, Problem};
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+impl Problem<'_> {
+    /// `J^T J` over shared unknowns and every experiment's own, the beliefs included.
+    pub fn normal(&self, point: &Point, linear: &Linearised) -> DMatrix<f64> {
+        let size = linear.unknowns();
+        let mut normal = DMatrix::zeros(size, size);
+        for (jacobian, place) in linear.jacobians.iter().zip(linear.places()) {
+            let product = jacobian.tr_mul(jacobian);
+            for (i, &row) in place.iter().enumerate() {
+                for (j, &column) in place.iter().enumerate() {
+                    normal[(row, column)] += product[(i, j)];
+                }
+            }
+        }
+        for (global, _, std) in self.belief_rows(point) {
+            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
+                normal[(i, i)] += std.powi(-2);
+            }
+        }
+        normal
+    }
+
+    /// `J^T r` for residuals of every experiment, the beliefs included.
+    pub fn gradient(
+        &self,
+        point: &Point,
+        linear: &Linearised,
+        residuals: &[DVector<f64>],
+    ) -> DVector<f64> {
+        let mut gradient = DVector::zeros(linear.unknowns());
+        let parts = linear.jacobians.iter().zip(residuals);
+        for ((jacobian, residual), place) in parts.zip(linear.places()) {
+            let right = jacobian.tr_mul(residual);
+            for (&row, value) in place.iter().zip(right.iter()) {
+                gradient[row] += value;
+            }
+        }
+        for (global, departure, std) in self.belief_rows(point) {
+            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
+                gradient[i] += departure / std;
+            }
+        }
+        gradient
+    }
+}
+
+impl Linearised {
+    /// Number of unknowns: the shared ones and every experiment's own.
+    fn unknowns(&self) -> usize {
+        let shared = self.globals.len();
+        let own = self.jacobians.iter().map(|j| j.ncols() - shared);
+        shared + own.sum::<usize>()
+    }
+
+    /// For each experiment the unknowns that its columns belong to.
+    fn places(&self) -> Vec<Vec<usize>> {
+        let shared = self.globals.len();
+        let mut next = shared;
+        let mut places = Vec::with_capacity(self.jacobians.len());
+        for jacobian in &self.jacobians {
+            let own = jacobian.ncols() - shared;
+            places.push((0..shared).chain(next..next + own).collect());
+            next += own;
+        }
+        places
+    }
+}
+
+/// `(N + damping diag N) x = g`.
+pub fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+    let scale = scales(normal);
+    let mut scaled = normal.clone();
+    for i in 0..scaled.nrows() {
+        for j in 0..scaled.ncols() {
+            scaled[(i, j)] /= scale[i] * scale[j];
+        }
+        // A direction without any effect does not move; the rounding of the sums keeps it positive.
+        scaled[(i, i)] += damping + 1e-13;
+    }
+    let right = gradient.component_div(&scale);
+    let solution = Cholesky::new(scaled)?.solve(&right).component_div(&scale);
+    solution.iter().all(|x| x.is_finite()).then_some(solution)
+}
+
+/// Square roots of the diagonal; 1 where it is 0.
+fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
+    let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
+    normal.diagonal().map(root)
+}
+
+/// Standard deviations of the first unknowns by the inverse of the normal matrix, the others free; large
+/// where the data say nothing.
+pub fn deviations(normal: &DMatrix<f64>, first: usize) -> Vec<f64> {
+    let scale = scales(normal);
+    let n = normal.nrows();
+    let scaled = DMatrix::from_fn(n, n, |i, j| {
+        normal[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-12 } else { 0.0 }
+    });
+    // A direction without any effect keeps what was added: a million of its units.
+    let whole = Cholesky::new(scaled).map(|root| root.inverse());
+    let deviation = |i: usize| {
+        let variance = whole.as_ref().map_or(f64::INFINITY, |m| m[(i, i)]);
+        let unknown = normal[(i, i)] <= 0.0;
+        if unknown {
+            f64::INFINITY
+        } else {
+            variance.max(0.0).sqrt() / scale[i]
+        }
+    };
+    (0..first).map(deviation).collect()
+}
