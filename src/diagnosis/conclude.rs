@@ -6,7 +6,7 @@ use super::document::{
 use super::explanation::Explanation;
 use super::locate::Located;
 use super::problem::{Global, Problem, Rows};
-use super::search::{EQUAL, Found, Search, Trial, ratio};
+use super::search::{EQUAL, Found, Search, Trial};
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
 
@@ -210,7 +210,7 @@ fn quality(search: &Search, explanation: &Explanation) -> Quality {
     let train = rms(search, point, &problem.rows);
     let held = match judge.data.apart.is_empty() {
         true => rms(search, point, &judge.data.held_out),
-        false => noise * ratio(explanation.held_out, judge.held_out_rows as f64).sqrt(),
+        false => judge.apart_rms(problem, point),
     };
     let held = if held.is_finite() { held } else { train };
     Quality {
@@ -247,7 +247,7 @@ fn level(problem: &Problem) -> Fit {
         held_out_over_noise: 0.0,
     };
     Fit {
-        noise_std: problem.whitening[0][0].deviation * output.scale,
+        noise_std: problem.noise[0][0].deviation * output.scale,
         unit: output.unit.clone(),
         before: nothing,
         after: nothing,

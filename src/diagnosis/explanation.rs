@@ -46,8 +46,6 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
-    /// Noise of recordings that are held out as a whole.
-    pub apart_noise: Vec<Vec<super::whitening::Whitening>>,
 }
 
 impl<'a> Judge<'a> {
@@ -63,7 +61,6 @@ impl<'a> Judge<'a> {
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
-            apart_noise: Vec::new(),
         }
     }
 
@@ -82,7 +79,7 @@ impl<'a> Judge<'a> {
     /// recording that is held out as a whole has its own fitted.
     pub fn held_out(&self, problem: &Problem, projector: &Projector, point: &Point) -> f64 {
         if !self.data.apart.is_empty() {
-            return self.apart(point);
+            return self.apart(problem, point).2.cost;
         }
         let sum = |e: usize| -> f64 {
             let residual = self.explained(problem, projector, point, e);
@@ -128,20 +125,47 @@ impl<'a> Judge<'a> {
         raw
     }
 
-    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted.
-    fn apart(&self, point: &Point) -> f64 {
+    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the
+    /// noise that it has in what was fitted.
+    fn apart(&self, fitted: &Problem, point: &Point) -> (Problem<'_>, Projector, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.free.clear();
-        if !self.apart_noise.is_empty() {
-            problem.whitening.clone_from(&self.apart_noise);
+        let known = fitted.experiments[0]
+            .outputs
+            .iter()
+            .zip(&fitted.whitening[0]);
+        for (experiment, noise) in self.data.apart.iter().zip(&mut problem.whitening) {
+            for (output, noise) in experiment.outputs.iter().zip(noise) {
+                let mut same = known
+                    .clone()
+                    .filter(|(own, _)| own.channel == output.channel);
+                if let Some((_, found)) = same.next() {
+                    noise.clone_from(found);
+                }
+            }
         }
         let mut start = problem.start(self.model);
         start.keys.clone_from(&point.keys);
         start.terms.clone_from(&point.terms);
         start.fixed_terms = start.terms.len();
         let projector = Projector::new(&problem);
-        problem.fit(&start, &projector, 10).cost
+        let fitted = problem.fit(&start, &projector, 10);
+        (problem, projector, fitted)
+    }
+
+    /// Root mean square residual of the first output over recordings that are held out as a whole, in the
+    /// unit in which its errors are told.
+    pub fn apart_rms(&self, problem: &Problem, point: &Point) -> f64 {
+        let (problem, projector, fitted) = self.apart(problem, point);
+        let (mut sum, mut count) = (0.0, 0);
+        for (e, experiment) in problem.experiments.iter().enumerate() {
+            let residual = self.explained(&problem, &projector, &fitted.point, e);
+            let scale = experiment.outputs[0].scale;
+            sum += residual[0].iter().map(|r| (r * scale).powi(2)).sum::<f64>();
+            count += residual[0].len();
+        }
+        (sum / count as f64).sqrt()
     }
 }
 

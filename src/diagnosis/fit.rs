@@ -125,7 +125,7 @@ impl Problem<'_> {
                 columns.push(self.slope(point, global, experiment, &whole));
             }
             for component in self.departures(point) {
-                columns.push(self.start_slope(point, component, experiment, &whole));
+                columns.extend(self.start_slopes(point, component, experiment, &whole));
             }
             for (output, data) in self.experiments[experiment].outputs.iter().enumerate() {
                 if data.own_clock {
@@ -167,17 +167,38 @@ impl Problem<'_> {
         (self.residuals(&moved, e) - at) / change
     }
 
-    fn start_slope(
+    /// Derivatives by a component of the start of each window. A start is seen in its own window and, by
+    /// what a sensor remembers, in the next: every second window is moved at once.
+    fn start_slopes(
         &self,
         p: &Point,
         component: usize,
         e: usize,
         at: &DVector<f64>,
-    ) -> DVector<f64> {
-        let mut moved = p.clone();
+    ) -> Vec<DVector<f64>> {
+        let starts = self.starts(p, e);
+        let own = starts.iter().filter(|start| start.1 == component);
+        let windows: Vec<usize> = own.map(|start| start.0).collect();
         let step = 1e-3 * self.departure_scale[component];
-        moved.locals[e].departure[component] += step;
-        (self.residuals(&moved, e) - at) / step
+        let moved = |turn: usize| {
+            let mut moved = p.clone();
+            for &window in windows.iter().filter(|window| *window % 2 == turn) {
+                moved.locals[e].departures[window][component] += step;
+            }
+            (self.residuals(&moved, e) - at) / step
+        };
+        let changes = [0, 1].map(|turn| (turn < windows.len()).then(|| moved(turn)));
+        let places = self.windows(e, at.len());
+        let slope = |&window: &usize| {
+            let mut column = changes[window % 2].clone().unwrap_or_default();
+            for (value, place) in column.iter_mut().zip(&places) {
+                if windows.len() > 2 && !(window..window + 2).contains(place) {
+                    *value = 0.0;
+                }
+            }
+            column
+        };
+        windows.iter().map(slope).collect()
     }
 
     /// The prediction at `stamp - offset` changes by minus its rate, the residual by its rate.
@@ -278,8 +299,8 @@ impl Problem<'_> {
         }
         let mut k = globals.len();
         for (e, data) in self.experiments.iter().enumerate() {
-            for component in self.departures(point) {
-                next.locals[e].departure[component] -= step[k];
+            for (window, component) in self.starts(point, e) {
+                next.locals[e].departures[window][component] -= step[k];
                 k += 1;
             }
             for (output, own) in data.outputs.iter().enumerate() {

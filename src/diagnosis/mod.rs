@@ -3,6 +3,7 @@
 //! A pure function from a model and recordings to a [`Diagnosis`]; it never sees names of files.
 
 mod baseline;
+mod choose;
 mod conclude;
 mod document;
 mod draw;
@@ -20,6 +21,7 @@ mod split;
 mod summary;
 mod traces;
 mod units;
+mod weights;
 mod whitening;
 
 pub use baseline::DiagnosisError;

@@ -3,7 +3,7 @@
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
-use crate::model::{Experiment, Kind, Model, Term, simulate};
+use crate::model::{Experiment, Kind, Model, Term, simulate_windows};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -19,6 +19,8 @@ pub struct Problem<'a> {
     /// For each experiment and output the rows that are fitted.
     pub rows: Vec<Vec<Rows>>,
     /// For each experiment and output what makes its noise white and of unit variance.
+    pub noise: Vec<Vec<Whitening>>,
+    /// The same as it weighs the rows: several outputs that are all far above their noise count alike.
     pub whitening: Vec<Vec<Whitening>>,
     /// Keys of the model that are free.
     pub free: Vec<usize>,
@@ -39,8 +41,8 @@ pub struct Problem<'a> {
 pub struct Local {
     /// Clock offset of each output, s.
     pub clocks: Vec<f64>,
-    /// Departure of the start.
-    pub departure: [f64; 8],
+    /// Departure of the start of each window.
+    pub departures: Vec<[f64; 8]>,
 }
 
 /// A point in the space of unknowns.
@@ -90,7 +92,7 @@ impl Problem<'_> {
     pub fn start(&self, model: &Model) -> Point {
         let local = |experiment: &Experiment| Local {
             clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
-            departure: [0.0; 8],
+            departures: vec![[0.0; 8]; 1 + experiment.windows.len()],
         };
         let terms = model.terms();
         Point {
@@ -123,6 +125,17 @@ impl Problem<'_> {
             free.extend(4..4 + 2 * count);
         }
         free
+    }
+
+    /// Free unknowns of the starts of an experiment: window and component. Further modes are not measured
+    /// where a window starts: they go on.
+    pub fn starts(&self, point: &Point, experiment: usize) -> Vec<(usize, usize)> {
+        let windows = point.locals[experiment].departures.len();
+        let each = |component: usize| {
+            let count = if component < 4 { windows } else { 1 };
+            (0..count).map(move |window| (window, component))
+        };
+        self.departures(point).into_iter().flat_map(each).collect()
     }
 
     /// Whether an unknown is fitted by its logarithm.
@@ -185,7 +198,13 @@ impl Problem<'_> {
     pub fn raw(&self, point: &Point, experiment: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
         let local = &point.locals[experiment];
         let data = &self.experiments[experiment];
-        let simulated = simulate(self.kind, &point.keys, &point.terms, data, &local.departure);
+        let simulated = simulate_windows(
+            self.kind,
+            &point.keys,
+            &point.terms,
+            data,
+            &local.departures,
+        );
         let mut residuals = Vec::with_capacity(data.outputs.len());
         let mut rates = Vec::with_capacity(data.outputs.len());
         for (output, &clock) in data.outputs.iter().zip(&local.clocks) {
@@ -207,6 +226,19 @@ impl Problem<'_> {
             }
         }
         rows
+    }
+
+    /// Window in which each weighted row of one experiment lies, that of the witness' rows being none.
+    pub fn windows(&self, experiment: usize, rows: usize) -> Vec<usize> {
+        let data = &self.experiments[experiment];
+        let mut windows = Vec::with_capacity(rows);
+        for (output, ranges) in data.outputs.iter().zip(&self.rows[experiment]) {
+            for stamp in ranges.iter().flat_map(|range| &output.time[range.clone()]) {
+                windows.push(data.windows.partition_point(|window| window.time <= *stamp));
+            }
+        }
+        windows.resize(rows, usize::MAX);
+        windows
     }
 
     /// Weighted residuals of one experiment, the witness' rows at their end. NaN (a simulation that ran
