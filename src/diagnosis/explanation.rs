@@ -8,6 +8,10 @@ use crate::effects::Place;
 use crate::model::Model;
 use nalgebra::DVector;
 
+/// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
+/// windows in which friction sticks take more.
+const APART: usize = 30;
+
 /// A fitted structure and its figures.
 #[derive(Clone)]
 pub struct Explanation {
@@ -150,7 +154,7 @@ impl<'a> Judge<'a> {
         start.terms.clone_from(&point.terms);
         start.fixed_terms = start.terms.len();
         let projector = Projector::new(&problem);
-        let fitted = problem.fit(&start, &projector, 10);
+        let fitted = problem.fit(&start, &projector, APART);
         (problem, projector, fitted)
     }
 

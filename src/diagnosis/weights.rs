@@ -14,7 +14,7 @@ type Each<T> = Vec<Vec<T>>;
 /// Sets level and colour of the noise, and the weights, from the residual at a point.
 pub fn measure_noise(problem: &mut Problem, point: &Point) {
     let (noise, left) = measured(problem, point);
-    problem.whitening = weights(&noise, &left);
+    problem.whitening = weights(problem, &noise, &left);
     problem.noise = noise;
 }
 
@@ -32,7 +32,7 @@ pub fn measured_again(
             *own = new;
         }
     }
-    let weights = weights(&noise, &left);
+    let weights = weights(problem, &noise, &left);
     let before = problem.whitening.iter().flatten();
     let changed = before.zip(weights.iter().flatten()).any(|(old, new)| {
         let ratio = new.deviation / old.deviation;
@@ -65,23 +65,35 @@ fn spread(values: &[f64]) -> f64 {
 /// The noise, made louder for those outputs that are further above theirs than the nearest one.
 ///
 /// Far above the noise a residual is the model's error, of whose size in each output the noise says
-/// nothing: a quiet sensor would be all that counts. With levels that are not known the likelihood is
-/// `prod RSS_k^(-N_k / 2)`, whose weights are the levels themselves. Where one output shows nothing but
-/// noise, the noise is what weighs.
+/// nothing: a quiet sensor would be all that counts. A model's error is one of the motion, whichever
+/// sensor sees it, so that outputs in one unit weigh alike. With levels that are not known the likelihood
+/// is `prod RSS_k^(-N_k / 2)` over the units, whose weights are the levels themselves. Where one output
+/// shows nothing but noise, the noise is what weighs.
 ///
 /// Source: Box and Draper, The Bayesian estimation of common parameters from several responses,
 /// Biometrika 52 (1965), for outputs whose errors are independent.
-fn weights(noise: &[Vec<Whitening>], left: &[Vec<f64>]) -> Each<Whitening> {
-    let weigh = |(noise, left): (&Vec<Whitening>, &Vec<f64>)| {
-        let above = |(noise, left): (&Whitening, &f64)| left / noise.deviation;
-        let above: Vec<f64> = noise.iter().zip(left).map(above).collect();
-        let least = above.iter().copied().fold(f64::INFINITY, f64::min);
-        let pairs = noise.iter().zip(&above);
-        let louder = |(noise, above): (&Whitening, &f64)| match least * least > FLOOR {
-            true => noise.louder(above / least),
-            false => noise.clone(),
+fn weights(problem: &Problem, noise: &[Vec<Whitening>], left: &[Vec<f64>]) -> Each<Whitening> {
+    let weigh = |(e, experiment): (usize, &Experiment)| {
+        let (noise, left) = (&noise[e], &left[e]);
+        let above = noise
+            .iter()
+            .zip(left)
+            .map(|(own, left)| left / own.deviation);
+        let floor = above.fold(f64::INFINITY, f64::min);
+        if floor * floor <= FLOOR {
+            return noise.clone();
+        }
+        let level = |k: usize| {
+            let unit = &experiment.outputs[k].unit;
+            let all = experiment.outputs.iter().zip(left);
+            let same = all.filter(|(output, _)| output.unit == *unit);
+            let squares: Vec<f64> = same.map(|(_, left)| left * left).collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
         };
-        pairs.map(louder).collect()
+        let above = |k: usize| level(k) / noise[k].deviation;
+        let least = (0..noise.len()).map(above).fold(f64::INFINITY, f64::min);
+        let louder = |k: usize| noise[k].louder(above(k) / least);
+        (0..noise.len()).map(louder).collect()
     };
-    noise.iter().zip(left).map(weigh).collect()
+    problem.experiments.iter().enumerate().map(weigh).collect()
 }

@@ -6,7 +6,7 @@ use super::experiment::{Experiment, Output};
 use crate::recording::Role;
 use std::f64::consts::TAU;
 
-/// Length of a window in periods of the mode: a damping ratio of 0.1 lets a vibration fall to a
+/// Longest window in periods of the mode: a damping ratio of 0.1 lets a vibration fall to a
 /// twentieth in five, so that a window holds it whole; what is longer shows the drift alone.
 const PERIODS: f64 = 5.0;
 
@@ -44,7 +44,7 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
     }
     let period = TAU / model.fastest();
     let (first, last) = experiment.span();
-    let count = ((last - first) / (PERIODS * period)).floor().max(1.0);
+    let count = ((last - first) / (PERIODS * period)).ceil();
     let start = |k: usize| {
         let edge = first + (last - first) * k as f64 / count;
         let stamp = experiment.input_time.partition_point(|t| *t < edge);
