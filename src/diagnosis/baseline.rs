@@ -1,7 +1,6 @@
 //! The given model, refitted: problem, noise floor, held-out part.
 
 use super::fit::{Fitted, Projector};
-use super::noise::noise;
 use super::problem::{Point, Problem, Rows};
 use super::split::{self, HeldOut};
 use super::whitening::Whitening;
@@ -73,7 +72,7 @@ pub fn problem<'a>(
     rows: Vec<Vec<Rows>>,
 ) -> Problem<'a> {
     let kind = model.kind;
-    let whitening = experiments.iter().map(first_guess).collect();
+    let noise: Vec<Vec<Whitening>> = experiments.iter().map(first_guess).collect();
     let mut beliefs = Vec::new();
     let mut bounds = Vec::new();
     let mut free = Vec::new();
@@ -93,7 +92,8 @@ pub fn problem<'a>(
         kind,
         experiments,
         rows,
-        whitening,
+        whitening: noise.clone(),
+        noise,
         free,
         beliefs,
         bounds,
@@ -238,22 +238,6 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     problem.fit(&costs[0].1, projector, 30)
-}
-
-/// Sets level and colour of the noise from the residual at a point.
-pub fn measure_noise(problem: &mut Problem, point: &Point) {
-    let decay = match problem.kind.mode {
-        Some((f, xi)) => TAU * point.keys[f] * point.keys[xi],
-        None => problem.scales.natural_frequency * problem.scales.damping_ratio,
-    };
-    for e in 0..problem.experiments.len() {
-        let run = problem.run(point, e);
-        for (k, residual) in run.residuals.iter().enumerate() {
-            let experiment = &problem.experiments[e];
-            let output = &experiment.outputs[k];
-            problem.whitening[e][k] = noise(experiment, output, residual, decay);
-        }
-    }
 }
 
 /// Why a diagnosis cannot be made.

@@ -192,7 +192,6 @@ fn parameters(
         .collect()
 }
 
-/// Clock offsets and the model's own parameters.
 fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64> {
     let mut all = BTreeMap::new();
     let point = &explanation.fitted.point;

@@ -25,8 +25,8 @@ impl Problem<'_> {
         }
         let mut k = globals.len();
         for (e, data) in self.experiments.iter().enumerate() {
-            for component in self.departures(point) {
-                next.locals[e].departure[component] -= step[k];
+            for (window, component) in self.starts(point, e) {
+                next.locals[e].departures[window][component] -= step[k];
                 k += 1;
             }
             for (output, own) in data.outputs.iter().enumerate() {
@@ -43,24 +43,24 @@ impl Problem<'_> {
     pub fn way(&self, from: &Point, to: &Point, globals: &[Global], e: usize) -> DVector<f64> {
         let (old, new) = (&from.locals[e], &to.locals[e]);
         let shared = globals.iter().map(|&g| self.get(to, g) - self.get(from, g));
-        let departures = self.departures(from).into_iter();
-        let departures = departures.map(|k| new.departure[k] - old.departure[k]);
+        let starts = self.starts(from, e).into_iter();
+        let starts = starts.map(|(w, k)| new.departures[w][k] - old.departures[w][k]);
         let outputs = self.experiments[e].outputs.iter().enumerate();
         let clocks = outputs.filter(|(_, output)| output.own_clock);
         let clocks = clocks.map(|(k, _)| new.clocks[k] - old.clocks[k]);
-        let all: Vec<f64> = shared.chain(departures).chain(clocks).collect();
+        let all: Vec<f64> = shared.chain(starts).chain(clocks).collect();
         DVector::from_vec(all)
     }
 
     /// Typical sizes of the unknowns of an experiment, in the order of its Jacobian.
     pub fn sizes(&self, point: &Point, globals: &[Global], e: usize) -> DVector<f64> {
         let shared = globals.iter().map(|&global| self.size(point, global));
-        let departures = self.departures(point).into_iter();
-        let departures = departures.map(|component| self.departure_scale[component]);
+        let starts = self.starts(point, e).into_iter();
+        let starts = starts.map(|(_, component)| self.departure_scale[component]);
         let outputs = self.experiments[e].outputs.iter();
         let clocks = outputs.filter(|output| output.own_clock);
         let clocks = clocks.map(|_| self.scales.sample_time);
-        let all: Vec<f64> = shared.chain(departures).chain(clocks).collect();
+        let all: Vec<f64> = shared.chain(starts).chain(clocks).collect();
         DVector::from_vec(all)
     }
 

@@ -30,7 +30,7 @@ pub fn draw(
         for (k, output) in experiment.outputs.iter().enumerate() {
             let held = search.judge.data.held_out[e][k].iter();
             outputs.push(OutputTrace {
-                noise_std: search.problem.whitening[e][k].deviation * output.scale,
+                noise_std: search.problem.noise[e][k].deviation * output.scale,
                 held_out: held
                     .map(|r| [output.time[r.start], output.time[r.end - 1]])
                     .collect(),

@@ -8,6 +8,10 @@ use crate::effects::Place;
 use crate::model::Model;
 use nalgebra::DVector;
 
+/// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
+/// windows in which friction sticks take more.
+const APART: usize = 30;
+
 /// A fitted structure and its figures.
 #[derive(Clone)]
 pub struct Explanation {
@@ -46,8 +50,6 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
-    /// Noise of recordings that are held out as a whole.
-    pub apart_noise: Vec<Vec<super::whitening::Whitening>>,
 }
 
 impl<'a> Judge<'a> {
@@ -63,7 +65,6 @@ impl<'a> Judge<'a> {
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
-            apart_noise: Vec::new(),
         }
     }
 
@@ -82,7 +83,7 @@ impl<'a> Judge<'a> {
     /// recording that is held out as a whole has its own fitted.
     pub fn held_out(&self, problem: &Problem, projector: &Projector, point: &Point) -> f64 {
         if !self.data.apart.is_empty() {
-            return self.apart(point).2.cost;
+            return self.apart(problem, point).2.cost;
         }
         let sum = |e: usize| -> f64 {
             let residual = self.explained(problem, projector, point, e);
@@ -128,21 +129,32 @@ impl<'a> Judge<'a> {
         raw
     }
 
-    /// The recordings kept apart as a problem of their own, and the fit of their clocks, offsets and
-    /// frames; all that is shared is a point's.
-    pub fn apart(&self, point: &Point) -> (Problem<'a>, Projector, Fitted) {
+    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the
+    /// noise that it has in what was fitted.
+    pub fn apart(&self, fitted: &Problem, point: &Point) -> (Problem<'a>, Projector, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
-        if !self.apart_noise.is_empty() {
-            problem.whitening.clone_from(&self.apart_noise);
+        let known = fitted.experiments[0]
+            .outputs
+            .iter()
+            .zip(&fitted.whitening[0]);
+        for (experiment, noise) in self.data.apart.iter().zip(&mut problem.whitening) {
+            for (output, noise) in experiment.outputs.iter().zip(noise) {
+                let mut same = known
+                    .clone()
+                    .filter(|(own, _)| own.channel == output.channel);
+                if let Some((_, found)) = same.next() {
+                    noise.clone_from(found);
+                }
+            }
         }
         let mut start = problem.start(self.model);
         start.keys.clone_from(&point.keys);
         start.terms.clone_from(&point.terms);
         start.given_terms = start.terms.len();
         let projector = Projector::new(&problem);
-        let fitted = problem.fit(&start, &projector, 10);
+        let fitted = problem.fit(&start, &projector, APART);
         (problem, projector, fitted)
     }
 }

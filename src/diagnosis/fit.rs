@@ -89,8 +89,8 @@ pub struct Linearised {
     pub jacobians: Vec<DMatrix<f64>>,
     /// The shared unknowns.
     pub globals: Vec<Global>,
-    /// Number of unknowns of the start, which follow.
-    pub departures: usize,
+    /// Components of the starts, whose unknowns follow.
+    pub departures: Vec<usize>,
     /// Cost at the point.
     pub cost: f64,
 }
@@ -176,12 +176,20 @@ impl Problem<'_> {
                     projector.remove(e, &self.slope(point, global, e, run, whole))
                 }));
             }
-            for (index, component) in self.departures(point).into_iter().enumerate() {
-                let there = near.filter(|near| index < near.departures);
-                let there = there.map(|near| near.globals.len() + index);
-                columns.push(taken(there).unwrap_or_else(|| {
-                    projector.remove(e, &self.start_slope(point, component, e, whole))
-                }));
+            for component in self.departures(point) {
+                let there = near.filter(|near| near.departures.contains(&component));
+                match there {
+                    // The starts are those of the nearer point, in its order.
+                    Some(near) => {
+                        let first = columns.len() + near.globals.len() - globals.len();
+                        let count = self.starts_of(point, e, component).len();
+                        columns.extend((first..first + count).filter_map(|i| taken(Some(i))));
+                    }
+                    None => {
+                        let slopes = self.start_slopes(point, component, e, whole);
+                        columns.extend(slopes.iter().map(|slope| projector.remove(e, slope)));
+                    }
+                }
             }
             for (output, data) in self.experiments[e].outputs.iter().enumerate() {
                 if data.own_clock {
@@ -198,7 +206,7 @@ impl Problem<'_> {
             residuals: at.residuals,
             jacobians,
             globals,
-            departures: self.departures(point).len(),
+            departures: self.departures(point),
             cost: at.cost,
         }
     }
@@ -231,17 +239,36 @@ impl Problem<'_> {
         (self.complete(e, &moved.residuals) - at) / change
     }
 
-    fn start_slope(
+    /// Derivatives by a component of the start of each window. A start is seen in its own window and, by
+    /// what a sensor remembers, in the next: every second window is moved at once.
+    fn start_slopes(
         &self,
         p: &Point,
         component: usize,
         e: usize,
         at: &DVector<f64>,
-    ) -> DVector<f64> {
-        let mut moved = p.clone();
+    ) -> Vec<DVector<f64>> {
+        let windows = self.starts_of(p, e, component);
         let step = 1e-3 * self.departure_scale[component];
-        moved.locals[e].departure[component] += step;
-        (self.complete(e, &self.run(&moved, e).residuals) - at) / step
+        let moved = |turn: usize| {
+            let mut moved = p.clone();
+            for &window in windows.iter().filter(|window| *window % 2 == turn) {
+                moved.locals[e].departures[window][component] += step;
+            }
+            (self.complete(e, &self.run(&moved, e).residuals) - at) / step
+        };
+        let changes = [0, 1].map(|turn| (turn < windows.len()).then(|| moved(turn)));
+        let places = self.windows(e, at.len());
+        let slope = |&window: &usize| {
+            let mut column = changes[window % 2].clone().unwrap_or_default();
+            for (value, place) in column.iter_mut().zip(&places) {
+                if windows.len() > 2 && !(window..window + 2).contains(place) {
+                    *value = 0.0;
+                }
+            }
+            column
+        };
+        windows.iter().map(slope).collect()
     }
 
     /// The prediction at `stamp - offset` changes by minus its rate, the residual by its rate.

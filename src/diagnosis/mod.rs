@@ -4,6 +4,7 @@
 
 mod baseline;
 mod bootstrap;
+mod choose;
 mod conclude;
 mod descent;
 mod displacement;
@@ -25,6 +26,7 @@ mod split;
 mod summary;
 mod traces;
 mod units;
+mod weights;
 mod whitening;
 
 pub use baseline::DiagnosisError;

@@ -9,7 +9,7 @@ use crate::signal::{Motion, RestRule, noise_floor, phases};
 const FEWEST: usize = 150;
 
 /// Ratio of two estimates of a deviation, from a hundred samples and more each, that chance does not make.
-const LOUDER: f64 = 1.2;
+pub const LOUDER: f64 = 1.2;
 
 /// How much noisier one coordinate of a sensor may be than the others.
 const WITNESS: f64 = 3.0;

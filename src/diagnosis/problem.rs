@@ -3,7 +3,7 @@
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
-use crate::model::{Experiment, Kind, Model, Simulated, Term, Value, simulate};
+use crate::model::{Experiment, Kind, Model, Simulated, Term, Value, simulate_windows};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -20,6 +20,8 @@ pub struct Problem<'a> {
     /// For each experiment and output the rows that are fitted.
     pub rows: Vec<Vec<Rows>>,
     /// For each experiment and output what makes its noise white and of unit variance.
+    pub noise: Vec<Vec<Whitening>>,
+    /// The same as it weighs the rows: several outputs that are all far above their noise count alike.
     pub whitening: Vec<Vec<Whitening>>,
     /// Keys of the model that are free.
     pub free: Vec<usize>,
@@ -42,8 +44,8 @@ pub struct Problem<'a> {
 pub struct Local {
     /// Clock offset of each output, s.
     pub clocks: Vec<f64>,
-    /// Departure of the start.
-    pub departure: [f64; 8],
+    /// Departure of the start of each window.
+    pub departures: Vec<[f64; 8]>,
 }
 
 /// A simulated experiment, held against what was recorded.
@@ -103,7 +105,7 @@ impl Problem<'_> {
     pub fn start(&self, model: &Model) -> Point {
         let local = |experiment: &Experiment| Local {
             clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
-            departure: [0.0; 8],
+            departures: vec![[0.0; 8]; 1 + experiment.windows.len()],
         };
         let terms = model.terms();
         Point {
@@ -154,6 +156,22 @@ impl Problem<'_> {
             free.extend(4..4 + 2 * count);
         }
         free
+    }
+
+    /// Free unknowns of the starts of an experiment: window and component. Further modes are not measured
+    /// where a window starts: they go on.
+    pub fn starts(&self, point: &Point, experiment: usize) -> Vec<(usize, usize)> {
+        let each = |component: usize| {
+            let windows = self.starts_of(point, experiment, component);
+            windows.into_iter().map(move |window| (window, component))
+        };
+        self.departures(point).into_iter().flat_map(each).collect()
+    }
+
+    /// Windows of an experiment in which a component of the start is free.
+    pub fn starts_of(&self, point: &Point, experiment: usize, component: usize) -> Vec<usize> {
+        let windows = point.locals[experiment].departures.len();
+        (0..if component < 4 { windows } else { 1 }).collect()
     }
 
     /// Whether an unknown is fitted by its logarithm.
@@ -225,7 +243,13 @@ impl Problem<'_> {
     pub fn run(&self, point: &Point, experiment: usize) -> Run {
         let local = &point.locals[experiment];
         let data = &self.experiments[experiment];
-        let simulated = simulate(self.kind, &point.keys, &point.terms, data, &local.departure);
+        let simulated = simulate_windows(
+            self.kind,
+            &point.keys,
+            &point.terms,
+            data,
+            &local.departures,
+        );
         self.compared(point, experiment, simulated)
     }
 
@@ -267,6 +291,19 @@ impl Problem<'_> {
             }
         }
         rows
+    }
+
+    /// Window in which each weighted row of one experiment lies, that of the witness' rows being none.
+    pub fn windows(&self, experiment: usize, rows: usize) -> Vec<usize> {
+        let data = &self.experiments[experiment];
+        let mut windows = Vec::with_capacity(rows);
+        for (output, ranges) in data.outputs.iter().zip(&self.rows[experiment]) {
+            for stamp in ranges.iter().flat_map(|range| &output.time[range.clone()]) {
+                windows.push(data.windows.partition_point(|window| window.time <= *stamp));
+            }
+        }
+        windows.resize(rows, usize::MAX);
+        windows
     }
 
     /// Weighted rows of the residuals of one experiment, the witness' rows at their end. NaN (a

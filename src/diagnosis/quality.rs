@@ -15,7 +15,7 @@ pub fn quality(search: &Search, explanation: &Explanation) -> Quality {
     let held = match judge.data.apart.is_empty() {
         true => of(&judge.data.held_out),
         false => {
-            let (apart, projector, own) = judge.apart(point);
+            let (apart, projector, own) = judge.apart(problem, point);
             rms(search, (&apart, &projector, &own.point), &apart.rows)
         }
     };
@@ -56,7 +56,7 @@ pub fn level(problem: &Problem) -> Fit {
         held_out_over_noise: 0.0,
     };
     Fit {
-        noise_std: problem.whitening[0][0].deviation * output.scale,
+        noise_std: problem.noise[0][0].deviation * output.scale,
         unit: output.unit.clone(),
         before: nothing,
         after: nothing,

@@ -1,6 +1,6 @@
 //! From a model and recordings to a diagnosis.
 
-use super::baseline::{Data, DiagnosisError, measure_noise, problem, refit};
+use super::baseline::{Data, DiagnosisError, problem, refit};
 use super::conclude::{better_model, conclude, reported};
 use super::document::Diagnosis;
 use super::draw::draw;
@@ -10,7 +10,8 @@ use super::locate::{Dynamics, Located, Residual, locate};
 use super::problem::Problem;
 use super::search::{Found, Search, ratio};
 use super::traces::Traces;
-use crate::model::{Experiment, Model, simulate};
+use super::weights::{measure_noise, measured_again};
+use crate::model::{Experiment, Model, simulate_windows};
 use crate::recording::Recording;
 use std::f64::consts::TAU;
 
@@ -58,7 +59,13 @@ pub fn diagnose(
     if train.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
-    let mut data = Data::new(experiments(model, train)?, experiments(model, held_out)?);
+    let mut fitted = experiments(model, train)?;
+    let mut apart = experiments(model, held_out)?;
+    if apart.is_empty() && !fitted[0].windows.is_empty() {
+        // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
+        (fitted, apart) = in_two(model, train, &fitted)?;
+    }
+    let mut data = Data::new(fitted, apart);
     let first = investigate(model, &data, options, progress, Vec::new());
     if data.apart.is_empty() && first.surprised {
         // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
@@ -99,6 +106,26 @@ fn experiments(model: &Model, recordings: &[Recording]) -> Result<Vec<Experiment
     Ok(all)
 }
 
+/// The first two thirds of the windows of each recording, and the last third.
+fn in_two(
+    model: &Model,
+    recordings: &[Recording],
+    whole: &[Experiment],
+) -> Result<(Vec<Experiment>, Vec<Experiment>), DiagnosisError> {
+    let (mut fitted, mut apart) = (Vec::new(), Vec::new());
+    for (recording, experiment) in recordings.iter().zip(whole) {
+        let count = experiment.windows.len();
+        let Some(cut) = experiment.windows.get(2 * count / 3) else {
+            fitted.push(experiment.clone());
+            continue;
+        };
+        let (before, after) = recording.at(cut.time);
+        fitted.push(Experiment::new(model, &before)?);
+        apart.push(Experiment::new(model, &after)?);
+    }
+    Ok((fitted, apart))
+}
+
 struct Investigation {
     outcome: Outcome,
     /// Whether the held-out part is worse than the fitted one by more than chance.
@@ -116,9 +143,9 @@ fn investigate(
 ) -> Investigation {
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
-    let (fitted, projector) = baseline(model, &mut problem);
+    let (fitted, mut projector) = baseline(model, &mut problem);
     let judge = Judge::new(model, data, &problem);
-    let baseline: Explanation = judge.judge(&problem, &projector, fitted);
+    let mut baseline: Explanation = judge.judge(&problem, &projector, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &judge, &projector, &baseline);
     problem.scales.suspects.clone_from(&located.suspects);
@@ -136,13 +163,19 @@ fn investigate(
         .suspect_orders
         .clone_from(&located.suspect_orders);
     progress(0.15, "screening the catalogue");
-    let search = Search {
-        problem: &problem,
-        projector: &projector,
-        judge: &judge,
-        progress,
-    };
-    let found = search.run(baseline);
+    let first = search(&problem, &projector, &judge, progress);
+    let mut trials = first.first(&baseline);
+    let best = first.simplest(&trials, &baseline);
+    let again = best.and_then(|best| measured_again(&problem, &best.fitted.point));
+    if let Some(again) = again {
+        (problem.noise, problem.whitening) = again;
+        projector = Projector::new(&problem);
+        let refitted = problem.fit(&baseline.fitted.point, &projector, 20);
+        baseline = judge.judge(&problem, &projector, refitted);
+        trials = search(&problem, &projector, &judge, progress).again(&baseline, trials);
+    }
+    let search = search(&problem, &projector, &judge, progress);
+    let found = search.run(baseline, trials);
     let surprised = surprised(&judge, &found);
     remarks.extend(super::remarks::remarks(&problem, &found));
     let diagnosis = conclude(&search, &found, &located, remarks, options.seed);
@@ -159,6 +192,20 @@ fn investigate(
     }
 }
 
+fn search<'a>(
+    problem: &'a Problem<'a>,
+    projector: &'a Projector,
+    judge: &'a Judge<'a>,
+    progress: Progress<'a>,
+) -> Search<'a> {
+    Search {
+        problem,
+        projector,
+        judge,
+        progress,
+    }
+}
+
 fn surprised(judge: &Judge, found: &Found) -> bool {
     let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
     let held = per_row(found.best.held_out, judge.held_out_rows);
@@ -168,8 +215,12 @@ fn surprised(judge: &Judge, found: &Found) -> bool {
 
 /// The given model, refitted, with the noise that it leaves measured.
 fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
-    let mut projector = Projector::new(problem);
     let start = problem.start(model);
+    if problem.experiments[0].outputs.len() > 1 {
+        // What the model as it was given leaves of each output is the first guess of their weights.
+        measure_noise(problem, &start);
+    }
+    let mut projector = Projector::new(problem);
     let mut first = refit(problem, &start, &projector);
     // A link that is held in a motion rings no further than that.
     let input = problem.experiments[0].input;
@@ -209,12 +260,12 @@ fn located(
     let point = &baseline.fitted.point;
     let residual = judge.explained(problem, projector, point, 0);
     let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
-    let simulated = simulate(
+    let simulated = simulate_windows(
         problem.kind,
         &point.keys,
         &point.terms,
         experiment,
-        &local.departure,
+        &local.departures,
     );
     let output = &experiment.outputs[0];
     let (motor, link) = simulated.kinematics(&output.time, local.clocks[0]);

@@ -1,9 +1,10 @@
 //! How well a model predicts a recording that it has never seen.
 
-use super::baseline::{DiagnosisError, measure_noise, problem};
+use super::baseline::{DiagnosisError, problem};
 use super::explanation::Judge;
 use super::fit::Projector;
 use super::split;
+use super::weights::measure_noise;
 use crate::diagnosis::baseline::Data;
 use crate::model::{Experiment, Model};
 use crate::recording::Recording;
@@ -74,7 +75,7 @@ pub fn predict(
                 .collect(),
         });
     }
-    let score = score_of(&experiments[0], &residual[0], fit.whitening[0][0].deviation);
+    let score = score_of(&experiments[0], &residual[0], fit.noise[0][0].deviation);
     if !score.rms.is_finite() {
         let recording = recording.name.clone();
         return Err(DiagnosisError::RunsAway { recording });

@@ -5,7 +5,7 @@ use super::explanation::{Explanation, Judge};
 use super::fit::{Linearised, Projector};
 use super::problem::{Point, Problem};
 use super::screen::{Start, screen};
-use crate::effects::{Place, contains};
+use crate::effects::Place;
 use rayon::prelude::*;
 
 /// Bayesian information criterion by which an effect must be better to be named: 10 is "very strong"
@@ -36,10 +36,13 @@ const LONG: usize = 25;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 /// Most effects in one explanation: with three the structure is no longer determined by a recording.
-const MOST_EFFECTS: usize = 2;
+pub const MOST_EFFECTS: usize = 2;
 /// Share of the mismatch that may be left: no law of a catalogue has nature's shape to better than a
 /// tenth in amplitude (friction is regular, contact compliant), a hundredth in energy.
 pub const SHAPE: f64 = 0.01;
+/// Share of what an effect leaves, in energy, that a further one must explain where the first left less
+/// than its shape could be wrong: the larger part.
+const MOST: f64 = 0.5;
 /// Explanations that are carried on.
 const BEAM: usize = 2;
 
@@ -93,9 +96,26 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Searches from the refitted model on.
-    pub fn run(&self, baseline: Explanation) -> Found {
-        let mut trials = self.extend(&baseline, FITTED);
+    /// All single effects that the refitted model may lack, best first.
+    pub fn first(&self, baseline: &Explanation) -> Vec<Trial> {
+        self.extend(baseline, FITTED)
+    }
+
+    /// The same fits, refitted and ranked where the noise was measured anew.
+    pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
+        let refit = |mut trial: Trial| {
+            let point = &trial.explanation.fitted.point;
+            let fitted = self.problem.fit(point, self.projector, 25);
+            trial.explanation = self.judge.judge(self.problem, self.projector, fitted);
+            trial
+        };
+        let mut trials: Vec<Trial> = trials.into_par_iter().map(refit).collect();
+        self.rank(baseline, &mut trials);
+        trials
+    }
+
+    /// Searches on from the refitted model and the single effects that it may lack.
+    pub fn run(&self, baseline: Explanation, mut trials: Vec<Trial>) -> Found {
         if self.at_floor(&baseline) {
             trials
                 .iter_mut()
@@ -111,7 +131,7 @@ impl Search<'_> {
         }
         let mut pool = trials.clone();
         for depth in 1..MOST_EFFECTS {
-            if frontier.is_empty() || self.explains(&baseline, &best) {
+            if frontier.is_empty() || self.at_noise(&best) {
                 break;
             }
             (self.progress)(0.3 + 0.2 * depth as f64, "looking for a further effect");
@@ -120,20 +140,20 @@ impl Search<'_> {
                 .flat_map(|explanation| self.extend(explanation, FITTED))
                 .collect();
             let mut next = further.clone();
-            sort(&mut next);
+            // Against one another: each was ranked against the explanation that it extends.
+            let of = |trial: &Trial| self.criterion(&trial.explanation);
+            next.sort_by(|a, b| of(a).total_cmp(&of(b)));
             frontier = passed(&next, BEAM);
             let Some(first) = frontier.first() else { break };
             let pruned = self.prune(first.clone());
-            // What is left of the mismatch falls by more than the shape of a law could be wrong.
-            let worth =
-                best.train - pruned.train > SHAPE * (baseline.train - self.judge.train_rows as f64);
-            if worth
+            if self.worth(&baseline, &best, &pruned)
                 && self.criterion(&pruned) < self.criterion(&best) - STRONG * self.unit(&pruned)
             {
                 best = pruned;
             }
             pool.extend(further);
         }
+        best = self.taken_apart(best);
         let unit = self.unit(&best);
         for trial in trials.iter_mut().chain(&mut pool) {
             let change = self.criterion(&trial.explanation) - self.criterion(&baseline);
@@ -162,18 +182,23 @@ impl Search<'_> {
             .into_par_iter()
             .filter_map(|starts| self.fit(from, &linear, &starts))
             .collect();
+        self.rank(from, &mut trials);
+        trials
+    }
+
+    /// Judges fits against the explanation that they extend; best first.
+    fn rank(&self, from: &Explanation, trials: &mut [Trial]) {
         let unit = trials
             .iter()
             .map(|trial| self.unit(&trial.explanation))
             .fold(self.unit(from), f64::min);
-        for trial in &mut trials {
+        for trial in trials.iter_mut() {
             let change = self.criterion(&trial.explanation) - self.criterion(from);
             trial.delta_bic = change / unit;
             trial.held_out_ratio = ratio(trial.explanation.held_out, from.held_out);
             trial.passed = trial.delta_bic < -STRONG && trial.held_out_ratio < GATE;
         }
-        sort(&mut trials);
-        trials
+        sort(trials);
     }
 
     /// The best of a candidate's starts, fitted to its end.
@@ -233,33 +258,29 @@ impl Search<'_> {
     pub fn explains(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
         let rows = self.judge.train_rows as f64;
         let (left, mismatch) = (explanation.train - rows, baseline.train - rows);
-        // Fitted and held-out part together: what holds on moves that were never seen is not undone by a
-        // few instants of the others.
-        let all = rows + self.judge.held_out_rows as f64;
-        let pooled = explanation.train + explanation.held_out <= FLOOR * all;
-        self.at_floor(explanation) || pooled || left < SHAPE * mismatch
+        self.at_noise(explanation) || left < SHAPE * mismatch
     }
 
-    /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
-    /// than a law's shape could be wrong.
-    fn simplest(&self, trials: &[Trial], baseline: &Explanation) -> Option<Explanation> {
-        let sound = || {
-            trials
-                .iter()
-                .filter(|trial| trial.passed)
-                .map(|trial| &trial.explanation)
+    /// Whether nothing but noise is left, on what was fitted or on all.
+    fn at_noise(&self, explanation: &Explanation) -> bool {
+        // Fitted and held-out part together: what holds on moves that were never seen is not undone by a
+        // few instants of the others.
+        let all = (self.judge.train_rows + self.judge.held_out_rows) as f64;
+        let pooled = explanation.train + explanation.held_out <= FLOOR * all;
+        self.at_floor(explanation) || pooled
+    }
+
+    /// Whether a further effect is more than a mend of the first law's shape: what is left falls by more
+    /// than that shape could be wrong, or most of it goes, where it was fitted and where it was not. A law
+    /// that mends another's shape has a part of the error in common with it; one that is there makes it.
+    fn worth(&self, baseline: &Explanation, best: &Explanation, next: &Explanation) -> bool {
+        let (rows, held) = (self.judge.train_rows, self.judge.held_out_rows);
+        let reach = SHAPE * (baseline.train - rows as f64);
+        let most = |before: f64, after: f64, rows: usize| {
+            before - after > MOST * (before - rows as f64).max(0.0)
         };
-        let best = sound().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))?;
-        let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
-        let simpler = sound().find(|other| {
-            let names = (best.effects(), other.effects());
-            let limit = match (names.0.as_slice(), names.1.as_slice()) {
-                ([own], [theirs]) => own.1 == theirs.1 && contains(own.0, theirs.0),
-                _ => false,
-            };
-            limit && other.train <= best.train + reach
-        });
-        Some(simpler.unwrap_or(best).clone())
+        let all = most(best.train, next.train, rows) && most(best.held_out, next.held_out, held);
+        best.train - next.train > reach || all
     }
 
     /// Whether fitted and held-out residual are both below this many times the noise.
@@ -314,29 +335,6 @@ impl Search<'_> {
                 None => return best,
             }
         }
-    }
-
-    /// Explanations with as many effects as the best that are within reach of it.
-    fn equals(&self, best: &Explanation, pool: &[Trial], unit: f64) -> Vec<Trial> {
-        let mut equals: Vec<Trial> = Vec::new();
-        for trial in pool {
-            let explanation = &trial.explanation;
-            let close = self.criterion(explanation) < self.criterion(best) + EQUAL * unit;
-            let held = ratio(explanation.held_out, best.held_out);
-            // A law that contains the best one is listed only if it predicts better.
-            let limit = match (explanation.effects().as_slice(), best.effects().as_slice()) {
-                ([theirs], [own]) => contains(theirs.0, own.0),
-                _ => explanation.unknowns() > best.unknowns(),
-            };
-            let most = if limit { GATE } else { 2.0 - GATE };
-            let sound = trial.passed && held < most;
-            let same = |other: &Trial| other.explanation.effects() == explanation.effects();
-            let new = explanation.effects() != best.effects() && !equals.iter().any(same);
-            if close && sound && new && explanation.effects().len() <= best.effects().len() {
-                equals.push(trial.clone());
-            }
-        }
-        equals
     }
 }
 

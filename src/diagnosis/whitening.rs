@@ -31,6 +31,15 @@ impl Whitening {
         }
     }
 
+    /// The same colour at a level that is this many times as high.
+    pub fn louder(&self, times: f64) -> Self {
+        Self {
+            coefficients: self.coefficients.clone(),
+            innovation: times * self.innovation,
+            deviation: times * self.deviation,
+        }
+    }
+
     /// The filter for stretches of noise: Yule-Walker by the Levinson-Durbin recursion, the order of
     /// least BIC. White where the stretches are too short to tell.
     ///
@@ -86,15 +95,6 @@ impl Whitening {
             let past = self.coefficients.iter().enumerate();
             let expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
             rows.push((value - expected) / self.innovation);
-        }
-    }
-
-    /// The same colour, so many times as loud.
-    pub fn louder(&self, times: f64) -> Self {
-        Self {
-            coefficients: self.coefficients.clone(),
-            innovation: times * self.innovation,
-            deviation: times * self.deviation,
         }
     }
 

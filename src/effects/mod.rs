@@ -190,3 +190,23 @@ const NESTED: &[(&str, &str)] = &[
 pub fn contains(effect: &str, simpler: &str) -> bool {
     NESTED.contains(&(effect, simpler))
 }
+
+/// The two simpler effects that a law and its values act as while it slides, with their values:
+/// friction `F (1 + a)` one way and `F (1 - a)` the other is Coulomb friction `F` and a constant force
+/// `F a`. At rest they differ: the constant force goes on.
+///
+/// # Example
+/// ```
+/// let [dry, constant] = quell::effects::parts("asymmetric_friction", &[20.0, 0.1]).unwrap();
+/// assert_eq!((dry.0.name, constant.0.name), ("coulomb_friction", "force_offset"));
+/// assert_eq!((dry.1, constant.1), (vec![20.0], vec![2.0]));
+/// ```
+pub fn parts(effect: &str, values: &[f64]) -> Option<[(&'static Effect, Vec<f64>); 2]> {
+    match (effect, values) {
+        ("asymmetric_friction", &[friction, asymmetry]) => Some([
+            (&coulomb_friction::COULOMB_FRICTION, vec![friction]),
+            (&force_offset::FORCE_OFFSET, vec![friction * asymmetry]),
+        ]),
+        _ => None,
+    }
+}

@@ -1,6 +1,7 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
 use super::piecewise::{Grid, Hold};
+use super::windows::Window;
 use super::{ExperimentError, Model};
 use crate::recording::{Channel, Recording, Role};
 
@@ -49,6 +50,8 @@ pub struct Experiment {
     pub outputs: Vec<Output>,
     /// Position of the motor side and deformation at the start, and their rates, as far as measured.
     pub initial: [f64; 4],
+    /// Where the motion starts anew; empty where the model does not drift.
+    pub windows: Vec<Window>,
     /// Unit of positions.
     pub position_unit: String,
     /// Unit of the input.
@@ -89,6 +92,7 @@ impl Experiment {
             grid,
             outputs: Vec::new(),
             initial: [0.0; 4],
+            windows: Vec::new(),
             position_unit: position.map_or("rad".into(), |channel| channel.unit.clone()),
             input_unit: input.unit.clone(),
         };
@@ -107,6 +111,7 @@ impl Experiment {
             });
         }
         experiment.measure_start();
+        experiment.windows = super::windows::windows(model, &experiment);
         Ok(experiment)
     }
 

@@ -16,6 +16,15 @@ pub struct Kick {
     pub size: f64,
 }
 
+/// An instant at which the motion starts anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restart {
+    /// When, s.
+    pub time: f64,
+    /// Position and velocity of the motor side, and of the link.
+    pub state: [f64; 4],
+}
+
 /// What is not smooth at which time.
 #[derive(Clone, Debug, Default)]
 pub struct Timed {
@@ -23,6 +32,8 @@ pub struct Timed {
     pub breaks: Vec<f64>,
     /// Impulses on the link, increasing in time.
     pub kicks: Vec<Kick>,
+    /// Where the motion starts anew, increasing in time.
+    pub restarts: Vec<Restart>,
 }
 
 /// What happens at an instant.
@@ -30,6 +41,7 @@ pub struct Timed {
 enum Stop {
     Break,
     Kick(f64),
+    Restart([f64; 4]),
     Tick,
 }
 
@@ -68,6 +80,7 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
                 match stop {
                     Stop::Break => {}
                     Stop::Kick(size) => *state = kicked(stepper.chain, *state, size),
+                    Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
                     Stop::Tick => ticks.tick(stepper.chain, state, span.at(0.0).1[0]),
                 }
                 next += 1;
@@ -107,7 +120,9 @@ fn stops(chain: &Chain, grid: &Grid, timed: &Timed) -> Vec<(f64, Stop)> {
         .kicks
         .iter()
         .map(|kick| (kick.time, Stop::Kick(kick.size)));
-    let mut stops: Vec<_> = breaks.chain(kicks).collect();
+    let anew = |restart: &Restart| (restart.time, Stop::Restart(restart.state));
+    let restarts = timed.restarts.iter().map(anew);
+    let mut stops: Vec<_> = breaks.chain(kicks).chain(restarts).collect();
     stops.retain(|stop| stop.0 >= grid.time[0]);
     if let Some(period) = period(chain) {
         let (mut node, mut tick) = (0, 0);

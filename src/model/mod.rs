@@ -20,14 +20,16 @@ mod runge_kutta;
 mod stepper;
 mod trace;
 mod two_mass;
+mod windows;
 
 pub use experiment::{Experiment, Output};
 pub use file::ModelError;
-pub use integrate::{Kick, Timed, integrate};
+pub use integrate::{Kick, Restart, Timed, integrate};
 pub use kind::{KINDS, Key, Kind};
 pub use piecewise::{Cubic, Grid, Hold};
-pub use predict::{Prediction, Simulated, Term, simulate};
+pub use predict::{Prediction, Simulated, Term, simulate, simulate_windows};
 pub use trace::{Kinematics, Trace, hermite};
+pub use windows::Window;
 
 use crate::effects::{Effect, Place};
 use crate::recording::Role;

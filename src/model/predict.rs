@@ -2,7 +2,7 @@
 
 use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
 use super::experiment::{Experiment, Output, RADIANS_A_STEP};
-use super::integrate::{Kick, Timed, integrate};
+use super::integrate::{Kick, Restart, Timed, integrate};
 use super::piecewise::Grid;
 use super::trace::{Kinematics, Trace, hermite};
 use super::{Kind, Model};
@@ -51,6 +51,24 @@ pub fn simulate(
     experiment: &Experiment,
     departure: &[f64; 8],
 ) -> Simulated {
+    simulate_windows(
+        kind,
+        keys,
+        terms,
+        experiment,
+        std::slice::from_ref(departure),
+    )
+}
+
+/// [`simulate`] with a departure for each window of the experiment, from what was measured where it
+/// starts; those of further modes count in the first alone.
+pub fn simulate_windows(
+    kind: &Kind,
+    keys: &[f64],
+    terms: &[Term],
+    experiment: &Experiment,
+    departures: &[[f64; 8]],
+) -> Simulated {
     let linear = (kind.linear)(keys, experiment.input);
     let mut chain = Chain::new(linear);
     let (mut sensors, mut drives, mut timed) = (Vec::new(), Vec::new(), Timed::default());
@@ -73,7 +91,21 @@ pub fn simulate(
         chain.maps.append(&mut drives);
     }
     let grid = grid(&chain, experiment, &drives);
-    let state = start(&mut chain, &grid, experiment, departure);
+    let mut departures = departures.iter().copied();
+    let state = start(
+        &mut chain,
+        &grid,
+        experiment,
+        &departures.next().unwrap_or_default(),
+    );
+    for window in &experiment.windows {
+        let departure = departures.next().unwrap_or_default();
+        let [u, v, d, rate] = std::array::from_fn(|k| window.state[k] + departure[k]);
+        timed.restarts.push(Restart {
+            time: window.time,
+            state: [u, v, u + d, v + rate],
+        });
+    }
     let shares = chain.resonances.iter().map(|mode| mode.share).collect();
     let prescribed = chain.linear.motor != MotorSide::Fixed;
     let trace = integrate(&mut chain, &grid, state, &timed);

@@ -86,9 +86,41 @@ impl Recording {
     pub fn channel(&self, role: Role) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.role == role)
     }
+
+    /// What was recorded before an instant, and what from it on.
+    ///
+    /// # Example
+    /// ```
+    /// use quell::recording::{Channel, Recording, Role};
+    /// let (role, unit, time) = (Role::Torque, "N.m".into(), vec![0.0, 0.1, 0.2]);
+    /// let channel = Channel { role, unit, time, columns: vec![vec![1.0, 2.0, 3.0]] };
+    /// let whole = Recording { name: "torque".into(), channels: vec![channel] };
+    /// let (before, after) = whole.at(0.1);
+    /// assert_eq!(before.channels[0].columns, [[1.0]]);
+    /// assert_eq!(after.channels[0].columns, [[2.0, 3.0]]);
+    /// ```
+    pub fn at(&self, instant: f64) -> (Self, Self) {
+        let part = |after: bool| Self {
+            name: self.name.clone(),
+            channels: self.channels.iter().map(|c| c.at(instant, after)).collect(),
+        };
+        (part(false), part(true))
+    }
 }
 
 impl Channel {
+    /// What was measured before an instant, or from it on.
+    fn at(&self, instant: f64, after: bool) -> Self {
+        let cut = self.time.partition_point(|t| *t < instant);
+        let range = if after { cut..self.time.len() } else { 0..cut };
+        let part = |column: &Vec<f64>| column[range.clone()].to_vec();
+        Self {
+            time: part(&self.time),
+            columns: self.columns.iter().map(part).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Takes out the jumps by a turn that an angle makes where its sensor wraps: after it, no two
     /// neighbours are further apart than half a turn.
     ///
