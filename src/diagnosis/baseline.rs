@@ -92,6 +92,7 @@ pub fn problem<'a>(
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
         scales,
+        prior: None,
     }
 }
 

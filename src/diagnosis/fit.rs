@@ -82,9 +82,21 @@ pub struct Linearised {
 }
 
 impl Problem<'_> {
-    /// Cost of the beliefs on the keys.
+    /// Cost of the beliefs on the keys, and of what is known from elsewhere.
     pub fn disbelief(&self, point: &Point) -> f64 {
-        self.belief_rows(point).iter().map(|(_, r, _)| r * r).sum()
+        let prior = self.prior.as_ref();
+        let elsewhere = prior.map_or(0.0, |prior| prior.cost(&self.shared(point)));
+        let beliefs = self.belief_rows(point);
+        beliefs.iter().map(|(_, r, _)| r * r).sum::<f64>() + elsewhere
+    }
+
+    /// The shared unknowns as the fit sees them.
+    pub fn shared(&self, point: &Point) -> DVector<f64> {
+        let globals = self.globals(point);
+        DVector::from_iterator(
+            globals.len(),
+            globals.iter().map(|&global| self.get(point, global)),
+        )
     }
 
     /// Key, departure in standard deviations, standard deviation.
@@ -237,7 +249,7 @@ impl Problem<'_> {
     }
 
     /// `J^T J` and `J^T r` over shared unknowns and every experiment's own.
-    fn normal(&self, point: &Point, linear: &Linearised) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn normal(&self, point: &Point, linear: &Linearised) -> (DMatrix<f64>, DVector<f64>) {
         let shared = linear.globals.len();
         let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
         let mut normal = DMatrix::zeros(shared + own, shared + own);
@@ -261,6 +273,9 @@ impl Problem<'_> {
                 normal[(i, i)] += std.powi(-2);
                 gradient[i] += departure / std;
             }
+        }
+        if let Some(prior) = &self.prior {
+            prior.add(&self.shared(point), &mut normal, &mut gradient);
         }
         (normal, gradient)
     }
@@ -294,7 +309,7 @@ impl Problem<'_> {
 }
 
 /// `(N + damping diag N) x = g`.
-fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+pub fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
     let scale = scales(normal);
     let mut scaled = normal.clone();
     for i in 0..scaled.nrows() {
@@ -310,7 +325,7 @@ fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option
 }
 
 /// Square roots of the diagonal; 1 where it is 0.
-fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
+pub fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
     let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
     normal.diagonal().map(root)
 }

@@ -1,5 +1,6 @@
 //! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
 
+use super::prior::Prior;
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
@@ -11,6 +12,7 @@ use std::ops::Range;
 pub type Rows = Vec<Range<usize>>;
 
 /// What is known, and what is to be explained.
+#[derive(Clone)]
 pub struct Problem<'a> {
     /// Structure of the model.
     pub kind: &'static Kind,
@@ -32,6 +34,8 @@ pub struct Problem<'a> {
     pub departure_scale: [f64; 8],
     /// How large the motion is.
     pub scales: Scales,
+    /// What other data say about the shared unknowns.
+    pub prior: Option<Prior>,
 }
 
 /// What an experiment alone has.
