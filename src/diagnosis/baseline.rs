@@ -92,7 +92,6 @@ pub fn problem<'a>(
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
         scales,
-        prior: None,
     }
 }
 

@@ -82,21 +82,9 @@ pub struct Linearised {
 }
 
 impl Problem<'_> {
-    /// Cost of the beliefs on the keys, and of what is known from elsewhere.
+    /// Cost of the beliefs on the keys.
     pub fn disbelief(&self, point: &Point) -> f64 {
-        let prior = self.prior.as_ref();
-        let elsewhere = prior.map_or(0.0, |prior| prior.cost(&self.shared(point)));
-        let beliefs = self.belief_rows(point);
-        beliefs.iter().map(|(_, r, _)| r * r).sum::<f64>() + elsewhere
-    }
-
-    /// The shared unknowns as the fit sees them.
-    pub fn shared(&self, point: &Point) -> DVector<f64> {
-        let globals = self.globals(point);
-        DVector::from_iterator(
-            globals.len(),
-            globals.iter().map(|&global| self.get(point, global)),
-        )
+        self.belief_rows(point).iter().map(|(_, r, _)| r * r).sum()
     }
 
     /// Key, departure in standard deviations, standard deviation.
@@ -273,9 +261,6 @@ impl Problem<'_> {
                 normal[(i, i)] += std.powi(-2);
                 gradient[i] += departure / std;
             }
-        }
-        if let Some(prior) = &self.prior {
-            prior.add(&self.shared(point), &mut normal, &mut gradient);
         }
         (normal, gradient)
     }

@@ -11,7 +11,6 @@ mod fit;
 mod locate;
 mod next_move;
 mod noise;
-mod prior;
 mod problem;
 mod remarks;
 mod run;

@@ -1,6 +1,5 @@
 //! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
 
-use super::prior::Prior;
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
@@ -34,8 +33,6 @@ pub struct Problem<'a> {
     pub departure_scale: [f64; 8],
     /// How large the motion is.
     pub scales: Scales,
-    /// What other data say about the shared unknowns.
-    pub prior: Option<Prior>,
 }
 
 /// What an experiment alone has.

@@ -1,7 +1,8 @@
 //! An experiment that was not made: what an explanation says the sensors would show, without noise.
 
-use super::programme::Programme;
+use super::programme::positions;
 use super::seen::Seen;
+use crate::diagnosis::document::ProposedMove;
 use crate::diagnosis::problem::{Local, Point};
 use crate::model::{Experiment, Grid, Kind, Output, simulate};
 use crate::recording::Role;
@@ -27,16 +28,16 @@ pub fn explained(kind: &Kind, point: &Point, experiment: &Experiment, local: &Lo
     explained
 }
 
-/// The experiment that a programme of moves would be, `lead` seconds of rest before it.
+/// The experiment that moves would be, `lead` seconds of rest before it.
 pub fn moved(
     base: &Experiment,
-    programme: &Programme,
+    moves: &[ProposedMove],
     seen: &Seen,
     lead: f64,
 ) -> Option<Experiment> {
     let (first, last) = base.span();
     let period = (last - first) / (base.input_time.len() - 1) as f64;
-    let values = programme.positions(seen.start, lead, period).ok()?;
+    let values = positions(moves, seen.start, lead, period).ok()?;
     let start = last + LATER;
     let time: Vec<f64> = (0..values.len())
         .map(|k| start + k as f64 * period)

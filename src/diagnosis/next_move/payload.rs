@@ -1,6 +1,6 @@
 //! A change of payload: the link's inertia, known, times a factor.
 
-use crate::diagnosis::problem::{Global, Point, Problem};
+use crate::diagnosis::problem::{Point, Problem};
 
 /// The link's inertia times a factor; 1 for the machine as it was recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,24 +9,17 @@ pub struct Payload(pub f64);
 impl Payload {
     /// The machine as it was recorded.
     pub const NONE: Self = Self(1.0);
-    /// One that any axis can carry, and that shifts a mode by a fifth.
+    /// One that an axis can carry and that shifts a mode by a fifth.
     pub const HALF_MORE: Self = Self(1.5);
 
     /// Puts the payload on: with stiffness and damper as they are, natural frequency and damping ratio
-    /// change by `1 / sqrt(factor)`. The unknowns stay those of the machine without it.
+    /// change by `1 / sqrt(factor)`. A step of an unknown, taken of its logarithm, means the same with it
+    /// and without.
     pub fn load(self, problem: &mut Problem, point: &mut Point) {
         for (key, factor) in self.factors(problem) {
             point.keys[key] *= factor;
             let (low, high) = &mut problem.bounds[key];
             (*low, *high) = (*low * factor, *high * factor);
-            let global = problem
-                .globals(point)
-                .iter()
-                .position(|g| *g == Global::Key(key));
-            // Unknowns above 0 are fitted by their logarithm.
-            if let (Some(index), Some(prior)) = (global, &mut problem.prior) {
-                prior.centre[index] += factor.ln();
-            }
         }
     }
 

@@ -1,21 +1,12 @@
 //! Moves that may be proposed: within what was seen, of every sort that brings effects to light.
 //!
 //! Fast moves and their settling show modes, damping, stiffness and lags; half and small ones what is
-//! not linear; slow ones friction, ripple and gravity; repeated ones what is lost and gained in a
-//! reversal; long pauses creep, drift and clocks.
+//! not linear; slow ones friction, ripple and gravity; reversals without rest what is lost and gained in
+//! them; long pauses creep, drift and clocks.
 
 use super::seen::Seen;
 use crate::diagnosis::document::ProposedMove;
-use quell_trajectories::{AxisState, Limits, PlanError, Planner, SampledTrajectory};
-
-/// Moves one after the other.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Programme {
-    /// The moves.
-    pub moves: Vec<ProposedMove>,
-    /// How they follow each other, such as `there and back 3 times`.
-    pub manner: String,
-}
+use quell_trajectories::{AxisState, Limits, PlanError, Planner, Trajectory};
 
 /// Lengths of pauses, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,59 +25,51 @@ const PACES: &[(f64, f64)] = &[(1.0, 1.0), (1.0, 0.3), (0.3, 1.0), (0.1, 1.0), (
 const DISTANCES: &[f64] = &[1.0, 0.5, 0.125];
 /// Share of the range that must lie on either side for a move from end to end.
 const BOTH_SIDES: f64 = 0.1;
-/// Steps of a staircase.
-const STEPS: usize = 4;
 
-/// All candidates that last no longer than `longest`, s, for an axis whose moves are told in `unit`.
-pub fn candidates(seen: &Seen, pauses: Pauses, longest: f64, unit: &str) -> Vec<Programme> {
+/// Parts of a programme, each from the start of the recordings and back to it, for an axis whose moves
+/// are told in `unit`.
+pub fn parts(seen: &Seen, pauses: Pauses, unit: &str) -> Vec<Vec<ProposedMove>> {
     let (down, up) = (seen.range.0 - seen.start, seen.range.1 - seen.start);
     let (far, near) = if up >= -down { (up, down) } else { (down, up) };
-    let mut found: Vec<Programme> = Vec::new();
-    let mut add = |distances: &[f64], limits: &Limits, pause: f64, manner: &str| {
+    let mut found: Vec<Vec<ProposedMove>> = Vec::new();
+    let mut add = |distances: &[f64], pace: (f64, f64), pause: f64| {
         let moves = distances
             .iter()
-            .map(|d| proposed(*d, limits, pause, unit))
-            .collect::<Result<Vec<_>, _>>();
-        let Ok(moves) = moves else { return };
-        let manner = manner.to_string();
-        let programme = Programme { moves, manner };
-        let new = found.iter().all(|other| other.moves != programme.moves);
-        if new && programme.duration().is_some_and(|d| d <= longest) {
-            found.push(programme);
+            .map(|d| proposed(*d, &at(seen, pace), pause, unit));
+        // What cannot be planned is not proposed.
+        if let Ok(moves) = moves.collect::<Result<Vec<_>, _>>()
+            && !found.contains(&moves)
+        {
+            found.push(moves);
         }
     };
-    for &(speed, acceleration) in PACES {
-        let limits = Limits {
-            velocity: speed * seen.limits.velocity,
-            acceleration: acceleration * seen.limits.acceleration,
-            jerk: seen.limits.jerk,
-        };
+    for &pace in PACES {
         for d in DISTANCES.iter().map(|share| share * far) {
-            add(&[d, -d], &limits, pauses.settled, "there and back");
-            add(
-                &[d, -d],
-                &limits,
-                pauses.long,
-                "there and back with long pauses",
-            );
-            let times = [d, -d].repeat(3);
-            add(
-                &times,
-                &limits,
-                pauses.short,
-                "there and back 3 times without rest",
-            );
-            add(&times, &limits, pauses.settled, "there and back 3 times");
+            add(&[d, -d], pace, pauses.settled);
         }
-        let mut stairs = vec![far / STEPS as f64; STEPS];
-        stairs.push(-far);
-        add(&stairs, &limits, pauses.settled, "in steps and back");
-        if near.abs() > BOTH_SIDES * (up - down) {
-            let sweep = [far, near - far, -near];
-            add(&sweep, &limits, pauses.settled, "from end to end and back");
+    }
+    let (fast, slow) = (PACES[0], PACES[3]);
+    let small = DISTANCES[2] * far;
+    add(&[far, -far], fast, pauses.long);
+    add(&[far, -far, far, -far], fast, pauses.short);
+    add(&[small, -small, small, -small], fast, pauses.short);
+    add(&[small, -small, small, -small], slow, pauses.short);
+    let step = far / 2.0;
+    add(&[step, step, -step, -step], fast, pauses.settled);
+    if near.abs() > BOTH_SIDES * (up - down) {
+        for pace in [PACES[0], PACES[2]] {
+            add(&[far, -far, near, -near], pace, pauses.short);
         }
     }
     found
+}
+
+fn at(seen: &Seen, (speed, acceleration): (f64, f64)) -> Limits {
+    Limits {
+        velocity: speed * seen.limits.velocity,
+        acceleration: acceleration * seen.limits.acceleration,
+        jerk: seen.limits.jerk,
+    }
 }
 
 /// A move whose numbers are short ones: what it reaches at most, no more than the limits.
@@ -107,7 +90,7 @@ fn proposed(d: f64, limits: &Limits, pause: f64, unit: &str) -> Result<ProposedM
     })
 }
 
-fn plan(from: f64, to: f64, limits: &Limits) -> Result<quell_trajectories::Trajectory, PlanError> {
+fn plan(from: f64, to: f64, limits: &Limits) -> Result<Trajectory, PlanError> {
     let ends = [from, to].map(AxisState::at_rest);
     Planner::new(1)?.plan(&ends[..1], &ends[1..], std::slice::from_ref(limits))
 }
@@ -123,44 +106,34 @@ fn shortened(value: f64) -> f64 {
     (value * up / down * (1.0 + 1e-12)).trunc() * down / up
 }
 
-impl Programme {
-    /// How long it lasts, s.
-    pub fn duration(&self) -> Option<f64> {
-        let lasts = |one: &ProposedMove| {
-            let planned = plan(0.0, one.distance, &limits(one)).ok()?;
-            Some(planned.duration() + one.pause_s)
+/// Positions of the motor side at multiples of `period` (s): a rest of `lead` seconds at `start`, and the
+/// moves with their pauses.
+///
+/// # Errors
+/// [`PlanError`] where a move cannot be planned or is too long.
+pub fn positions(
+    moves: &[ProposedMove],
+    start: f64,
+    lead: f64,
+    period: f64,
+) -> Result<Vec<f64>, PlanError> {
+    let rest = |seconds: f64| (seconds / period).ceil() as usize;
+    let mut position = start;
+    let mut all = vec![position; rest(lead)];
+    for one in moves {
+        let target = position + one.distance;
+        let limits = Limits {
+            velocity: one.speed,
+            acceleration: one.acceleration,
+            jerk: one.jerk,
         };
-        self.moves.iter().map(lasts).sum()
+        all.extend(
+            plan(position, target, &limits)?
+                .sample(period)?
+                .positions(0),
+        );
+        all.extend(vec![target; rest(one.pause_s)]);
+        position = target;
     }
-
-    /// Positions of the motor side at multiples of `period` (s): a rest of `lead` seconds at `start`,
-    /// and the moves.
-    ///
-    /// # Errors
-    /// [`PlanError`] where a move cannot be planned or is too long.
-    pub fn positions(&self, start: f64, lead: f64, period: f64) -> Result<Vec<f64>, PlanError> {
-        let mut position = start;
-        let mut all = vec![position; rest(lead, period)];
-        for one in &self.moves {
-            let target = position + one.distance;
-            let planned = plan(position, target, &limits(one))?;
-            let sampled: SampledTrajectory = planned.sample(period)?;
-            all.extend(sampled.positions(0));
-            all.extend(vec![target; rest(one.pause_s, period)]);
-            position = target;
-        }
-        Ok(all)
-    }
-}
-
-fn rest(seconds: f64, period: f64) -> usize {
-    (seconds / period).ceil() as usize
-}
-
-fn limits(one: &ProposedMove) -> Limits {
-    Limits {
-        velocity: one.speed,
-        acceleration: one.acceleration,
-        jerk: one.jerk,
-    }
+    Ok(all)
 }

@@ -4,23 +4,30 @@ use super::SEPARATES;
 use super::ideas::Idea;
 use crate::effects::Place;
 
-/// Names of what two explanations do not have in common, joined by ` + `; with their places where the
-/// names alone are the same.
-pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
-    let join = |of: &[(&str, Place)], not: &[(&str, Place)], places: bool| -> String {
-        let own: Vec<String> = of
-            .iter()
-            .filter(|effect| !not.contains(effect))
-            .map(|(name, place)| match places {
-                true => format!("{name} (at the {})", place.name()),
-                false => (*name).to_string(),
-            })
-            .collect();
-        own.join(" + ")
+/// What two explanations do not have in common.
+pub fn apart<'a>(
+    one: &[(&'a str, Place)],
+    other: &[(&'a str, Place)],
+) -> (Vec<(&'a str, Place)>, Vec<(&'a str, Place)>) {
+    let only = |of: &[(&'a str, Place)], not: &[(&'a str, Place)]| {
+        let own = of.iter().filter(|effect| !not.contains(effect));
+        own.copied().collect()
     };
-    let [a, b] = [join(one, other, false), join(other, one, false)];
+    (only(one, other), only(other, one))
+}
+
+/// Names of effects, joined by ` + `; with their places where the names alone are the same.
+pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
+    let join = |of: &[(&str, Place)], places: bool| -> String {
+        let name = |&(name, place): &(&str, Place)| match places {
+            true => format!("{name} (at the {})", place.name()),
+            false => name.to_string(),
+        };
+        of.iter().map(name).collect::<Vec<_>>().join(" + ")
+    };
+    let [a, b] = [one, other].map(|side| join(side, false));
     match a == b {
-        true => [join(one, other, true), join(other, one, true)],
+        true => [one, other].map(|side| join(side, true)),
         false => [a, b],
     }
 }
@@ -39,38 +46,49 @@ fn told(value: f64, unit: &str) -> String {
     format!("{value:.*} {unit}", digits as usize)
 }
 
-/// What to do, as a command.
+/// What to do.
 fn command(idea: &Idea) -> String {
-    let largest = |f: fn(&crate::diagnosis::ProposedMove) -> f64| {
-        idea.moves
-            .iter()
-            .map(f)
-            .fold(0.0, |m: f64, v| m.max(v.abs()))
+    let Some(first) = idea.moves.first() else {
+        return match idea.share {
+            1.0 => "repeat the recorded input as it is".into(),
+            share => format!("repeat the recorded input at {share} of its size"),
+        };
     };
-    match idea.moves.first() {
-        None => idea.manner.clone(),
-        Some(first) => format!(
-            "move {} {}, at up to {} ({} moves in {:.1} s)",
-            told(largest(|one| one.distance), &first.unit),
-            idea.manner,
-            told(largest(|one| one.speed), &format!("{}/s", first.unit)),
-            idea.moves.len(),
-            idea.duration(),
-        ),
-    }
+    let sizes = idea.moves.iter().map(|one| one.distance.abs());
+    let speeds = || idea.moves.iter().map(|one| one.speed);
+    let (slowest, fastest) = (
+        speeds().fold(f64::INFINITY, f64::min),
+        speeds().fold(0.0, f64::max),
+    );
+    let rate = format!("{}/s", first.unit);
+    let speed = match fastest < 1.1 * slowest {
+        true => format!("at {}", told(fastest, &rate)),
+        false => format!("at {} to {}", told(slowest, &rate), told(fastest, &rate)),
+    };
+    format!(
+        "make {} moves of up to {} {speed}, {:.1} s in all",
+        idea.moves.len(),
+        told(sizes.fold(0.0, f64::max), &first.unit),
+        idea.duration(),
+    )
 }
 
-/// The sentence for an experiment that separates.
-pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64) -> String {
+/// The sentence for an experiment that separates. `reversed` where the second explanation is the one
+/// that would be seen to be right.
+pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: bool) -> String {
     let [one, other] = [plain(one), plain(other)];
+    let (right, wrong) = if reversed { (other, one) } else { (one, other) };
     let command = command(idea);
-    let mut characters = command.chars();
-    let first = characters.next().map(|c| c.to_uppercase().to_string());
+    let mut letters = command.chars();
+    let first: String = letters
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
     format!(
-        "{}{}: if it is {one}, {other} will miss by a chi-squared of at least {score:.0} ({SEPARATES} is very \
-         strong evidence).",
-        first.unwrap_or_default(),
-        characters.as_str(),
+        "{first}{}: if it is {right}, {wrong} will miss by a chi-squared of at least {score:.0} \
+         ({SEPARATES} is very strong evidence).",
+        letters.as_str(),
     )
 }
 
@@ -78,8 +96,9 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64) -> String 
 pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> String {
     let [one, other] = [plain(one), plain(other)];
     format!(
-        "No motion within the limits of the recordings tells {one} from {other}: the best that was tried makes \
-         a chi-squared of {best:.1}, and {SEPARATES} would be very strong evidence. What would tell: {remedy}."
+        "No motion within the limits of the recordings tells {one} from {other}: the best that was tried \
+         makes a chi-squared of {best:.1}, and {SEPARATES} would be very strong evidence. What would tell: \
+         {remedy}."
     )
 }
 
@@ -93,7 +112,7 @@ pub fn besides([one, other]: &[String; 2], remedy: &str) -> String {
 pub fn with_payload(idea: &Idea, score: f64) -> String {
     format!(
         " So would a known payload that makes the link's inertia half as large again, were nothing else to \
-         change: to {} then makes {score:.0}.",
+         change: to {} would then make {score:.0}.",
         command(idea)
     )
 }
