@@ -16,7 +16,7 @@ mod words;
 
 use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
-use super::search::{Found, Search};
+use super::search::{EQUAL, Found, Search};
 use crate::effects::{Place, contains};
 use advice::advice;
 use contest::Contest;
@@ -28,6 +28,9 @@ use rayon::prelude::*;
 /// Chi-squared that separates: 10 is "very strong" evidence between models of as many unknowns (Kass and
 /// Raftery, J. American Statistical Association 90 (1995)).
 pub const SEPARATES: f64 = 10.0;
+/// Chi-squared at which the diagnosis will see it: explanations within [`EQUAL`] are equals, and one of
+/// mean `T` scatters by `2 sqrt(T)`, so that twice that is beyond it nine times in ten.
+const ENOUGH: f64 = 2.0 * EQUAL;
 /// Equals that are looked at, the nearest ones.
 const RIVALS: usize = 3;
 
@@ -108,11 +111,6 @@ fn propose(contest: &Contest, pairs: &[Pair], payload: bool) -> NextMove {
     let apart = idea
         .as_ref()
         .map_or(vec![0.0; count], |idea| contest.together(idea));
-    eprintln!(
-        "linear {:?} exact {apart:?} {} parts",
-        contest.plan(Payload::NONE, count).map(|p| p.apart),
-        contest.ideas.all.len()
-    );
     let (parted, alike): (Vec<usize>, Vec<usize>) =
         (0..count).partition(|&k| apart[k] >= SEPARATES);
     let nearest = parted

@@ -137,3 +137,47 @@ pub fn positions(
     }
     Ok(all)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        /// Every part stays within the range, the speed, the acceleration and the jerk that were seen, and
+        /// ends where it starts.
+        #[test]
+        fn parts_are_inside_what_was_seen(
+            low in -3.0..0.0f64, travel in 0.01..3.0f64, share in 0.0..1.0f64,
+            velocity in 0.05..3.0f64, rate in 1.0..20.0f64, sharpness in 3.0..60.0f64,
+        ) {
+            let limits = Limits {
+                velocity,
+                acceleration: velocity * rate,
+                jerk: velocity * rate * sharpness,
+            };
+            let seen = Seen { start: low + share * travel, range: (low, low + travel), limits };
+            let pauses = Pauses { short: 0.1, settled: 0.5, long: 2.0 };
+            let parts = parts(&seen, pauses, "rad");
+            prop_assert!(parts.len() > 10);
+            for moves in &parts {
+                let period = 1e-3;
+                let all = positions(moves, seen.start, 0.1, period).unwrap();
+                let rounding = 1e-9;
+                prop_assert!(all.iter().all(|x| *x >= low - rounding && *x <= low + travel + rounding));
+                prop_assert!((all[all.len() - 1] - seen.start).abs() < rounding);
+                // The end of a move falls between two samples: a second difference would see a jump there.
+                for pair in all.windows(2) {
+                    prop_assert!((pair[1] - pair[0]).abs() <= limits.velocity * period + rounding);
+                }
+                for one in moves {
+                    prop_assert!(one.speed <= limits.velocity * (1.0 + rounding));
+                    prop_assert!(one.acceleration <= limits.acceleration * (1.0 + rounding));
+                    prop_assert!(one.jerk <= limits.jerk * (1.0 + rounding));
+                }
+            }
+        }
+    }
+}

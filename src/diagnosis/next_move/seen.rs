@@ -31,14 +31,13 @@ impl Seen {
     pub fn new(experiments: &[Experiment], period: f64) -> Option<Self> {
         let mut seen: Option<Self> = None;
         for experiment in experiments {
-            let own = Self::one(experiment, period)?;
+            let own = Self::of(&experiment.input_time, &experiment.input_values, period)?;
             seen = Some(seen.map_or(own, |all| all.and(own)));
         }
         seen
     }
 
-    fn one(experiment: &Experiment, period: f64) -> Option<Self> {
-        let (time, values) = (&experiment.input_time, &experiment.input_values);
+    fn of(time: &[f64], values: &[f64], period: f64) -> Option<Self> {
         let spline = CubicSpline::new(time, values, End::NotAKnot).ok()?;
         let noise = noise_floor(values).standard_deviation;
         let fold = |f: fn(f64, f64) -> f64, first: f64| values.iter().fold(first, |m, v| f(m, *v));
@@ -118,4 +117,50 @@ fn difference(spline: &CubicSpline, time: f64, weights: &[f64], step: f64) -> f6
         sign = -sign;
     }
     sum.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quell_trajectories::{AxisState, Planner};
+
+    /// What is seen in a recorded motion is never beyond its limits, and close to them, whatever the
+    /// encoder rounds to.
+    #[test]
+    fn limits_are_those_of_the_motion() {
+        let limits = Limits {
+            velocity: 0.8,
+            acceleration: 4.0,
+            jerk: 90.0,
+        };
+        let ends = [0.2, 1.4].map(AxisState::at_rest);
+        let planned = Planner::new(1).unwrap();
+        let planned = planned.plan(&ends[..1], &ends[1..], &[limits]).unwrap();
+        for step in [1e-9, 1e-6, 1e-5] {
+            let mut values = vec![0.2; 100];
+            values.extend(planned.sample(0.004).unwrap().positions(0));
+            values.extend(vec![1.4; 100]);
+            let time: Vec<f64> = (0..values.len()).map(|k| 0.004 * k as f64).collect();
+            for value in &mut values {
+                *value = (*value / step).round() * step;
+            }
+            let seen = Seen::of(&time, &values, 0.125).unwrap();
+            let found = [
+                seen.limits.velocity,
+                seen.limits.acceleration,
+                seen.limits.jerk,
+            ];
+            let true_ones = [limits.velocity, limits.acceleration, limits.jerk];
+            println!("{step}: {found:?}");
+            for (found, limit) in found.into_iter().zip(true_ones) {
+                // The spline's own error at the kinks of the acceleration is a thousandth.
+                assert!(
+                    found < 1.001 * limit && found > 0.5 * limit,
+                    "{found} of {limit}"
+                );
+            }
+            assert!((seen.range.0 - 0.2).abs() <= step && (seen.range.1 - 1.4).abs() <= step);
+        }
+        assert!(Seen::of(&[0.0, 1.0, 2.0, 3.0], &[0.5; 4], 0.125).is_none());
+    }
 }

@@ -1,7 +1,7 @@
 //! The next move in words.
 
-use super::SEPARATES;
 use super::ideas::Idea;
+use super::{ENOUGH, SEPARATES};
 use crate::effects::Place;
 
 /// What two explanations do not have in common.
@@ -46,6 +46,12 @@ fn told(value: f64, unit: &str) -> String {
     format!("{value:.*} {unit}", digits as usize)
 }
 
+/// A chi-squared to two digits: more are not known of it.
+fn rounded(score: f64) -> f64 {
+    let unit = 10f64.powf(score.max(1.0).log10().floor() - 1.0);
+    (score / unit).round() * unit
+}
+
 /// What to do.
 fn command(idea: &Idea) -> String {
     let Some(first) = idea.moves.first() else {
@@ -85,10 +91,15 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: 
         .into_iter()
         .flat_map(char::to_uppercase)
         .collect();
+    let times = match score < ENOUGH {
+        true => format!("; {} times over to be sure", (ENOUGH / score).ceil()),
+        false => String::new(),
+    };
     format!(
-        "{first}{}: if it is {right}, {wrong} will miss by a chi-squared of at least {score:.0} \
+        "{first}{}{times}: if it is {right}, {wrong} will miss by a chi-squared of at least {} each time \
          ({SEPARATES} is very strong evidence).",
         letters.as_str(),
+        rounded(score)
     )
 }
 
@@ -112,7 +123,8 @@ pub fn besides([one, other]: &[String; 2], remedy: &str) -> String {
 pub fn with_payload(idea: &Idea, score: f64) -> String {
     format!(
         " So would a known payload that makes the link's inertia half as large again, were nothing else to \
-         change: to {} would then make {score:.0}.",
-        command(idea)
+         change: to {} would then make {}.",
+        command(idea),
+        rounded(score)
     )
 }
