@@ -101,17 +101,21 @@ pub struct Fit {
     pub after: Quality,
 }
 
-/// One proposed move.
+/// One proposed move, jerk-limited, from rest to rest. The first starts where the first recording does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProposedMove {
-    /// Target relative to the start, rad or m.
+    /// Target relative to where the move starts, in `unit`.
     pub distance: f64,
-    /// Peak speed, rad/s or m/s.
+    /// Greatest speed, `unit`/s.
     pub speed: f64,
-    /// Peak acceleration.
+    /// Greatest acceleration, `unit`/s^2.
     pub acceleration: f64,
+    /// Greatest jerk, `unit`/s^3.
+    pub jerk: f64,
     /// Pause after it, s.
     pub pause_s: f64,
+    /// `rad` or `m`.
+    pub unit: String,
 }
 
 /// The move that would tell two explanations apart.
@@ -119,11 +123,13 @@ pub struct ProposedMove {
 pub struct NextMove {
     /// One sentence.
     pub why: String,
-    /// The two.
+    /// The two: the best explanation, and that of its equals which is hardest to tell from it.
     pub separates: [String; 2],
-    /// Chi-squared by which the wrong one would fail at least.
+    /// Chi-squared by which the second would fail at least, were the first right, beyond what the
+    /// recordings show already; in units of what the best explanation leaves of them.
     pub expected_score: f64,
-    /// What to do; empty where no motion separates them.
+    /// What to do; empty where no motion separates them (`expected_score` is below 10), and where the
+    /// input is not a motion: `why` then says what to repeat.
     pub moves: Vec<ProposedMove>,
 }
 

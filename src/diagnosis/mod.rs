@@ -13,6 +13,7 @@ mod draw;
 mod explanation;
 mod fit;
 mod locate;
+mod next_move;
 mod noise;
 mod normal;
 mod problem;

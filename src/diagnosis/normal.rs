@@ -88,7 +88,7 @@ pub fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Op
 }
 
 /// Square roots of the diagonal; 1 where it is 0.
-fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
+pub fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
     let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
     normal.diagonal().map(root)
 }

@@ -7,6 +7,7 @@ use super::draw::draw;
 use super::explanation::{Explanation, Judge};
 use super::fit::{Fitted, Projector};
 use super::locate::{Dynamics, Located, Residual, locate};
+use super::next_move::next_move;
 use super::problem::Problem;
 use super::search::{Found, Search, ratio};
 use super::traces::Traces;
@@ -66,7 +67,7 @@ pub fn diagnose(
         (fitted, apart) = in_two(model, train, &fitted)?;
     }
     let mut data = Data::new(fitted, apart);
-    let first = investigate(model, &data, options, progress, Vec::new());
+    let first = investigate(model, &data, options, progress, None);
     if data.apart.is_empty() && first.surprised {
         // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
         // of every move instead.
@@ -74,7 +75,7 @@ pub fn diagnose(
         data.interleave(stretch);
         let remark = "What was held out differs from what was fitted: something changed with time. \
             Stretches of every move were held out instead of the last moves.";
-        let second = investigate(model, &data, options, progress, vec![remark.into()]);
+        let second = investigate(model, &data, options, progress, Some(remark.into()));
         return Ok(named(second.outcome, &data, train));
     }
     Ok(named(first.outcome, &data, train))
@@ -134,13 +135,16 @@ struct Investigation {
     period: f64,
 }
 
+/// The whole journey; `remark` says why it is made once more.
 fn investigate(
     model: &Model,
     data: &Data,
     options: &Options,
     progress: Progress,
-    mut remarks: Vec<String>,
+    remark: Option<String>,
 ) -> Investigation {
+    let is_second = remark.is_some();
+    let mut remarks: Vec<String> = remark.into_iter().collect();
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
@@ -178,7 +182,12 @@ fn investigate(
     let found = search.run(baseline, trials);
     let surprised = surprised(&judge, &found);
     remarks.extend(super::remarks::remarks(&problem, &found));
-    let diagnosis = conclude(&search, &found, &located, remarks, options.seed);
+    let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
+    // Where the search runs once more, its outcome is what is told.
+    let last = !surprised || !data.apart.is_empty() || is_second;
+    if last {
+        diagnosis.next_move = next_move(&search, &found, diagnosis.verdict);
+    }
     let told = reported(diagnosis.verdict, &found);
     let traces = draw(&search, &found.baseline, told, &located);
     Investigation {

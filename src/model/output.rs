@@ -98,14 +98,12 @@ fn tip(
     }
     let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
     angle.iter_mut().for_each(|a| *a += turn);
-    let sine: Vec<f64> = angle.iter().map(|a| -a.sin()).collect();
-    let cosine: Vec<f64> = angle.iter().map(|a| a.cos()).collect();
     Ok(Output {
         role: Role::LinkPosition,
         channel: Role::TipPosition,
         time: channel.time.clone(),
         witness: centre(&angle, &radius, arm),
-        columns: vec![vec![1.0; angle.len()], sine, cosine],
+        columns: circle(&angle),
         values: angle,
         scale: arm,
         unit: "m".into(),
@@ -113,6 +111,32 @@ fn tip(
         clock_offset: registration.clock.offset,
         noise_witness: Some(registration.normal_rms / arm),
     })
+}
+
+/// What is unknown of the frame along the arc: the angle of its zero, and the circle's centre.
+fn circle(angle: &[f64]) -> Vec<Vec<f64>> {
+    let sine = angle.iter().map(|a| -a.sin()).collect();
+    let cosine = angle.iter().map(|a| a.cos()).collect();
+    vec![vec![1.0; angle.len()], sine, cosine]
+}
+
+impl Output {
+    /// The same sensor with other values, which need no correction of its frame or offset.
+    pub fn showing(&self, time: Vec<f64>, values: Vec<f64>) -> Self {
+        let columns = match self.channel {
+            Role::TipPosition => circle(&values),
+            _ => vec![vec![1.0; values.len()]; self.columns.len()],
+        };
+        let witness = self.witness.iter();
+        Self {
+            witness: witness.map(|(weights, _)| (weights.clone(), 0.0)).collect(),
+            time,
+            values,
+            columns,
+            unit: self.unit.clone(),
+            ..*self
+        }
+    }
 }
 
 /// What the radial coordinate says of the centre: `r_i = R + c_x cos + c_y sin + noise`, `R` free, as

@@ -348,7 +348,9 @@ fn ambiguous() -> (Diagnosis, Traces) {
             distance: 0.0873,
             speed: 0.0175,
             acceleration: 0.52,
+            jerk: 12.0,
             pause_s: 1.5,
+            unit: "rad".into(),
         }],
     });
     (one, traces(FRICTION))

@@ -14,29 +14,18 @@ pub fn section(page: Page, case: &Case) -> Page {
     let page = page.heading("What to do next").text(next.why.clone());
     match next.moves.is_empty() {
         true => page,
-        false => page.table(table(next, is_angle(case))),
+        false => page.table(table(next)),
     }
 }
 
-/// Whether the axis turns: its outputs are angles.
-pub fn is_angle(case: &Case) -> bool {
-    let units = case
-        .traces
-        .outputs
-        .iter()
-        .map(|output| output.unit.as_str());
-    units
-        .chain([case.diagnosis.fit.unit.as_str()])
-        .any(|unit| unit.starts_with("rad"))
-}
-
-fn table(next: &NextMove, is_angle: bool) -> Table {
-    let unit = if is_angle { "deg" } else { "m" };
+fn table(next: &NextMove) -> Table {
+    let unit = next.moves.first().map_or("", shown_unit);
     let [one, other] = &next.separates;
     let mut table = Table::new("The move")
         .column("distance", unit)
         .column("peak speed", format!("{unit}/s"))
         .column("peak acceleration", format!("{unit}/s^2"))
+        .column("peak jerk", format!("{unit}/s^3"))
         .column("then wait", "s")
         .note(format!(
             "It separates {} from {}: the wrong one would miss by a chi-squared of at least {}.",
@@ -45,15 +34,26 @@ fn table(next: &NextMove, is_angle: bool) -> Table {
             number(next.expected_score),
         ));
     for one in &next.moves {
-        table = table.row(shown(one, is_angle).map(Into::into));
+        table = table.row(shown(one).map(Into::into));
     }
     table
 }
 
-/// Distance, speed, acceleration and pause, angles in degrees.
-pub fn shown(one: &ProposedMove, is_angle: bool) -> [f64; 4] {
-    let factor = if is_angle { 1_f64.to_degrees() } else { 1.0 };
-    let motion = [one.distance, one.speed, one.acceleration].map(|value| value * factor);
-    let [distance, speed, acceleration] = motion;
-    [distance, speed, acceleration, one.pause_s].map(|value| digits(value, 3))
+/// The unit in which a move is told.
+pub fn shown_unit(one: &ProposedMove) -> &str {
+    match one.unit.as_str() {
+        "rad" => "deg",
+        unit => unit,
+    }
+}
+
+/// Distance, speed, acceleration, jerk and pause, angles in degrees.
+pub fn shown(one: &ProposedMove) -> [f64; 5] {
+    let factor = match one.unit.as_str() {
+        "rad" => 1_f64.to_degrees(),
+        _ => 1.0,
+    };
+    let motion = [one.distance, one.speed, one.acceleration, one.jerk].map(|value| value * factor);
+    let [distance, speed, acceleration, jerk] = motion;
+    [distance, speed, acceleration, jerk, one.pause_s].map(|value| digits(value, 3))
 }

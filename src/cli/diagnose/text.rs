@@ -26,12 +26,7 @@ pub(super) fn text(case: &Case, files: &[PathBuf]) -> String {
                 .map(String::from),
         );
     }
-    lines.extend(
-        diagnosis
-            .next_move
-            .iter()
-            .flat_map(|next| next_move(next, next::is_angle(case))),
-    );
+    lines.extend(diagnosis.next_move.iter().flat_map(next_move));
     lines.extend(diagnosis.remarks.iter().map(|remark| format!("- {remark}")));
     parts.push(lines.iter().map(|line| format!("{line}\n")).collect());
     let files: Vec<_> = files
@@ -136,12 +131,13 @@ fn what_to_know(finding: &Finding) -> Vec<String> {
     remedy.into_iter().chain(doubt).collect()
 }
 
-fn next_move(next: &NextMove, is_angle: bool) -> Vec<String> {
-    let unit = if is_angle { "deg" } else { "m" };
+fn next_move(next: &NextMove) -> Vec<String> {
     let line = |one| {
-        let [distance, speed, acceleration, pause] = next::shown(one, is_angle).map(number);
+        let [distance, speed, acceleration, jerk, pause] = next::shown(one).map(number);
+        let unit = next::shown_unit(one);
         format!(
-            "  move {distance} {unit} at {speed} {unit}/s and {acceleration} {unit}/s^2, wait {pause} s"
+            "  move {distance} {unit} at {speed} {unit}/s, {acceleration} {unit}/s^2 and {jerk} {unit}/s^3, \
+             wait {pause} s"
         )
     };
     let first = format!("Next: {}", next.why);
