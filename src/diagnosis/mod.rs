@@ -22,7 +22,7 @@ mod traces;
 mod units;
 mod whitening;
 
-pub use baseline::DiagnosisError;
+pub use baseline::{DiagnosisError, scales};
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
     Verdict,

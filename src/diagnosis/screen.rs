@@ -184,9 +184,13 @@ pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
 /// Samples in which peaks are looked for: their number grows with its square.
 const MOST_SAMPLES: usize = 4096;
 
+/// Change of all rows together, squared, in units of the noise, below which a size is not seen: what a
+/// force does to a motor side that is prescribed is rounding, which may point anywhere.
+const UNSEEN: f64 = 1e-4;
+
 /// What a change with this product and square promises.
 fn gain(product: f64, square: f64) -> f64 {
-    if !(square.is_finite() && product.is_finite()) || square <= 0.0 {
+    if !(square.is_finite() && product.is_finite()) || square <= UNSEEN {
         return f64::NEG_INFINITY;
     }
     let here = -2.0 * product - square;

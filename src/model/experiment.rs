@@ -1,5 +1,6 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
+use super::chain::MotorSide;
 use super::piecewise::{Grid, Hold};
 use super::{ExperimentError, Model};
 use crate::recording::{Channel, Recording, Role};
@@ -105,7 +106,7 @@ impl Experiment {
                 outputs: names(model.kind.outputs),
             });
         }
-        experiment.measure_start();
+        experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         Ok(experiment)
     }
 
@@ -122,17 +123,24 @@ impl Experiment {
         })
     }
 
-    /// Where a free motor side starts: the first samples of its sensors.
-    fn measure_start(&mut self) {
-        for output in &self.outputs {
-            let slot = match output.role {
-                Role::MotorPosition => 0,
-                Role::Deformation => 2,
-                Role::LinkPosition if self.input != Role::MotorPosition => 2,
-                _ => continue,
-            };
-            self.initial[slot] = output.values[0];
-        }
+    /// Where the chain starts: what the first samples of its sensors show of a motor side or a link that
+    /// the input does not prescribe. One on a prescribed motor side starts at rest on it.
+    fn measure_start(&mut self, motor: MotorSide) {
+        let first = |role| {
+            let mut outputs = self.outputs.iter();
+            outputs.find(|o| o.role == role).map(|o| o.values[0])
+        };
+        let (motor_position, link) = (first(Role::MotorPosition), first(Role::LinkPosition));
+        let deformation = first(Role::Deformation);
+        self.initial = match motor {
+            MotorSide::Prescribed => [0.0; 4],
+            MotorSide::Fixed => [0.0, 0.0, link.or(deformation).unwrap_or(0.0), 0.0],
+            MotorSide::Free { .. } => {
+                let start = motor_position.or(link).unwrap_or(0.0);
+                let bent = deformation.or(link.map(|link| link - start));
+                [start, 0.0, bent.unwrap_or(0.0), 0.0]
+            }
+        };
     }
 
     /// First and last instant of the input, s.
