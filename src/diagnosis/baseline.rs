@@ -2,7 +2,7 @@
 
 use super::fit::{Fitted, Projector};
 use super::noise::noise;
-use super::problem::{Point, Problem, Rows};
+use super::problem::{Given, Point, Problem, Rows};
 use super::split;
 use super::whitening::Whitening;
 use crate::effects::Scales;
@@ -84,8 +84,12 @@ pub fn problem<'a>(
         bounds.push(limits(key.range, value.bounds, value.value, std));
     }
     let scales = scales(kind, &model.keys(), experiments, model);
+    let payloads = payloads(experiments);
     Problem {
         kind,
+        given: given(model),
+        free_payloads: 1..payloads.len(),
+        payloads,
         experiments,
         rows,
         whitening,
@@ -96,6 +100,35 @@ pub fn problem<'a>(
         departure_scale: departure_scale(&scales),
         scales,
     }
+}
+
+/// Different payloads, that of the first recording first.
+pub fn payloads(experiments: &[Experiment]) -> Vec<Option<String>> {
+    let mut found: Vec<Option<String>> = Vec::new();
+    for experiment in experiments {
+        if !found.contains(&experiment.payload) {
+            found.push(experiment.payload.clone());
+        }
+    }
+    found
+}
+
+/// Parameters of the model's own effects whose file gives a standard deviation or bounds, and does not
+/// fix them: a number alone is what an earlier diagnosis found, and stays.
+fn given(model: &Model) -> Vec<Given> {
+    let mut found = Vec::new();
+    for (term, effect) in model.effects.iter().enumerate() {
+        for (parameter, &value) in effect.parameters.iter().enumerate() {
+            if !value.fixed && (value.std.is_some() || value.bounds.is_some()) {
+                found.push(Given {
+                    term,
+                    parameter,
+                    value,
+                });
+            }
+        }
+    }
+    found
 }
 
 fn limits(range: (f64, f64), given: Option<(f64, f64)>, value: f64, std: f64) -> (f64, f64) {

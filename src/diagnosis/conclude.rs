@@ -277,6 +277,13 @@ fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64
             all.insert(name, point.locals[e].clocks[k]);
         }
     }
+    for index in search.problem.free_payloads.clone() {
+        let payload = search.problem.payloads[index].as_deref().unwrap_or("none");
+        all.insert(
+            format!("relative_inertia_with_payload {payload}"),
+            point.inertias[index],
+        );
+    }
     for &key in &search.problem.free {
         all.insert(
             search.problem.kind.keys[key].name.to_string(),
@@ -292,6 +299,11 @@ pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
     let point = &explanation.fitted.point;
     for (value, fitted) in better.values.iter_mut().zip(&point.keys) {
         value.value = *fitted;
+    }
+    for (effect, term) in better.effects.iter_mut().zip(&point.terms) {
+        for (value, fitted) in effect.parameters.iter_mut().zip(&term.values) {
+            value.value = *fitted;
+        }
     }
     for term in &point.terms[point.fixed_terms..] {
         better.effects.push(ModelEffect {

@@ -133,11 +133,22 @@ impl<'a> Judge<'a> {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.free.clear();
+        problem.given.clear();
+        // A payload that was carried in the fitted recordings is known; another one is not.
+        let fitted = baseline::payloads(&self.data.experiments);
+        problem.free_payloads = fitted.len()..fitted.len();
+        for payload in std::mem::replace(&mut problem.payloads, fitted) {
+            if !problem.payloads.contains(&payload) {
+                problem.payloads.push(payload);
+            }
+        }
+        problem.free_payloads.end = problem.payloads.len();
         if !self.apart_noise.is_empty() {
             problem.whitening.clone_from(&self.apart_noise);
         }
         let mut start = problem.start(self.model);
         start.keys.clone_from(&point.keys);
+        start.inertias[..point.inertias.len()].copy_from_slice(&point.inertias);
         start.terms.clone_from(&point.terms);
         start.fixed_terms = start.terms.len();
         let projector = Projector::new(&problem);

@@ -5,7 +5,7 @@
 //! Source: Marquardt, SIAM J. Applied Mathematics 11 (1963); Golub and Pereyra, Inverse Problems 19
 //! (2003) on separable least squares.
 
-use super::problem::{Global, Point, Problem};
+use super::problem::{Given, Global, Point, Problem};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// A fitted structure.
@@ -87,8 +87,8 @@ impl Problem<'_> {
         self.belief_rows(point).iter().map(|(_, r, _)| r * r).sum()
     }
 
-    /// Key, departure in standard deviations, standard deviation.
-    fn belief_rows(&self, point: &Point) -> Vec<(usize, f64, f64)> {
+    /// Unknown, departure in standard deviations, standard deviation.
+    fn belief_rows(&self, point: &Point) -> Vec<(Global, f64, f64)> {
         let row = |&key: &usize| {
             let (value, std) = self.beliefs[key];
             let global = Global::Key(key);
@@ -96,10 +96,20 @@ impl Problem<'_> {
                 true => (self.get(point, global), value.ln()),
                 false => (point.keys[key], value),
             };
-            (key, (at - centre) / std, std)
+            (global, (at - centre) / std, std)
+        };
+        let own = |given: &Given| {
+            let global = Global::Parameter(given.term, given.parameter);
+            let std = given.value.std?;
+            Some((
+                global,
+                (self.get(point, global) - given.value.value) / std,
+                std,
+            ))
         };
         let known = |key: &&usize| self.beliefs[**key].1.is_finite();
-        self.free.iter().filter(known).map(row).collect()
+        let keys = self.free.iter().filter(known).map(row);
+        keys.chain(self.given.iter().filter_map(own)).collect()
     }
 
     /// Cost at a point.
@@ -255,14 +265,23 @@ impl Problem<'_> {
             }
             offset += jacobian.ncols() - shared;
         }
-        for (key, departure, std) in self.belief_rows(point) {
-            let global = Global::Key(key);
+        for (global, departure, std) in self.belief_rows(point) {
             if let Some(i) = linear.globals.iter().position(|g| *g == global) {
                 normal[(i, i)] += std.powi(-2);
                 gradient[i] += departure / std;
             }
         }
         (normal, gradient)
+    }
+
+    /// The point moved against a step over shared unknowns and every experiment's own; none where the
+    /// point has other unknowns than the step.
+    pub fn stepped(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Option<Point> {
+        let clocks = self.experiments.iter().flat_map(|e| &e.outputs);
+        let clocks = clocks.filter(|output| output.own_clock).count();
+        let own = self.departures(point).len() * self.experiments.len() + clocks;
+        let known = step.len() == globals.len() + own && step.iter().all(|x| x.is_finite());
+        known.then(|| self.moved(point, globals, step))
     }
 
     fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {

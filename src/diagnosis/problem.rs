@@ -3,7 +3,7 @@
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
-use crate::model::{Experiment, Kind, Model, Term, simulate};
+use crate::model::{Experiment, Kind, Model, Term, Value, simulate};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -26,12 +26,30 @@ pub struct Problem<'a> {
     pub beliefs: Vec<(f64, f64)>,
     /// Bounds on the keys.
     pub bounds: Vec<(f64, f64)>,
+    /// Parameters of the given model's own effects that are free: those whose file says how well they are
+    /// known. Effect, parameter.
+    pub given: Vec<Given>,
+    /// Payloads of the recordings, that of the first one first.
+    pub payloads: Vec<Option<String>>,
+    /// Which of them have an inertia that is free.
+    pub free_payloads: Range<usize>,
     /// Components of the start (see [`simulate`]) that are free.
     pub departures: Vec<usize>,
     /// Typical sizes of these components.
     pub departure_scale: [f64; 8],
     /// How large the motion is.
     pub scales: Scales,
+}
+
+/// A parameter of an effect that the given model has, free within what the file says of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Given {
+    /// Index of the effect.
+    pub term: usize,
+    /// Index of the parameter.
+    pub parameter: usize,
+    /// The file's number.
+    pub value: Value,
 }
 
 /// What an experiment alone has.
@@ -54,7 +72,13 @@ pub struct Point {
     pub fixed_terms: usize,
     /// What each experiment alone has.
     pub locals: Vec<Local>,
+    /// Inertia of the link with each payload, in times that with the first one.
+    pub inertias: Vec<f64>,
 }
+
+/// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
+/// weight, at the end of an arm whose own weight is spread over it.
+const HEAVIEST: (f64, f64) = (0.05, 20.0);
 
 /// A scalar unknown that all experiments share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +87,8 @@ pub enum Global {
     Key(usize),
     /// A parameter of an effect: term, parameter.
     Parameter(usize, usize),
+    /// Inertia of the link with a payload.
+    Inertia(usize),
 }
 
 impl Point {
@@ -98,6 +124,7 @@ impl Problem<'_> {
             fixed_terms: terms.len(),
             terms,
             locals: self.experiments.iter().map(local).collect(),
+            inertias: vec![1.0; self.payloads.len()],
         }
     }
 
@@ -108,7 +135,15 @@ impl Problem<'_> {
             let count = point.terms[term].values.len();
             (0..count).map(move |parameter| Global::Parameter(term, parameter))
         });
-        keys.chain(parameters).collect()
+        let given = self
+            .given
+            .iter()
+            .map(|own| Global::Parameter(own.term, own.parameter));
+        let inertias = self.free_payloads.clone().map(Global::Inertia);
+        keys.chain(given)
+            .chain(inertias)
+            .chain(parameters)
+            .collect()
     }
 
     /// Components of the start that are free at a point's structure: those of the model, and those of
@@ -127,7 +162,11 @@ impl Problem<'_> {
 
     /// Whether an unknown is fitted by its logarithm.
     fn logarithmic(&self, global: Global) -> bool {
-        matches!(global, Global::Key(key) if self.kind.keys[key].range.0 > 0.0)
+        match global {
+            Global::Key(key) => self.kind.keys[key].range.0 > 0.0,
+            Global::Parameter(..) => false,
+            Global::Inertia(_) => true,
+        }
     }
 
     /// Value of an unknown as the fit sees it.
@@ -135,6 +174,7 @@ impl Problem<'_> {
         let value = match global {
             Global::Key(key) => point.keys[key],
             Global::Parameter(term, parameter) => point.terms[term].values[parameter],
+            Global::Inertia(payload) => point.inertias[payload],
         };
         match self.logarithmic(global) {
             true => value.ln(),
@@ -153,6 +193,7 @@ impl Problem<'_> {
         match global {
             Global::Key(key) => point.keys[key] = value,
             Global::Parameter(term, parameter) => point.terms[term].values[parameter] = value,
+            Global::Inertia(payload) => point.inertias[payload] = value,
         }
     }
 
@@ -161,8 +202,15 @@ impl Problem<'_> {
         match global {
             Global::Key(key) => self.bounds[key],
             Global::Parameter(term, parameter) => {
-                (point.terms[term].effect.parameters[parameter].bounds)(&self.scales)
+                let possible =
+                    (point.terms[term].effect.parameters[parameter].bounds)(&self.scales);
+                let own = |own: &&Given| (own.term, own.parameter) == (term, parameter);
+                match self.given.iter().find(own).map(|own| own.value.bounds) {
+                    Some(Some((low, high))) => (low.max(possible.0), high.min(possible.1)),
+                    _ => possible,
+                }
             }
+            Global::Inertia(_) => HEAVIEST,
         }
     }
 
@@ -177,7 +225,16 @@ impl Problem<'_> {
                 let parameter = &point.terms[term].effect.parameters[parameter];
                 (parameter.typical)(&self.scales).abs()
             }
+            Global::Inertia(_) => 1.0,
         }
+    }
+
+    /// Values of the keys in one experiment: with its payload.
+    pub fn keys(&self, point: &Point, experiment: usize) -> Vec<f64> {
+        let payload = &self.experiments[experiment].payload;
+        let index = self.payloads.iter().position(|other| other == payload);
+        let inertia = index.map_or(1.0, |index| point.inertias[index]);
+        self.kind.loaded(&point.keys, inertia)
     }
 
     /// Residuals of one experiment at a point: recorded minus predicted for each output, and the rates
@@ -185,7 +242,8 @@ impl Problem<'_> {
     pub fn raw(&self, point: &Point, experiment: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
         let local = &point.locals[experiment];
         let data = &self.experiments[experiment];
-        let simulated = simulate(self.kind, &point.keys, &point.terms, data, &local.departure);
+        let keys = self.keys(point, experiment);
+        let simulated = simulate(self.kind, &keys, &point.terms, data, &local.departure);
         let mut residuals = Vec::with_capacity(data.outputs.len());
         let mut rates = Vec::with_capacity(data.outputs.len());
         for (output, &clock) in data.outputs.iter().zip(&local.clocks) {

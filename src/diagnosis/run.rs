@@ -8,6 +8,7 @@ use super::explanation::{Explanation, Judge};
 use super::fit::{Fitted, Projector};
 use super::locate::{Dynamics, Located, Residual, locate};
 use super::problem::Problem;
+use super::remarks::recorded;
 use super::search::{Found, Search, ratio};
 use super::traces::Traces;
 use crate::model::{Experiment, Model, simulate};
@@ -59,7 +60,8 @@ pub fn diagnose(
         return Err(DiagnosisError::NoRecording);
     }
     let mut data = Data::new(experiments(model, train)?, experiments(model, held_out)?);
-    let first = investigate(model, &data, progress, Vec::new());
+    let told = recorded(train);
+    let first = investigate(model, &data, progress, told.clone());
     if data.apart.is_empty() && first.surprised {
         // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
         // of every move instead.
@@ -67,7 +69,8 @@ pub fn diagnose(
         data.interleave(stretch);
         let remark = "What was held out differs from what was fitted: something changed with time. \
             Stretches of every move were held out instead of the last moves.";
-        let second = investigate(model, &data, progress, vec![remark.into()]);
+        let told = std::iter::once(remark.to_string()).chain(told).collect();
+        let second = investigate(model, &data, progress, told);
         return Ok(second.outcome);
     }
     Ok(first.outcome)
@@ -198,7 +201,7 @@ fn located(
     let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
     let simulated = simulate(
         problem.kind,
-        &point.keys,
+        &problem.keys(point, 0),
         &point.terms,
         experiment,
         &local.departure,

@@ -51,6 +51,7 @@ pub fn predict(
     let rows = experiments.iter().map(split::whole).collect();
     let mut fit = problem(model, &experiments, rows);
     fit.free.clear();
+    fit.given.clear();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
     let first = fit.fit(&start, &projector, 15);

@@ -54,6 +54,8 @@ pub struct Experiment {
     pub position_unit: String,
     /// Unit of the input.
     pub input_unit: String,
+    /// What the axis carries, as the recording calls it.
+    pub payload: Option<String>,
 }
 
 /// Steps a radian of the fastest mode. With 0.15 rad a step the classical Runge-Kutta method errs by
@@ -91,6 +93,7 @@ impl Experiment {
             initial: [0.0; 4],
             position_unit: position.map_or("rad".into(), |channel| channel.unit.clone()),
             input_unit: input.unit.clone(),
+            payload: recording.payload.clone(),
         };
         for channel in &recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);

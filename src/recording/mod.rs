@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! name = "arm 7"
+//! payload = "2 kg"          # optional: what the arm carries; recordings of one axis may differ in it
 //! rows = [0, 8000]          # optional: only rows 0 to 7999 below the header, at their own stamps
 //! [[channel]]
 //! role = "motor_position"   # a name of the table of roles
@@ -57,6 +58,9 @@ pub struct Channel {
 pub struct Recording {
     /// Name given in the manifest.
     pub name: String,
+    /// What the axis carries, as the manifest calls it; where it differs between recordings of one axis,
+    /// so does the inertia of the link.
+    pub payload: Option<String>,
     /// Channels in the manifest's order.
     pub channels: Vec<Channel>,
 }

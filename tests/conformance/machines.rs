@@ -6,11 +6,13 @@ use quell::recording::{Channel, Recording, Role};
 use std::f64::consts::PI;
 
 /// Sampling period of drive and encoder, s.
-const PERIOD: f64 = 0.004;
+pub const PERIOD: f64 = 0.004;
 /// Period of a sensor with a clock of its own, s.
-const OWN_PERIOD: f64 = 0.003;
+pub const OWN_PERIOD: f64 = 0.003;
 /// Length of a recording, s.
 const DURATION: f64 = 6.0;
+
+const JOINT: &str = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8.0\ndamping_ratio = 0.05\n";
 
 /// A machine whose model is known, and its moves.
 pub struct Machine {
@@ -25,80 +27,142 @@ pub struct Machine {
 }
 
 impl Machine {
+    fn new(name: &'static str, model: &str, channels: Vec<Channel>) -> Self {
+        Self {
+            name,
+            model: Model::from_toml(model, "model.toml").unwrap(),
+            blank: Recording {
+                name: name.into(),
+                payload: None,
+                channels,
+            },
+            noise: &[1.0],
+        }
+    }
+
     /// Whether an effect can sit there in this machine and is seen by its sensors.
     pub fn can_have(&self, effect: &Effect, place: Place) -> bool {
-        let input = self.blank.channels[0].role;
-        let relative = self.blank.channel(Role::Deformation).is_some();
-        let shared = self.blank.channels[1].time == self.blank.channels[0].time;
+        let [input, sensor, ..] = &self.blank.channels[..] else {
+            return false;
+        };
         let seen = match effect.name {
             // A part of the deformation alone is what a strain gauge shows.
-            "deformation_gain" => relative,
+            "deformation_gain" => sensor.role == Role::Deformation,
             // To a clock of its own a delay is an offset.
-            "sensor_delay" => shared,
+            "sensor_delay" => sensor.time == input.time,
             _ => true,
         };
-        (self.model.kind.places)(input).contains(&place) && seen
+        (self.model.kind.places)(input.role).contains(&place) && seen
     }
 }
 
-/// The machines of this test.
-pub fn machines() -> Vec<Machine> {
-    let joint = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8.0\ndamping_ratio = 0.05\n";
-    let moves = steps(PERIOD);
-    let own = stamps(OWN_PERIOD);
+/// A flexible joint whose encoder and link sensor have these stamps.
+pub fn joint_at(encoder: &[f64], sensor: &[f64]) -> Machine {
+    let channels = vec![
+        angle(Role::MotorPosition, encoder, position),
+        blank(Role::LinkPosition, sensor),
+    ];
+    Machine::new("joint", JOINT, channels)
+}
+
+/// A flexible joint behind its encoder, with a sensor of the link that has a clock of its own.
+pub fn joint() -> Machine {
+    joint_at(&stamps(PERIOD), &stamps(OWN_PERIOD))
+}
+
+/// The same with a strain gauge that is read with the encoder.
+pub fn gauge() -> Machine {
     let shared = stamps(PERIOD);
-    let angle = |role| Channel { role, unit: "rad".into(), time: shared.clone(), columns: vec![moves.clone()] };
-    vec![
-        Machine {
-            name: "joint",
-            model: Model::from_toml(joint, "model.toml").unwrap(),
-            blank: recording(vec![angle(Role::MotorPosition), blank(Role::LinkPosition, &own)]),
-            noise: &[1.0],
-        },
-        Machine {
-            name: "gauge",
-            model: Model::from_toml(joint, "model.toml").unwrap(),
-            blank: recording(vec![angle(Role::MotorPosition), blank(Role::Deformation, &shared)]),
-            noise: &[1.0],
-        },
-        Machine {
-            name: "commanded",
-            model: Model::from_toml(joint, "model.toml").unwrap(),
-            blank: recording(vec![angle(Role::CommandPosition), blank(Role::LinkPosition, &shared)]),
-            noise: &[1.0],
-        },
-        Machine {
-            name: "axis",
-            model: Model::from_toml("kind = \"rigid_axis\"\nmass = 95.0\n", "model.toml").unwrap(),
-            blank: recording(vec![
-                Channel { role: Role::Force, unit: "N".into(), time: shared.clone(), columns: vec![pulses(100.0)] },
-                Channel { unit: "m".into(), ..blank(Role::MotorPosition, &shared) },
-            ]),
-            noise: &[1.0],
-        },
-        Machine {
-            name: "two masses",
-            model: Model::from_toml("kind = \"two_mass\"\nmotor_inertia = 0.06\nlink_inertia = 0.17\nstiffness = 200.0\ndamping = 0.3\ntorque_constant = 2.0\n", "model.toml").unwrap(),
-            blank: recording(vec![
-                Channel { role: Role::MotorCurrent, unit: "A".into(), time: shared.clone(), columns: vec![pulses(2.0)] },
-                blank(Role::MotorPosition, &shared),
-                blank(Role::Deformation, &shared),
-            ]),
-            noise: &[3.0, 1.0],
-        },
-    ]
+    let channels = vec![
+        angle(Role::MotorPosition, &shared, position),
+        blank(Role::Deformation, &shared),
+    ];
+    Machine::new("gauge", JOINT, channels)
 }
 
-fn recording(channels: Vec<Channel>) -> Recording {
-    Recording { name: "arm".into(), channels }
+/// The same behind the command; the link starts away from 0.
+pub fn commanded() -> Machine {
+    let shared = stamps(PERIOD);
+    let channels = vec![
+        angle(Role::CommandPosition, &shared, position),
+        blank(Role::LinkPosition, &shared),
+    ];
+    Machine::new("commanded", JOINT, channels)
 }
 
-fn blank(role: Role, stamps: &[f64]) -> Channel {
-    Channel { role, unit: "rad".into(), time: stamps.to_vec(), columns: vec![vec![0.0; stamps.len()]] }
+/// A rigid axis that a measured force drives.
+pub fn axis() -> Machine {
+    let shared = stamps(PERIOD);
+    let channels = vec![
+        Channel {
+            unit: "N".into(),
+            ..angle(Role::Force, &shared, |t| 100.0 * push(t))
+        },
+        Channel {
+            unit: "m".into(),
+            ..blank(Role::MotorPosition, &shared)
+        },
+    ];
+    Machine::new("axis", "kind = \"rigid_axis\"\nmass = 95.0\n", channels)
 }
 
-fn stamps(period: f64) -> Vec<f64> {
-    (0..=(DURATION / period) as usize).map(|k| k as f64 * period).collect()
+/// The same under a position loop, driven by its reference.
+pub fn looped() -> Machine {
+    let shared = stamps(PERIOD);
+    let model =
+        "kind = \"rigid_axis\"\nmass = 95.0\nposition_gain = 20.0\nvelocity_gain = 3000.0\n";
+    let channels = vec![
+        Channel {
+            unit: "m".into(),
+            ..angle(Role::CommandPosition, &shared, position)
+        },
+        Channel {
+            unit: "m".into(),
+            ..blank(Role::MotorPosition, &shared)
+        },
+    ];
+    Machine::new("loop", model, channels)
+}
+
+/// A motor and a link on a spring, driven by a current.
+pub fn two_masses() -> Machine {
+    let shared = stamps(PERIOD);
+    let model = "kind = \"two_mass\"\nmotor_inertia = 0.06\nlink_inertia = 0.17\nstiffness = 200.0\n\
+        damping = 0.3\ntorque_constant = 2.0\n";
+    let channels = vec![
+        Channel {
+            unit: "A".into(),
+            ..angle(Role::MotorCurrent, &shared, |t| 2.0 * push(t))
+        },
+        blank(Role::MotorPosition, &shared),
+        blank(Role::Deformation, &shared),
+    ];
+    Machine {
+        noise: &[3.0, 1.0],
+        ..Machine::new("two masses", model, channels)
+    }
+}
+
+/// A channel with the values of a function of time.
+pub fn angle(role: Role, time: &[f64], at: impl Fn(f64) -> f64) -> Channel {
+    Channel {
+        role,
+        unit: "rad".into(),
+        time: time.to_vec(),
+        columns: vec![time.iter().map(|t| at(*t)).collect()],
+    }
+}
+
+/// A channel whose values are not yet there.
+pub fn blank(role: Role, time: &[f64]) -> Channel {
+    angle(role, time, |_| 0.0)
+}
+
+/// A regular clock.
+pub fn stamps(period: f64) -> Vec<f64> {
+    (0..=(DURATION / period) as usize)
+        .map(|k| k as f64 * period)
+        .collect()
 }
 
 /// Moves: start, ramp, cruise (s), speed (rad/s). Short and long, slow and fast, back and forth.
@@ -113,25 +177,26 @@ const MOVES: &[(f64, f64, f64, f64)] = &[
 ];
 
 /// Position of a motor side that speeds up and slows down by half sines.
-fn steps(period: f64) -> Vec<f64> {
+pub fn position(t: f64) -> f64 {
     let ramp = |t: f64, ramp: f64, v: f64| {
         let (t, late) = (t.clamp(0.0, ramp), (t - ramp).max(0.0));
         0.5 * v * (t - ramp / PI * (PI * t / ramp).sin()) + v * late
     };
-    let at = |t: f64| -> f64 {
-        MOVES.iter().map(|&(start, length, cruise, v)| ramp(t - start, length, v) - ramp(t - start - length - cruise, length, v)).sum()
-    };
-    stamps(period).into_iter().map(|t| 0.2 + at(t)).collect()
+    let moved = MOVES.iter().map(|&(start, length, cruise, v)| {
+        ramp(t - start, length, v) - ramp(t - start - length - cruise, length, v)
+    });
+    0.2 + moved.sum::<f64>()
 }
 
 /// What drives: a push at the start of a move, one against it at its end.
-fn pulses(size: f64) -> Vec<f64> {
+pub fn push(t: f64) -> f64 {
     let bump = |t: f64, length: f64| match t > 0.0 && t < length {
         true => (PI * t / length).sin(),
         false => 0.0,
     };
-    let at = |t: f64| -> f64 {
-        MOVES.iter().map(|&(start, length, cruise, v)| v * (bump(t - start, 2.0 * length) - 0.8 * bump(t - start - length - cruise, 2.0 * length))).sum()
-    };
-    stamps(PERIOD).into_iter().map(|t| size * at(t)).collect()
+    let pushes = MOVES.iter().map(|&(start, length, cruise, v)| {
+        let stop = bump(t - start - length - cruise, 2.0 * length);
+        v * (bump(t - start, 2.0 * length) - 0.8 * stop)
+    });
+    pushes.sum()
 }
