@@ -13,6 +13,9 @@ use std::f64::consts::TAU;
 /// three of them is another machine.
 const FARTHEST: f64 = 3.0;
 
+/// Errors of a rigid axis that matter, as a share of its travel: what stands for the deformation.
+const RIGID: f64 = 0.01;
+
 /// The experiments of a diagnosis and what is held out of them.
 pub struct Data {
     /// What is fitted.
@@ -88,8 +91,11 @@ pub fn problem<'a>(
         bounds.push(limits(key.range, value.bounds, value.value, std));
     }
     let scales = scales(kind, &model.keys(), experiments, model);
+    let payloads = payloads(experiments);
     Problem {
         kind,
+        free_payloads: 1..payloads.len(),
+        payloads,
         experiments,
         rows,
         whitening: noise.clone(),
@@ -102,6 +108,17 @@ pub fn problem<'a>(
         departure_scale: departure_scale(&scales),
         scales,
     }
+}
+
+/// Different payloads, that of the first recording first.
+pub fn payloads(experiments: &[Experiment]) -> Vec<Option<String>> {
+    let mut found: Vec<Option<String>> = Vec::new();
+    for experiment in experiments {
+        if !found.contains(&experiment.payload) {
+            found.push(experiment.payload.clone());
+        }
+    }
+    found
 }
 
 fn limits(range: (f64, f64), given: Option<(f64, f64)>, value: f64, std: f64) -> (f64, f64) {
@@ -156,7 +173,8 @@ fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
     experiment.outputs.iter().map(guess).collect()
 }
 
-/// How large the motion is that the model itself makes.
+/// How large the motion is that a model of this kind, with these values of its keys, itself makes in
+/// the first of the experiments.
 pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Model) -> Scales {
     let experiment = &experiments[0];
     let simulated = simulate(kind, keys, &model.terms(), experiment, &[0.0; 8]);
@@ -166,9 +184,8 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         values.fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()))
     };
     let deformation = most(&|k| trace.link[k][0] - trace.motor[k][0]);
-    let position = |k: usize| trace.link[k][0];
     let finite = (0..trace.time.len())
-        .map(position)
+        .map(|k| trace.link[k][0])
         .filter(|v| v.is_finite());
     let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
         (low.min(v), high.max(v))
@@ -193,11 +210,18 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         None => linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force,
     };
     let output = &experiment.outputs[0];
+    let position = if range.0 < range.1 { range } else { (0.0, 1.0) };
+    let velocity = most(&|k| trace.link[k][1]);
+    // Where nothing bends the same errors are held against the travel.
+    let (deformation, deformation_rate) = match linear.link {
+        Some(_) => (deformation, most(&|k| trace.link[k][1] - trace.motor[k][1])),
+        None => (RIGID * (position.1 - position.0), velocity),
+    };
     Scales {
         deformation,
-        deformation_rate: most(&|k| trace.link[k][1] - trace.motor[k][1]),
-        position: if range.0 < range.1 { range } else { (0.0, 1.0) },
-        velocity: most(&|k| trace.link[k][1]),
+        deformation_rate,
+        position,
+        velocity,
         acceleration: most(&|k| trace.link[k][2]),
         force: match linear.motor {
             // Friction at the drive may take most of what drives, far more than the spring carries.

@@ -214,6 +214,13 @@ fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64
             all.insert(name, point.locals[e].clocks[k]);
         }
     }
+    for index in search.problem.free_payloads.clone() {
+        let payload = search.problem.payloads[index].as_deref().unwrap_or("none");
+        all.insert(
+            format!("relative_inertia_with_payload {payload}"),
+            point.inertias[index],
+        );
+    }
     for &key in &search.problem.free {
         all.insert(
             search.problem.kind.keys[key].name.to_string(),

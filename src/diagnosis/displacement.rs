@@ -1,6 +1,7 @@
 //! Displacements in the space of unknowns: the shared ones first, then those of each experiment.
 
 use super::problem::{Global, Point, Problem};
+use crate::model::Experiment;
 use nalgebra::DVector;
 
 /// Typical sizes that a shared unknown may move at once.
@@ -37,6 +38,15 @@ impl Problem<'_> {
             }
         }
         next
+    }
+
+    /// Number of unknowns of a step at a point.
+    pub fn unknowns(&self, point: &Point, globals: &[Global]) -> usize {
+        let own = |(e, data): (usize, &Experiment)| {
+            let clocks = data.outputs.iter().filter(|output| output.own_clock);
+            self.starts(point, e).len() + clocks.count()
+        };
+        globals.len() + self.experiments.iter().enumerate().map(own).sum::<usize>()
     }
 
     /// What an experiment sees of the way from one point to another, in the order of its Jacobian.

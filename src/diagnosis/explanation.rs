@@ -135,6 +135,15 @@ impl<'a> Judge<'a> {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
+        // A payload that was carried in the fitted recordings is known; another one is not.
+        let carried = baseline::payloads(&self.data.experiments);
+        problem.free_payloads = carried.len()..carried.len();
+        for payload in std::mem::replace(&mut problem.payloads, carried) {
+            if !problem.payloads.contains(&payload) {
+                problem.payloads.push(payload);
+            }
+        }
+        problem.free_payloads.end = problem.payloads.len();
         let known = fitted.experiments[0]
             .outputs
             .iter()
@@ -151,6 +160,7 @@ impl<'a> Judge<'a> {
         }
         let mut start = problem.start(self.model);
         start.keys.clone_from(&point.keys);
+        start.inertias[..point.inertias.len()].copy_from_slice(&point.inertias);
         start.terms.clone_from(&point.terms);
         start.given_terms = start.terms.len();
         let projector = Projector::new(&problem);

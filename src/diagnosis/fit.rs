@@ -234,7 +234,7 @@ impl Problem<'_> {
         }
         let moved = match global {
             Global::Parameter(term, _) => self.run_again(&moved, e, term, run),
-            Global::Key(_) => self.run(&moved, e),
+            _ => self.run(&moved, e),
         };
         (self.complete(e, &moved.residuals) - at) / change
     }

@@ -30,7 +30,7 @@ mod units;
 mod weights;
 mod whitening;
 
-pub use baseline::DiagnosisError;
+pub use baseline::{DiagnosisError, scales};
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
     Verdict,

@@ -31,6 +31,10 @@ pub struct Problem<'a> {
     pub bounds: Vec<(f64, f64)>,
     /// What the given model says of the parameters of its effects, an effect each; fitted as keys are.
     pub given: Vec<Vec<Value>>,
+    /// Payloads of the recordings, that of the first one first.
+    pub payloads: Vec<Option<String>>,
+    /// Which of them have an inertia that is free.
+    pub free_payloads: Range<usize>,
     /// Components of the start (see [`simulate`]) that are free.
     pub departures: Vec<usize>,
     /// Typical sizes of these components.
@@ -69,7 +73,13 @@ pub struct Point {
     pub given_terms: usize,
     /// What each experiment alone has.
     pub locals: Vec<Local>,
+    /// Inertia of the link with each payload, in times that with the first one.
+    pub inertias: Vec<f64>,
 }
+
+/// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
+/// weight, at the end of an arm whose own weight is spread over it.
+const HEAVIEST: (f64, f64) = (0.05, 20.0);
 
 /// A scalar unknown that all experiments share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +88,8 @@ pub enum Global {
     Key(usize),
     /// A parameter of an effect: term, parameter.
     Parameter(usize, usize),
+    /// Inertia of the link with a payload.
+    Inertia(usize),
 }
 
 impl Point {
@@ -113,6 +125,7 @@ impl Problem<'_> {
             given_terms: terms.len(),
             terms,
             locals: self.experiments.iter().map(local).collect(),
+            inertias: vec![1.0; self.payloads.len()],
         }
     }
 
@@ -130,7 +143,8 @@ impl Problem<'_> {
             all.filter(free)
                 .map(move |parameter| Global::Parameter(term, parameter))
         });
-        keys.chain(parameters).collect()
+        let inertias = self.free_payloads.clone().map(Global::Inertia);
+        keys.chain(inertias).chain(parameters).collect()
     }
 
     /// What the given model says of a parameter of one of its effects.
@@ -176,7 +190,11 @@ impl Problem<'_> {
 
     /// Whether an unknown is fitted by its logarithm.
     fn logarithmic(&self, global: Global) -> bool {
-        matches!(global, Global::Key(key) if self.kind.keys[key].range.0 > 0.0)
+        match global {
+            Global::Key(key) => self.kind.keys[key].range.0 > 0.0,
+            Global::Parameter(..) => false,
+            Global::Inertia(_) => true,
+        }
     }
 
     /// Value of an unknown as the fit sees it.
@@ -184,6 +202,7 @@ impl Problem<'_> {
         let value = match global {
             Global::Key(key) => point.keys[key],
             Global::Parameter(term, parameter) => point.terms[term].values[parameter],
+            Global::Inertia(payload) => point.inertias[payload],
         };
         match self.logarithmic(global) {
             true => value.ln(),
@@ -202,6 +221,7 @@ impl Problem<'_> {
         match global {
             Global::Key(key) => point.keys[key] = value,
             Global::Parameter(term, parameter) => point.terms[term].values[parameter] = value,
+            Global::Inertia(payload) => point.inertias[payload] = value,
         }
     }
 
@@ -222,6 +242,7 @@ impl Problem<'_> {
                     None => (low, high),
                 }
             }
+            Global::Inertia(_) => HEAVIEST,
         }
     }
 
@@ -236,7 +257,16 @@ impl Problem<'_> {
                 let parameter = &point.terms[term].effect.parameters[parameter];
                 (parameter.typical)(&self.scales).abs()
             }
+            Global::Inertia(_) => 1.0,
         }
+    }
+
+    /// Values of the keys in one experiment: with its payload.
+    pub fn keys(&self, point: &Point, experiment: usize) -> Vec<f64> {
+        let payload = &self.experiments[experiment].payload;
+        let index = self.payloads.iter().position(|other| other == payload);
+        let inertia = index.map_or(1.0, |index| point.inertias[index]);
+        self.kind.loaded(&point.keys, inertia)
     }
 
     /// One experiment at a point.
@@ -245,7 +275,7 @@ impl Problem<'_> {
         let data = &self.experiments[experiment];
         let simulated = simulate_windows(
             self.kind,
-            &point.keys,
+            &self.keys(point, experiment),
             &point.terms,
             data,
             &local.departures,

@@ -2,11 +2,62 @@
 
 use super::problem::Problem;
 use super::search::Found;
+use crate::recording::Recording;
+use crate::recording::health::{JITTER, health};
 
-/// Keys at their bounds, and what a clock suggests.
+/// What is irregular in the recordings, and what was made of it.
+pub fn recorded(recordings: &[Recording]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for recording in recordings {
+        for channel in &recording.channels {
+            let (name, of) = (channel.role, &recording.name);
+            let health = health(channel);
+            let clock = &health.clock;
+            if !clock.gaps.is_empty() || clock.jitter > JITTER * clock.period {
+                remarks.push(format!(
+                    "{name} of \"{of}\": {} missing samples in {} gap(s), the clock jitters by {:.1} % of its \
+                     period. Each sample was used at its own stamp, and none was made up.",
+                    clock.missing,
+                    clock.gaps.len(),
+                    100.0 * clock.jitter / clock.period
+                ));
+            }
+            let wraps: usize = health.columns.iter().map(|column| column.wraps.len()).sum();
+            if wraps > 0 {
+                remarks.push(format!(
+                    "{name} of \"{of}\": the angle jumped by a turn {wraps} time(s), and was unwrapped."
+                ));
+            }
+        }
+    }
+    remarks
+}
+
+/// Keys at their bounds, effects of the given model that the recording does not need, payloads.
 pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
     let mut remarks = Vec::new();
     let point = &found.best.fitted.point;
+    for term in &point.terms[..point.given_terms] {
+        let parameter = &term.effect.parameters[0];
+        // A thousandth of a typical size changes nothing that could be seen.
+        let least = 1e-3 * (parameter.typical)(&problem.scales).abs();
+        if (term.values[0] - parameter.neutral).abs() < least {
+            remarks.push(format!(
+                "{} in the {}, which the model has, went to nothing: the recording does not need it.",
+                term.effect.name,
+                term.place.name()
+            ));
+        }
+    }
+    for index in problem.free_payloads.clone() {
+        let named = |index: usize| problem.payloads[index].as_deref().unwrap_or("none");
+        remarks.push(format!(
+            "With the payload \"{}\" the link's inertia is {:.3} times that with \"{}\".",
+            named(index),
+            point.inertias[index],
+            named(0)
+        ));
+    }
     for &key in &problem.free {
         let (low, high) = problem.bounds[key];
         let (name, value) = (problem.kind.keys[key].name, point.keys[key]);

@@ -9,6 +9,7 @@ use super::fit::{Fitted, Projector};
 use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
 use super::problem::Problem;
+use super::remarks::recorded;
 use super::search::{Found, Search, ratio};
 use super::traces::Traces;
 use super::weights::{measure_noise, measured_again};
@@ -67,7 +68,8 @@ pub fn diagnose(
         (fitted, apart) = in_two(model, train, &fitted)?;
     }
     let mut data = Data::new(fitted, apart);
-    let first = investigate(model, &data, options, progress, None);
+    let told = recorded(train);
+    let first = investigate(model, &data, options, progress, told.clone(), false);
     if data.apart.is_empty() && first.surprised {
         // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
         // of every move instead.
@@ -75,7 +77,8 @@ pub fn diagnose(
         data.interleave(stretch);
         let remark = "What was held out differs from what was fitted: something changed with time. \
             Stretches of every move were held out instead of the last moves.";
-        let second = investigate(model, &data, options, progress, Some(remark.into()));
+        let told = std::iter::once(remark.to_string()).chain(told).collect();
+        let second = investigate(model, &data, options, progress, told, true);
         return Ok(named(second.outcome, &data, train));
     }
     Ok(named(first.outcome, &data, train))
@@ -141,10 +144,9 @@ fn investigate(
     data: &Data,
     options: &Options,
     progress: Progress,
-    remark: Option<String>,
+    mut remarks: Vec<String>,
+    is_second: bool,
 ) -> Investigation {
-    let is_second = remark.is_some();
-    let mut remarks: Vec<String> = remark.into_iter().collect();
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
@@ -271,7 +273,7 @@ fn located(
     let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
     let simulated = simulate_windows(
         problem.kind,
-        &point.keys,
+        &problem.keys(point, 0),
         &point.terms,
         experiment,
         &local.departures,

@@ -3,10 +3,12 @@
 //! With `r` the residual of the refitted model and `d` its change by the effect, only the part `d_perp`
 //! matters that no change of the model's own parameters makes. The effect at this size lowers the cost
 //! by `-2 d_perp . r - |d_perp|^2`; at another size, were it linear, by `(d_perp . r)^2 / |d_perp|^2`,
-//! of which a part is believed.
+//! of which a part is believed. An effect of which the model's own parameters make most (a branch that
+//! stiffens a spring shifts its frequency first) is looked at a second time, these parameters moved
+//! against it: what is left of a large shift in second order would else hide it.
 
 use super::fit::{Linearised, Projector, orthonormal};
-use super::problem::{Point, Problem};
+use super::problem::{Point, Problem, Run};
 use crate::effects::{EFFECTS, Effect, Place};
 use crate::model::Term;
 use crate::recording::Role;
@@ -16,6 +18,12 @@ use std::f64::consts::TAU;
 
 /// Share of the gain at another size that is believed: effects are not linear in their size.
 const BELIEVED: f64 = 0.3;
+
+/// Square of the part of a change that the model can make over that of the rest, from which the rest may
+/// be the second order of the former: a shift of a frequency by a tenth leaves about a tenth of itself.
+const MOSTLY_OWN: f64 = 10.0;
+/// Share of the mismatch that is promise enough.
+const HOPEFUL: f64 = 0.5;
 
 /// An effect at a place with values to start from.
 #[derive(Clone)]
@@ -64,6 +72,8 @@ struct Screen<'a> {
     basis: DMatrix<f64>,
     /// Residual of the refitted model, all experiments.
     residual: DVector<f64>,
+    /// Least-squares step of the model's own unknowns for rows.
+    steps: DMatrix<f64>,
 }
 
 /// Scores every candidate at every size of its grid; best first, at most `each` sizes a candidate.
@@ -74,12 +84,14 @@ pub fn screen(
     projector: &Projector,
     each: usize,
 ) -> Vec<Start> {
+    let directions = directions(linear);
     let screen = Screen {
         problem,
         point,
         linear,
         projector,
-        basis: basis(linear),
+        steps: steps(&directions),
+        basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
     let there = |effect: &Effect, place: Place| {
@@ -115,17 +127,42 @@ impl Screen<'_> {
 
     fn score(&self, moved: &Point) -> f64 {
         let last = moved.terms.len() - 1;
-        let rows: Vec<DVector<f64>> = (0..self.linear.residuals.len())
-            .map(|e| {
-                let before = &self.linear.runs[e];
-                let run = self.problem.run_again(moved, e, last, before);
-                let rows = self.problem.complete(e, &run.residuals);
-                self.projector.remove(e, &rows)
-            })
-            .collect();
-        let mut change = stacked(&rows) - &self.residual;
+        let change = self.change(|e| {
+            let before = &self.linear.runs[e];
+            self.problem.run_again(moved, e, last, before)
+        });
+        let own = self.basis.tr_mul(&change).norm_squared();
+        let (gain, square) = self.gain(change.clone());
+        if own < MOSTLY_OWN * square || gain > HOPEFUL * self.residual.norm_squared() {
+            return gain;
+        }
+        let step = &self.steps * (&change + &self.residual);
+        let globals = &self.linear.globals;
+        if step.len() != self.problem.unknowns(moved, globals) {
+            return gain;
+        }
+        let compensated = self.problem.moved(moved, globals, &step);
+        gain.max(
+            self.gain(self.change(|e| self.problem.run(&compensated, e)))
+                .0,
+        )
+    }
+
+    /// Change of the residual of all experiments.
+    fn change(&self, run: impl Fn(usize) -> Run) -> DVector<f64> {
+        let rows = |e: usize| {
+            let rows = self.problem.complete(e, &run(e).residuals);
+            self.projector.remove(e, &rows)
+        };
+        let rows: Vec<DVector<f64>> = (0..self.linear.residuals.len()).map(rows).collect();
+        stacked(&rows) - &self.residual
+    }
+
+    /// What a change promises, and the square of the part that the model cannot make.
+    fn gain(&self, mut change: DVector<f64>) -> (f64, f64) {
         change -= &self.basis * self.basis.tr_mul(&change);
-        gain(change.dot(&self.residual), change.norm_squared())
+        let square = change.norm_squared();
+        (gain(change.dot(&self.residual), square), square)
     }
 }
 
@@ -134,8 +171,8 @@ fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
 }
 
-/// Basis of all directions that the model has, over the stacked rows of all experiments.
-fn basis(linear: &Linearised) -> DMatrix<f64> {
+/// All directions that the model has, over the stacked rows of all experiments.
+fn directions(linear: &Linearised) -> DMatrix<f64> {
     let shared = linear.globals.len();
     let rows: usize = linear.jacobians.iter().map(|j| j.nrows()).sum();
     let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
@@ -149,7 +186,28 @@ fn basis(linear: &Linearised) -> DMatrix<f64> {
             .copy_from(&jacobian.columns(shared, m - shared));
         (row, column) = (row + n, column + m - shared);
     }
-    orthonormal(all)
+    all
+}
+
+/// The pseudo-inverse of the directions, by their normal equations.
+fn steps(directions: &DMatrix<f64>) -> DMatrix<f64> {
+    let norms: Vec<f64> = directions.column_iter().map(|c| c.norm()).collect();
+    let scale = |k: usize| if norms[k] > 0.0 { 1.0 / norms[k] } else { 1.0 };
+    let mut scaled = directions.clone();
+    for (k, mut column) in scaled.column_iter_mut().enumerate() {
+        column *= scale(k);
+    }
+    let product = scaled.tr_mul(&scaled);
+    // Directions that depend on others share a step.
+    let inverse = product.pseudo_inverse(1e-9).unwrap_or_default();
+    let mut steps = match inverse.is_empty() {
+        true => DMatrix::zeros(directions.ncols(), directions.nrows()),
+        false => inverse * scaled.transpose(),
+    };
+    for (k, mut row) in steps.row_iter_mut().enumerate() {
+        row *= scale(k);
+    }
+    steps
 }
 
 /// Angular frequencies at which a residual has its three highest peaks, the highest first.
@@ -190,9 +248,13 @@ pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
 /// Samples in which peaks are looked for: their number grows with its square.
 const MOST_SAMPLES: usize = 4096;
 
+/// Change of all rows together, squared, in units of the noise, below which a size is not seen: what a
+/// force does to a motor side that is prescribed is rounding, which may point anywhere.
+const UNSEEN: f64 = 1e-4;
+
 /// What a change with this product and square promises.
 fn gain(product: f64, square: f64) -> f64 {
-    if !(square.is_finite() && product.is_finite()) || square <= 0.0 {
+    if !(square.is_finite() && product.is_finite()) || square <= UNSEEN {
         return f64::NEG_INFINITY;
     }
     let here = -2.0 * product - square;

@@ -46,5 +46,5 @@ pub const BASE_MODE: Effect = Effect {
             share: p[0],
         })
     },
-    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 6), &[0.04]]),
+    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 9), &[0.04]]),
 };

@@ -65,7 +65,9 @@ pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
 /// Angular frequencies to look at.
 pub(super) fn frequencies(scales: &Scales, count: usize) -> Vec<f64> {
     let found = scales.suspect_frequencies.len().min(count / 2);
-    let coarse = [2.5, 0.6, 1.5, 4.0, 0.35, 7.0].map(|factor| factor * scales.natural_frequency);
+    // Stiff parts, a soft base, and a load that hangs like a pendulum, near 1 Hz.
+    let coarse =
+        [2.5, 0.6, 1.5, 4.0, 0.35, 0.12, 7.0, 0.2].map(|factor| factor * scales.natural_frequency);
     let suspects = &scales.suspect_frequencies[..found];
     fill(suspects, coarse, frequency_bounds(scales), count)
 }

@@ -4,9 +4,9 @@
 /// range of positions and the suspects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
-    /// Largest deformation.
+    /// Largest deformation; a hundredth of the travel where nothing bends.
     pub deformation: f64,
-    /// Largest rate of the deformation.
+    /// Largest rate of the deformation; the largest speed where nothing bends.
     pub deformation_rate: f64,
     /// Least and greatest position of the link (of the motor side where there is no link).
     pub position: (f64, f64),

@@ -49,6 +49,6 @@ pub const SECOND_MODE: Effect = Effect {
     },
     starts: |scales| {
         let share = if scales.forced { 0.3 } else { 0.05 };
-        product(&[&[-share, share], &frequencies(scales, 6), &[0.02]])
+        product(&[&[-share, share], &frequencies(scales, 9), &[0.02]])
     },
 };

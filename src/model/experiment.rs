@@ -1,5 +1,6 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
+use super::chain::MotorSide;
 use super::piecewise::{Grid, Hold};
 use super::windows::Window;
 use super::{ExperimentError, Model};
@@ -56,6 +57,8 @@ pub struct Experiment {
     pub position_unit: String,
     /// Unit of the input.
     pub input_unit: String,
+    /// What the axis carries, as the recording calls it.
+    pub payload: Option<String>,
 }
 
 /// Radians of the fastest mode in a step. With 0.25 the classical Runge-Kutta method errs by
@@ -95,6 +98,7 @@ impl Experiment {
             windows: Vec::new(),
             position_unit: position.map_or("rad".into(), |channel| channel.unit.clone()),
             input_unit: input.unit.clone(),
+            payload: recording.payload.clone(),
         };
         for channel in &recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);
@@ -110,7 +114,7 @@ impl Experiment {
                 outputs: names(model.kind.outputs),
             });
         }
-        experiment.measure_start();
+        experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         experiment.windows = super::windows::windows(model, &experiment);
         Ok(experiment)
     }
@@ -128,17 +132,24 @@ impl Experiment {
         })
     }
 
-    /// Where a free motor side starts: the first samples of its sensors.
-    fn measure_start(&mut self) {
-        for output in &self.outputs {
-            let slot = match output.role {
-                Role::MotorPosition => 0,
-                Role::Deformation => 2,
-                Role::LinkPosition if self.input != Role::MotorPosition => 2,
-                _ => continue,
-            };
-            self.initial[slot] = output.values[0];
-        }
+    /// Where the chain starts: what the first samples of its sensors show of a motor side or a link that
+    /// the input does not prescribe. One on a prescribed motor side starts at rest on it.
+    fn measure_start(&mut self, motor: MotorSide) {
+        let first = |role| {
+            let mut outputs = self.outputs.iter();
+            outputs.find(|o| o.role == role).map(|o| o.values[0])
+        };
+        let (motor_position, link) = (first(Role::MotorPosition), first(Role::LinkPosition));
+        let deformation = first(Role::Deformation);
+        self.initial = match motor {
+            MotorSide::Prescribed => [0.0; 4],
+            MotorSide::Fixed => [0.0, 0.0, link.or(deformation).unwrap_or(0.0), 0.0],
+            MotorSide::Free { .. } => {
+                let start = motor_position.or(link).unwrap_or(0.0);
+                let bent = deformation.or(link.map(|link| link - start));
+                [start, 0.0, bent.unwrap_or(0.0), 0.0]
+            }
+        };
     }
 
     /// The same experiment with other values of the input at its stamps; values that are not finite change

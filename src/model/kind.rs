@@ -61,6 +61,21 @@ impl Kind {
         KINDS.iter().copied().find(|kind| kind.name == name)
     }
 
+    /// Values of the keys with the link's inertia this many times as large (the mass of a rigid axis): as
+    /// stiffness and damper stay, natural frequency and damping ratio fall with its root.
+    pub fn loaded(&self, keys: &[f64], inertia: f64) -> Vec<f64> {
+        let mut loaded = keys.to_vec();
+        match (self.mode, self.key("link_inertia").or(self.key("mass"))) {
+            (Some((frequency, damping)), _) => {
+                loaded[frequency] /= inertia.sqrt();
+                loaded[damping] /= inertia.sqrt();
+            }
+            (None, Some(key)) => loaded[key] *= inertia,
+            (None, None) => {}
+        }
+        loaded
+    }
+
     /// Index of a key.
     pub fn key(&self, name: &str) -> Option<usize> {
         self.keys.iter().position(|key| key.name == name)

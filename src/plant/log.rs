@@ -83,6 +83,7 @@ impl MeasurementLog {
         channels.retain(|channel| !channel.time.is_empty());
         Recording {
             name: name.to_string(),
+            payload: None,
             channels,
         }
     }

@@ -76,7 +76,7 @@ pub fn write_case(folder: &Path, number: usize, case: &Case) -> Result<SealedCas
     let sealed = write_model(folder, number, case)?;
     let named = |recording: &Recording, part: &str| Recording {
         name: format!("{}/{part}", sealed.name),
-        channels: recording.channels.clone(),
+        ..recording.clone()
     };
     named(&case.train, "train").write(&sealed.train, true)?;
     named(&case.test, "test").write(&sealed.test, true)?;

@@ -15,14 +15,15 @@ pub const MANIFEST: &str = "recording.toml";
 
 /// The keys of a manifest and of its channels, for suggestions.
 const KEYS: &[&str] = &[
-    "name", "rows", "channel", "role", "file", "time", "rate_hz", "column", "columns", "unit",
-    "scale", "offset",
+    "name", "payload", "rows", "channel", "role", "file", "time", "rate_hz", "column", "columns",
+    "unit", "scale", "offset",
 ];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Manifest {
     name: String,
+    payload: Option<String>,
     rows: Option<Rows>,
     channel: Vec<Entry>,
 }
@@ -67,6 +68,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
         .map(|entry| source.channel(entry, manifest.rows.as_ref(), &mut tables));
     Ok(Recording {
         name: manifest.name,
+        payload: manifest.payload,
         channels: channels.collect::<Result<_, _>>()?,
     })
 }

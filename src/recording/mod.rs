@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! name = "arm 7"
+//! payload = "2 kg"          # optional: what the arm carries; recordings of one axis may differ in it
 //! rows = [0, 8000]          # optional: only rows 0 to 7999 below the header, at their own stamps
 //! [[channel]]
 //! role = "motor_position"   # a name of the table of roles
@@ -57,6 +58,9 @@ pub struct Channel {
 pub struct Recording {
     /// Name given in the manifest.
     pub name: String,
+    /// What the axis carries, as the manifest calls it; where it differs between recordings of one axis,
+    /// so does the inertia of the link.
+    pub payload: Option<String>,
     /// Channels in the manifest's order.
     pub channels: Vec<Channel>,
 }
@@ -94,13 +98,14 @@ impl Recording {
     /// use quell::recording::{Channel, Recording, Role};
     /// let (role, unit, time) = (Role::Torque, "N.m".into(), vec![0.0, 0.1, 0.2]);
     /// let channel = Channel { role, unit, time, columns: vec![vec![1.0, 2.0, 3.0]] };
-    /// let whole = Recording { name: "torque".into(), channels: vec![channel] };
+    /// let whole = Recording { name: "torque".into(), channels: vec![channel], payload: None };
     /// let (before, after) = whole.at(0.1);
     /// assert_eq!(before.channels[0].columns, [[1.0]]);
     /// assert_eq!(after.channels[0].columns, [[2.0, 3.0]]);
     /// ```
     pub fn at(&self, instant: f64) -> (Self, Self) {
         let part = |after: bool| Self {
+            payload: self.payload.clone(),
             name: self.name.clone(),
             channels: self.channels.iter().map(|c| c.at(instant, after)).collect(),
         };

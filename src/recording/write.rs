@@ -14,6 +14,8 @@ use std::path::Path;
 #[derive(Serialize)]
 struct Manifest<'a> {
     name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    payload: Option<&'a str>,
     channel: Vec<Entry<'a>>,
 }
 
@@ -48,6 +50,7 @@ pub(super) fn write(
     let mut seen = HashMap::new();
     let mut manifest = Manifest {
         name: &recording.name,
+        payload: recording.payload.as_deref(),
         channel: Vec::new(),
     };
     for channel in &recording.channels {
@@ -188,10 +191,11 @@ mod tests {
         #[test]
         fn what_is_written_is_read_back_to_the_bit(
             name in "\\PC{0,12}",
+            payload in proptest::option::of("\\PC{0,12}"),
             channels in proptest::collection::vec(channel(), 1..4),
             compress: bool,
         ) {
-            let recording = Recording { name, channels };
+            let recording = Recording { name, payload, channels };
             let folder = tempfile::TempDir::new()?;
             recording.write(folder.path(), compress)?;
             prop_assert_eq!(Recording::from_path(folder.path())?, recording);

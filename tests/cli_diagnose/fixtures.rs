@@ -107,6 +107,7 @@ pub fn recording(name: &str, friction: f64) -> Recording {
     ];
     Recording {
         name: name.into(),
+        payload: None,
         channels,
     }
 }

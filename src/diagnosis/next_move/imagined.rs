@@ -96,6 +96,7 @@ fn replaced(
         input_values: values,
         position_unit: base.position_unit.clone(),
         input_unit: base.input_unit.clone(),
+        payload: base.payload.clone(),
         ..*base
     })
 }

@@ -163,6 +163,7 @@ fn record(
     (
         Recording {
             name: name.into(),
+            payload: None,
             channels,
         },
         position,

@@ -52,6 +52,7 @@ impl Instruments {
         };
         Recording {
             name: name.into(),
+            payload: None,
             channels: vec![encoder, sensor],
         }
     }

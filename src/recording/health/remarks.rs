@@ -5,7 +5,7 @@ use crate::recording::Channel;
 
 /// Jitter, as a share of the period, from which it is remarked upon. A stamp that is off by j
 /// shifts a sample by j times the slope; 1 % of a period is 1 % of an increment between samples.
-const JITTER: f64 = 0.01;
+pub const JITTER: f64 = 0.01;
 /// Quantisation step, as a share of the range, from which it is remarked upon: from there on the
 /// rounding error (step / sqrt 12) is above 0.3 % of the range.
 const COARSE: f64 = 0.01;

@@ -1,0 +1,170 @@
+//! A recording with one effect in it that the model lacks.
+
+use crate::machines::Machine;
+use nalgebra::{DMatrix, DVector};
+use quell::effects::{Effect, Place, Scales};
+use quell::model::{Experiment, Term, simulate};
+use quell::recording::{Recording, Role};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// What no refit of the model explains, in times the noise.
+const VISIBLE: f64 = 5.0;
+/// Largest noise, as a share of the deformation (of the travel where nothing bends).
+const LOUDEST: f64 = 0.02;
+/// Step of an encoder with 20 bits, rad.
+const COUNT: f64 = TAU / 1048576.0;
+/// How much the clock of a sensor with its own reads too much, s.
+const CLOCK: f64 = 0.0073;
+
+/// A recording, and the noise of its last output.
+pub struct Concealed {
+    pub recording: Recording,
+    pub noise: f64,
+}
+
+/// The effect at its typical size in this machine, the size of its first parameter times a factor.
+pub fn typical(machine: &Machine, effect: &'static Effect, place: Place, factor: f64) -> Term {
+    let scales = scales(machine);
+    let typical = effect.parameters.iter().map(|p| (p.typical)(&scales));
+    let mut values: Vec<f64> = typical.collect();
+    let neutral = effect.parameters[0].neutral;
+    values[0] = neutral + factor * (values[0] - neutral);
+    Term {
+        effect,
+        place,
+        values,
+    }
+}
+
+fn experiment(machine: &Machine) -> Experiment {
+    Experiment::new(&machine.model, &machine.blank).unwrap()
+}
+
+fn scales(machine: &Machine) -> Scales {
+    let model = &machine.model;
+    quell::diagnosis::scales(model.kind, &model.keys(), &[experiment(machine)], model)
+}
+
+/// Simulates the machine with the effect, and adds noise of such a size that the effect is seen.
+pub fn conceal(machine: &Machine, term: Term, seed: u64) -> Concealed {
+    let experiment = experiment(machine);
+    let keys = machine.model.keys();
+    let after = seen(machine, &experiment, &keys, &[term], 0.0, &[0.0; 8]);
+    let scales = scales(machine);
+    let rigid = (machine.model.kind.linear)(&keys, experiment.input);
+    let size = match rigid.link {
+        Some(_) => scales.deformation,
+        None => scales.travel(),
+    };
+    let level = (left(machine, &experiment, &after) / VISIBLE).min(LOUDEST * size);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut recording = machine.blank.clone();
+    let mut values = after.iter();
+    let mut noise = level;
+    for (output, relative) in experiment.outputs.iter().zip(machine.noise) {
+        noise = level * relative;
+        let mut channels = recording.channels.iter_mut();
+        let channel = channels.find(|c| c.role == output.channel).unwrap();
+        for (value, true_one) in channel.columns[0].iter_mut().zip(values.by_ref()) {
+            let white: f64 = StandardNormal.sample(&mut random);
+            *value = true_one * relative + noise * white;
+        }
+    }
+    for channel in &mut recording.channels {
+        if channel.role == Role::MotorPosition && channel.unit == "rad" {
+            let counted = |value: &mut f64| *value = (*value / COUNT).round() * COUNT;
+            channel.columns[0].iter_mut().for_each(counted);
+        }
+    }
+    Concealed { recording, noise }
+}
+
+/// All outputs, each in units of its relative noise.
+fn seen(
+    machine: &Machine,
+    experiment: &Experiment,
+    keys: &[f64],
+    terms: &[Term],
+    clock: f64,
+    departure: &[f64; 8],
+) -> Vec<f64> {
+    let simulated = simulate(machine.model.kind, keys, terms, experiment, departure);
+    let outputs = experiment.outputs.iter().zip(machine.noise);
+    outputs
+        .flat_map(|(output, noise)| {
+            let clock = if output.own_clock { CLOCK + clock } else { 0.0 };
+            let values = simulated.predict(output, clock).values;
+            values.into_iter().map(move |value| value / noise)
+        })
+        .collect()
+}
+
+/// Root mean square of what the model's own keys, clock, start and offsets cannot make of the values.
+fn left(machine: &Machine, experiment: &Experiment, values: &[f64]) -> f64 {
+    let keys = machine.model.keys();
+    let given = &machine.model.given;
+    let free: Vec<usize> = (0..keys.len()).filter(|&k| given[k]).collect();
+    let position = [Role::MotorPosition, Role::CommandPosition];
+    let starts = if position.contains(&experiment.input) {
+        0
+    } else {
+        4
+    };
+    let at = |unknowns: &[f64]| {
+        let (mut keys, mut departure) = (keys.clone(), [0.0; 8]);
+        free.iter()
+            .zip(unknowns)
+            .for_each(|(&k, u)| keys[k] *= u.exp());
+        departure[..starts].copy_from_slice(&unknowns[free.len() + 1..]);
+        let clock = unknowns[free.len()];
+        DVector::from_vec(seen(machine, experiment, &keys, &[], clock, &departure))
+    };
+    let target = DVector::from_column_slice(values);
+    let mut unknowns = vec![0.0; free.len() + 1 + starts];
+    let mut least = f64::INFINITY;
+    for _ in 0..5 {
+        let here = at(&unknowns);
+        let slope = |k: usize| {
+            let mut moved = unknowns.clone();
+            moved[k] += 1e-5;
+            (at(&moved) - &here) / 1e-5
+        };
+        let mut columns: Vec<DVector<f64>> = (0..unknowns.len()).map(slope).collect();
+        columns.extend(offsets(experiment));
+        if columns.iter().any(|column| !column.norm().is_finite()) {
+            break;
+        }
+        let (step, rest) = solve(&(&target - &here), &columns);
+        least = least.min(rest);
+        let moved = unknowns.iter_mut().zip(step.iter());
+        moved.for_each(|(u, s)| *u += s.clamp(-0.1, 0.1));
+    }
+    least / (values.len() as f64).sqrt()
+}
+
+/// A column of ones for each output.
+fn offsets(experiment: &Experiment) -> Vec<DVector<f64>> {
+    let all = experiment.samples();
+    let mut first = 0;
+    let column = |output: &quell::model::Output| {
+        let own = first..first + output.values.len();
+        first = own.end;
+        DVector::from_fn(all, |k, _| f64::from(u8::from(own.contains(&k))))
+    };
+    experiment.outputs.iter().map(column).collect()
+}
+
+/// Coefficients of the columns that make most of the vector, and the length of what is left.
+fn solve(vector: &DVector<f64>, columns: &[DVector<f64>]) -> (DVector<f64>, f64) {
+    let norms: Vec<f64> = columns.iter().map(|c| c.norm().max(1e-300)).collect();
+    let scaled: Vec<DVector<f64>> = columns.iter().zip(&norms).map(|(c, n)| c / *n).collect();
+    let matrix = DMatrix::from_columns(&scaled);
+    let decomposed = matrix.clone().svd(true, true);
+    let solved = decomposed.solve(vector, 1e-9).unwrap();
+    let left = (vector - &matrix * &solved).norm();
+    let own = |k: usize, _| solved[k] / norms[k];
+    (DVector::from_fn(solved.len(), own), left)
+}

@@ -1,0 +1,123 @@
+//! Conformance of the whole catalogue: each effect, simulated at its typical size at each of its places, is
+//! found again, or told in a set that holds it; or no motion of that machine tells it from another one,
+//! and a table says why. And recordings that are awkward, as real ones are.
+
+mod awkward;
+mod concealed;
+mod damper;
+mod machines;
+mod sets;
+
+use concealed::{conceal, typical};
+use machines::{Machine, axis, commanded, gauge, joint};
+use quell::diagnosis::{Diagnosis, Options, Outcome, diagnose};
+use quell::effects::{EFFECTS, Effect, Place};
+use quell::recording::Recording;
+use sets::known;
+use std::f64::consts::TAU;
+
+/// The diagnosis of recordings of a machine.
+pub fn outcome(machine: &Machine, recordings: &[Recording]) -> Outcome {
+    let options = Options::default();
+    diagnose(&machine.model, recordings, &[], &options, &|_, _| {}).unwrap()
+}
+
+/// How an effect came out of a diagnosis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Found {
+    /// The first name.
+    First,
+    /// Another name, or one of a set.
+    InSet,
+    /// Another effect stands for it, and a table says why.
+    Known(&'static str),
+    /// Not at all.
+    Missed,
+}
+
+fn found(said: &Diagnosis, effect: &Effect, place: Place) -> Found {
+    let first = said.findings.first();
+    let name = first.map(|finding| finding.effect.as_str());
+    let mut findings = said.findings.iter();
+    if name == Some(effect.name) && first.is_some_and(|f| f.place == place.name()) {
+        return Found::First;
+    }
+    let holds = |alternatives: &[String]| alternatives.iter().any(|other| other == effect.name);
+    if findings.any(|f| f.effect == effect.name || holds(&f.alternatives)) {
+        return Found::InSet;
+    }
+    known(effect.name, name).map_or(Found::Missed, Found::Known)
+}
+
+/// The first machine that can have it: a force or a current shows what a drive lacks, a joint the rest.
+fn machine(effect: &Effect, place: Place) -> Machine {
+    let mut machines = [joint(), gauge(), axis()].into_iter();
+    let found = machines.find(|machine| machine.can_have(effect, place));
+    found.unwrap_or_else(|| panic!("no machine has {} in the {}", effect.name, place.name()))
+}
+
+/// What is concealed, found; for the messages of a test.
+fn tried(machine: &Machine, effect: &'static Effect, place: Place, factor: f64) -> Found {
+    let hidden = conceal(machine, typical(machine, effect, place, factor), 1);
+    let said = outcome(machine, &[hidden.recording]).diagnosis;
+    let found = found(&said, effect, place);
+    let (name, place) = (effect.name, place.name());
+    println!(
+        "{name} in the {place}, {}: {found:?}: {}",
+        machine.name, said.summary
+    );
+    found
+}
+
+#[test]
+fn each_effect_is_found_again() {
+    let mut missed = Vec::new();
+    for effect in EFFECTS.iter().copied() {
+        for &place in effect.places {
+            if tried(&machine(effect, place), effect, place, 1.0) == Found::Missed {
+                missed.push((effect.name, place.name()));
+            }
+        }
+    }
+    assert!(missed.is_empty(), "not found again: {missed:?}");
+}
+
+/// Sizes away from the typical one: 5 and 30 % more inertia, 15 % less.
+#[test]
+fn a_payload_is_found_at_every_size() {
+    let effect = Effect::from_name("payload_change").unwrap();
+    for factor in [0.25, 1.5, -0.75] {
+        let found = tried(&joint(), effect, Place::Link, factor);
+        assert_eq!(found, Found::First, "{factor} times the typical size");
+    }
+}
+
+/// A stiff part, and a load that hangs like a pendulum.
+#[test]
+fn a_further_mode_is_found_wherever_it_is() {
+    let effect = Effect::from_name("second_mode").unwrap();
+    let machine = joint();
+    for (factor, frequency_hz) in [(0.3, 21.0), (1.0, 1.1), (0.3, 1.6), (-1.0, 30.0)] {
+        let mut term = typical(&machine, effect, Place::Link, factor);
+        term.values[1] = frequency_hz * TAU;
+        let hidden = conceal(&machine, term, 1);
+        let said = outcome(&machine, &[hidden.recording]).diagnosis;
+        println!("{frequency_hz} Hz: {}", said.summary);
+        let found = found(&said, effect, Place::Link);
+        assert!(
+            matches!(found, Found::First | Found::InSet),
+            "{frequency_hz} Hz: {found:?}"
+        );
+    }
+}
+
+/// A link on a prescribed motor side starts at rest on it, wherever that is: its sensor's first sample is
+/// a position, not a deformation.
+#[test]
+fn a_commanded_link_starts_on_its_motor_side() {
+    let effect = Effect::from_name("cubic_stiffness").unwrap();
+    assert_eq!(
+        tried(&commanded(), effect, Place::Transmission, 1.0),
+        Found::First
+    );
+}
