@@ -4,7 +4,7 @@ use super::baseline::{self, Data};
 use super::fit::{Fitted, Projector};
 use super::problem::{Point, Problem, Rows};
 use super::split;
-use crate::effects::Place;
+use crate::effects::{Place, Scales};
 use crate::model::Model;
 use nalgebra::DVector;
 
@@ -32,6 +32,12 @@ impl Explanation {
             .iter()
             .map(|term| (term.effect.name, term.place))
             .collect()
+    }
+
+    /// Sizes of the last effect that were looked at, at least 1.
+    pub fn looks(&self, scales: &Scales) -> usize {
+        let last = self.fitted.point.terms.last();
+        last.map_or(1, |term| (term.effect.starts)(scales).len().max(1))
     }
 
     /// Number of shared unknowns.

@@ -15,6 +15,7 @@ mod fit;
 mod locate;
 mod next_move;
 mod noise;
+mod noise_colour;
 mod normal;
 mod problem;
 mod quality;

@@ -1,5 +1,6 @@
 //! The noise floor of an output: level and colour.
 
+use super::noise_colour::colour;
 use super::whitening::Whitening;
 use crate::model::{Experiment, Output};
 use crate::recording::Role;
@@ -20,9 +21,15 @@ const SHORTEST: usize = 40;
 /// Noise of an output from the residual of a refitted model.
 ///
 /// From stretches where the motor side rests and the vibration, which decays at `decay` (1/s), has died
-/// away; their mean is taken out. Where there is no such rest, from third differences, which do not see
-/// what is smooth. Never below what rounding makes.
-pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: f64) -> Whitening {
+/// away; their mean is taken out. Where there is no such rest, from frequencies far above `frequency`
+/// (rad/s), at which it vibrates; or from third differences, which do not see what is smooth. Never below
+/// what rounding makes.
+pub fn noise(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    (frequency, decay): (f64, f64),
+) -> Whitening {
     let floor = noise_floor(&output.values);
     let white = noise_floor(residual).standard_deviation;
     let rounding = floor.quantisation.map_or(0.0, |q| q / 12f64.sqrt());
@@ -37,7 +44,8 @@ pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: 
     let views: Vec<&[f64]> = stretches.iter().map(Vec::as_slice).collect();
     let found = match count >= FEWEST {
         true => Whitening::fit(&views),
-        false => Whitening::white(white),
+        false => restless(experiment, output, residual, frequency)
+            .unwrap_or_else(|| Whitening::white(white)),
     };
     // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
     // quieter than its differences in motion does not either.
@@ -57,6 +65,32 @@ pub fn noise(experiment: &Experiment, output: &Output, residual: &[f64], decay: 
     found
 }
 
+/// Noise where the motor side, whose motion is known, hardly rests.
+fn restless(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    frequency: f64,
+) -> Option<Whitening> {
+    let last = output.time.len().checked_sub(1)?;
+    let period = (output.time[last] - output.time[0]) / last as f64;
+    if !moved(experiment) {
+        return None;
+    }
+    let found = colour(residual, period, frequency)?;
+    // Noise is no louder than all that is left.
+    let left = residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64;
+    Some(found.louder((left.sqrt() / found.deviation).min(1.0)))
+}
+
+/// Whether what drives the experiment is a motion, whose spectrum falls.
+fn moved(experiment: &Experiment) -> bool {
+    matches!(
+        experiment.input,
+        Role::MotorPosition | Role::CommandPosition
+    )
+}
+
 /// Stretches as quiet as the quietest one, within what chance makes of the deviation of stretches of at
 /// least [`SHORTEST`] samples: where something still rings is no noise.
 fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
@@ -71,10 +105,7 @@ fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 
 /// Stretches of rest in which nothing rings any more.
 fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::Range<usize>> {
-    if !matches!(
-        experiment.input,
-        Role::MotorPosition | Role::CommandPosition
-    ) {
+    if !moved(experiment) {
         return Vec::new();
     }
     let (time, values) = (&experiment.input_time, &experiment.input_values);

@@ -196,7 +196,10 @@ impl Search<'_> {
             let change = self.criterion(&trial.explanation) - self.criterion(from);
             trial.delta_bic = change / unit;
             trial.held_out_ratio = ratio(trial.explanation.held_out, from.held_out);
-            trial.passed = trial.delta_bic < -STRONG && trial.held_out_ratio < GATE;
+            // As many sizes as were looked at, so many chances had noise (a Bonferroni bound on 2 ln L).
+            let looks = trial.explanation.looks(&self.problem.scales) as f64;
+            let certain = trial.delta_bic < -STRONG - 2.0 * looks.ln();
+            trial.passed = certain && trial.held_out_ratio < GATE;
         }
         sort(trials);
     }

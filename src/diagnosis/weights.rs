@@ -43,14 +43,18 @@ pub fn measured_again(
 
 /// Noise of every output, and the standard deviation of what the model leaves of it.
 fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
-    let decay = match problem.kind.mode {
-        Some((f, xi)) => TAU * point.keys[f] * point.keys[xi],
-        None => problem.scales.natural_frequency * problem.scales.damping_ratio,
+    let (frequency, damping) = match problem.kind.mode {
+        Some((f, xi)) => (TAU * point.keys[f], point.keys[xi]),
+        None => (
+            problem.scales.natural_frequency,
+            problem.scales.damping_ratio,
+        ),
     };
+    let rate = (frequency, frequency * damping);
     let of = |(e, experiment): (usize, &Experiment)| {
         let raw = problem.run(point, e).residuals;
         let pairs = experiment.outputs.iter().zip(&raw);
-        let each = pairs.map(|(output, r)| (noise(experiment, output, r, decay), spread(r)));
+        let each = pairs.map(|(output, r)| (noise(experiment, output, r, rate), spread(r)));
         each.unzip()
     };
     problem.experiments.iter().enumerate().map(of).unzip()
