@@ -93,9 +93,15 @@ const SAME: &[(&str, &str, &[&str])] = &[
     ("drive_delay", "delay", &["delay"]),
 ];
 
+/// Effects that change the inertia on which a knock acts: the velocity then does not jump by what the
+/// nominal inertia says, as the truth tells it.
+const INERTIAS: &[&str] = &["pose_dependent_frequency", "payload_change"];
+
 /// The comparable parameters of all effects that were named rightly.
 pub(super) fn covered(truth: &Truth, verdict: &Verdict) -> Vec<Covered> {
     let mut found = Vec::new();
+    let hides = |name: &&str| truth.effects.iter().any(|hidden| hidden.effect == *name);
+    let other_inertia = INERTIAS.iter().any(hides);
     for hidden in &truth.effects {
         let named = verdict
             .findings
@@ -105,6 +111,7 @@ pub(super) fn covered(truth: &Truth, verdict: &Verdict) -> Vec<Covered> {
             let same = SAME
                 .iter()
                 .find(|(effect, name, _)| *effect == hidden.effect && *name == parameter.name);
+            let same = same.filter(|entry| !(entry.1 == "jump" && other_inertia));
             let known = |name: &str| same.is_some_and(|(_, _, names)| names.contains(&name));
             // Of several knocks the one that was found.
             let off = |value: f64| (value - parameter.value).abs();

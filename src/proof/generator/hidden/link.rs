@@ -3,6 +3,7 @@
 use super::super::joint::Body;
 use super::super::surfaces::{Knock, Stop};
 use super::{Arm, Entry, OUTER, Parameters, Scales, between, entry, log_between, sign};
+use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 
 const PLACE: &str = "link";
@@ -125,13 +126,30 @@ fn knocks(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramet
             length,
             force,
         });
-        parameters.push((name, start + 0.5 * length));
+        let (gain, late) = as_impulse(arm, length);
+        parameters.push((name, start + 0.5 * length + late));
+        if count == 1 {
+            parameters.push(("jump", gain * jump * sign(shape[3])));
+        }
     }
     // Signs differ from knock to knock.
     if count > 1 {
         parameters.push(("jump_size", jump));
-    } else {
-        parameters.push(("jump", jump * sign(shape[3])));
     }
     parameters
+}
+
+/// What half a sine of force leaves of the mode's ringing: as much as an impulse of so many times its
+/// area, so much after its middle.
+///
+/// With `s` the mode's pole, mirrored, and the length `L` its integral with `exp(s t)` is that of an
+/// impulse in the middle times `cosh(s L / 2) / (1 + (s L / pi)^2)`.
+fn as_impulse(arm: &Arm, length: f64) -> (f64, f64) {
+    let joint = &arm.joint;
+    let decay = 0.5 * joint.damping / joint.inertia;
+    let turns = (joint.stiffness / joint.inertia - decay * decay).sqrt();
+    let half = Complex::new(decay, turns) * (0.5 * length);
+    let ratio = half.cosh() / ((half * (2.0 / PI)).powi(2) + 1.0);
+    let late = ratio.arg() / turns;
+    (ratio.norm() * (-decay * late).exp(), late)
 }
