@@ -14,6 +14,9 @@ use std::collections::BTreeMap;
 /// level is that far off.
 const CERTAIN: f64 = 1.5;
 
+/// Residual, in times the noise, that anyone sees in a plot of it.
+const PLAIN: f64 = 2.0;
+
 /// All of a diagnosis that follows from a search; the intervals are drawn with a seed.
 pub fn conclude(
     search: &Search,
@@ -73,7 +76,9 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
             false => Verdict::Unexplained,
         };
     }
-    if !search.explains(&found.baseline, &found.best) {
+    // What is left in plain sight is not explained, however much more there was.
+    let seen = !search.below(&found.best, PLAIN);
+    if seen || !search.explains(&found.baseline, &found.best) {
         return Verdict::PartlyExplained;
     }
     match found.equals.is_empty() {
