@@ -207,35 +207,40 @@ fn quality(search: &Search, explanation: &Explanation) -> Quality {
     let problem = search.problem;
     let point = &explanation.fitted.point;
     let noise = level(problem).noise_std;
-    let train = rms(search, point, &problem.rows);
-    let held = match judge.data.apart.is_empty() {
+    let [train, train_over] = rms(search, point, &problem.rows);
+    let [held, held_over] = match judge.data.apart.is_empty() {
         true => rms(search, point, &judge.data.held_out),
-        false => noise * ratio(explanation.held_out, judge.held_out_rows as f64).sqrt(),
+        false => {
+            let over = ratio(explanation.held_out, judge.held_out_rows as f64).sqrt();
+            [noise * over, over]
+        }
     };
-    let held = if held.is_finite() { held } else { train };
+    let there = held.is_finite();
     Quality {
         train_rms: train,
-        held_out_rms: held,
-        held_out_over_noise: held / noise,
+        held_out_rms: if there { held } else { train },
+        held_out_over_noise: if there { held_over } else { train_over },
     }
 }
 
-fn rms(search: &Search, point: &super::problem::Point, rows: &[Vec<Rows>]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
+/// Root mean square residual of the first outputs: in their unit, and in times the noise of each recording.
+fn rms(search: &Search, point: &super::problem::Point, rows: &[Vec<Rows>]) -> [f64; 2] {
+    let (mut sum, mut over, mut count) = (0.0, 0.0, 0);
     for (e, rows) in rows.iter().enumerate() {
         let residual = search
             .judge
             .explained(search.problem, search.projector, point, e);
         let scale = search.problem.experiments[e].outputs[0].scale;
+        let noise = search.problem.whitening[e][0].deviation;
         for range in &rows[0] {
-            sum += residual[0][range.clone()]
-                .iter()
-                .map(|r| (r * scale).powi(2))
-                .sum::<f64>();
+            let own = residual[0][range.clone()].iter();
+            let square: f64 = own.map(|r| r * r).sum();
+            sum += square * scale * scale;
+            over += square / (noise * noise);
             count += range.len();
         }
     }
-    (sum / count as f64).sqrt()
+    [sum, over].map(|sum| (sum / count as f64).sqrt())
 }
 
 /// Noise of the first output.

@@ -7,6 +7,7 @@
 
 use super::problem::{Given, Global, Point, Problem};
 use nalgebra::{Cholesky, DMatrix, DVector};
+use std::f64::consts::TAU;
 
 /// A fitted structure.
 #[derive(Clone)]
@@ -69,6 +70,12 @@ pub fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     }
 }
 
+/// A departure from what is believed, in standard deviations, and its derivatives to the unknowns.
+struct Belief {
+    departure: f64,
+    slopes: Vec<(Global, f64)>,
+}
+
 /// The normal equations at a point, all unknowns but the linear ones.
 pub struct Linearised {
     /// Weighted residuals of each experiment, linear nuisances projected out.
@@ -84,32 +91,56 @@ pub struct Linearised {
 impl Problem<'_> {
     /// Cost of the beliefs on the keys.
     pub fn disbelief(&self, point: &Point) -> f64 {
-        self.belief_rows(point).iter().map(|(_, r, _)| r * r).sum()
+        self.beliefs_at(point)
+            .iter()
+            .map(|b| b.departure * b.departure)
+            .sum()
     }
 
-    /// Unknown, departure in standard deviations, standard deviation.
-    fn belief_rows(&self, point: &Point) -> Vec<(Global, f64, f64)> {
-        let row = |&key: &usize| {
-            let (value, std) = self.beliefs[key];
-            let global = Global::Key(key);
-            let (at, centre) = match self.kind.keys[key].range.0 > 0.0 {
-                true => (self.get(point, global), value.ln()),
-                false => (point.keys[key], value),
-            };
-            (global, (at - centre) / std, std)
-        };
+    fn beliefs_at(&self, point: &Point) -> Vec<Belief> {
+        let keys = self.free.iter().filter_map(|&key| self.belief(point, key));
         let own = |given: &Given| {
             let global = Global::Parameter(given.term, given.parameter);
             let std = given.value.std?;
-            Some((
-                global,
-                (self.get(point, global) - given.value.value) / std,
-                std,
-            ))
+            Some(Belief {
+                departure: (self.get(point, global) - given.value.value) / std,
+                slopes: vec![(global, 1.0 / std)],
+            })
         };
-        let known = |key: &&usize| self.beliefs[**key].1.is_finite();
-        let keys = self.free.iter().filter(known).map(row);
         keys.chain(self.given.iter().filter_map(own)).collect()
+    }
+
+    /// What is believed of a key; of a damping ratio, that of the damper across the joint and one to
+    /// ground together.
+    fn belief(&self, point: &Point, key: usize) -> Option<Belief> {
+        let (value, std) = self.beliefs[key];
+        if !std.is_finite() {
+            return None;
+        }
+        let global = Global::Key(key);
+        if self.kind.keys[key].range.0 <= 0.0 {
+            let departure = (point.keys[key] - value) / std;
+            return Some(Belief {
+                departure,
+                slopes: vec![(global, 1.0 / std)],
+            });
+        }
+        let ground = match self.kind.mode {
+            Some((_, damping)) if damping == key => self.damper_to_ground(point),
+            _ => None,
+        };
+        let own = point.keys[key];
+        let (term, share) = ground.unwrap_or((usize::MAX, 0.0));
+        let total = own + share;
+        let mut slopes = vec![(global, own / total / std)];
+        if let Some((frequency, _)) = self.kind.mode.filter(|_| ground.is_some()) {
+            let half = 0.5 * TAU * point.keys[frequency];
+            slopes.push((Global::Parameter(term, 0), half / total / std));
+        }
+        Some(Belief {
+            departure: (total / value).ln() / std,
+            slopes,
+        })
     }
 
     /// Cost at a point.
@@ -265,10 +296,17 @@ impl Problem<'_> {
             }
             offset += jacobian.ncols() - shared;
         }
-        for (global, departure, std) in self.belief_rows(point) {
-            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
-                normal[(i, i)] += std.powi(-2);
-                gradient[i] += departure / std;
+        for belief in self.beliefs_at(point) {
+            let place = |&(global, slope): &(Global, f64)| {
+                let index = linear.globals.iter().position(|g| *g == global);
+                index.map(|index| (index, slope))
+            };
+            let slopes: Vec<(usize, f64)> = belief.slopes.iter().filter_map(place).collect();
+            for &(i, slope) in &slopes {
+                gradient[i] += slope * belief.departure;
+                for &(j, other) in &slopes {
+                    normal[(i, j)] += slope * other;
+                }
             }
         }
         (normal, gradient)
