@@ -7,6 +7,7 @@ use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
 use crate::model::{Experiment, ExperimentError, Kind, Model, simulate};
+use crate::recording::Role;
 use std::f64::consts::TAU;
 
 /// Believed standard deviations beyond which a key of the model may not run: what is not known within
@@ -173,11 +174,32 @@ fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
     experiment.outputs.iter().map(guess).collect()
 }
 
+/// The departure of the start that makes a link as lively as its sensor, where its motor side stands
+/// still throughout: all that is seen is then free decay.
+fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> [f64; 8] {
+    let mut start = [0.0; 8];
+    let range = |values: &[f64]| {
+        let fold = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), fold);
+        high - low
+    };
+    let linear = (kind.linear)(keys, experiment.input);
+    if linear.motor == MotorSide::Prescribed && range(&experiment.input_values) == 0.0 {
+        let output = &experiment.outputs[0];
+        start[2] = match output.role {
+            Role::LinkAcceleration => 0.5 * range(&output.values) / linear.stiffness,
+            _ => 0.5 * range(&output.values),
+        };
+    }
+    start
+}
+
 /// How large the motion is that a model of this kind, with these values of its keys, itself makes in
 /// the first of the experiments.
 pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Model) -> Scales {
     let experiment = &experiments[0];
-    let simulated = simulate(kind, keys, &model.terms(), experiment, &[0.0; 8]);
+    let start = rung(kind, keys, experiment);
+    let simulated = simulate(kind, keys, &model.terms(), experiment, &start);
     let trace = &simulated.trace;
     let most = |f: &dyn Fn(usize) -> f64| {
         let values = (0..trace.time.len()).map(f).filter(|v| v.is_finite());

@@ -150,17 +150,13 @@ impl<'a> Judge<'a> {
             }
         }
         problem.free_payloads.end = problem.payloads.len();
-        let known = fitted.experiments[0]
-            .outputs
-            .iter()
-            .zip(&fitted.whitening[0]);
-        for (experiment, noise) in self.data.apart.iter().zip(&mut problem.whitening) {
-            for (output, noise) in experiment.outputs.iter().zip(noise) {
-                let mut same = known
-                    .clone()
-                    .filter(|(own, _)| own.channel == output.channel);
-                if let Some((_, found)) = same.next() {
-                    noise.clone_from(found);
+        let known = &fitted.experiments[0].outputs;
+        for (e, experiment) in self.data.apart.iter().enumerate() {
+            for (k, output) in experiment.outputs.iter().enumerate() {
+                let same = known.iter().position(|own| own.channel == output.channel);
+                if let Some(own) = same {
+                    problem.noise[e][k] = fitted.noise[0][own].clone();
+                    problem.whitening[e][k] = fitted.whitening[0][own].clone();
                 }
             }
         }

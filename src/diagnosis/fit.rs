@@ -96,35 +96,6 @@ pub struct Linearised {
 }
 
 impl Problem<'_> {
-    /// Cost of the beliefs.
-    pub fn disbelief(&self, point: &Point) -> f64 {
-        self.belief_rows(point).iter().map(|(_, r, _)| r * r).sum()
-    }
-
-    /// Unknown, departure in standard deviations, standard deviation: of keys and of the given effects.
-    pub fn belief_rows(&self, point: &Point) -> Vec<(Global, f64, f64)> {
-        let key = |&key: &usize| {
-            let (value, std) = self.beliefs[key];
-            let global = Global::Key(key);
-            let (at, centre) = match self.kind.keys[key].range.0 > 0.0 {
-                true => (self.get(point, global), value.ln()),
-                false => (point.keys[key], value),
-            };
-            (global, (at - centre) / std, std)
-        };
-        let known = |key: &&usize| self.beliefs[**key].1.is_finite();
-        let keys = self.free.iter().filter(known).map(key);
-        let effects = self.given.iter().enumerate().flat_map(|(term, values)| {
-            let parameters = values.iter().enumerate();
-            parameters.filter_map(move |(parameter, value)| {
-                let std = value.std.filter(|_| !value.fixed)?;
-                let global = Global::Parameter(term, parameter);
-                Some((global, (self.get(point, global) - value.value) / std, std))
-            })
-        });
-        keys.chain(effects).collect()
-    }
-
     /// Residuals and cost at a point.
     pub fn evaluate(&self, point: &Point, projector: &Projector) -> Evaluated {
         let (mut runs, mut whole, mut residuals) = (Vec::new(), Vec::new(), Vec::new());

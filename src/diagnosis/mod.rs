@@ -3,6 +3,7 @@
 //! A pure function from a model and recordings to a [`Diagnosis`]; it never sees names of files.
 
 mod baseline;
+mod belief;
 mod bootstrap;
 mod choose;
 mod conclude;

@@ -1,7 +1,8 @@
 //! The normal equations of a fit: their matrix, their right-hand side, their solution.
 
+use super::belief::Belief;
 use super::fit::Linearised;
-use super::problem::{Point, Problem};
+use super::problem::{Global, Point, Problem};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 impl Problem<'_> {
@@ -17,9 +18,12 @@ impl Problem<'_> {
                 }
             }
         }
-        for (global, _, std) in self.belief_rows(point) {
-            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
-                normal[(i, i)] += std.powi(-2);
+        for belief in self.beliefs_at(point) {
+            let slopes = linear.placed(&belief);
+            for &(i, slope) in &slopes {
+                for &(j, other) in &slopes {
+                    normal[(i, j)] += slope * other;
+                }
             }
         }
         normal
@@ -40,9 +44,9 @@ impl Problem<'_> {
                 gradient[row] += value;
             }
         }
-        for (global, departure, std) in self.belief_rows(point) {
-            if let Some(i) = linear.globals.iter().position(|g| *g == global) {
-                gradient[i] += departure / std;
+        for belief in self.beliefs_at(point) {
+            for (i, slope) in linear.placed(&belief) {
+                gradient[i] += slope * belief.departure;
             }
         }
         gradient
@@ -55,6 +59,15 @@ impl Linearised {
         let shared = self.globals.len();
         let own = self.jacobians.iter().map(|j| j.ncols() - shared);
         shared + own.sum::<usize>()
+    }
+
+    /// Derivatives of a belief, each with the index of its unknown.
+    fn placed(&self, belief: &Belief) -> Vec<(usize, f64)> {
+        let place = |&(global, slope): &(Global, f64)| {
+            let index = self.globals.iter().position(|g| *g == global)?;
+            Some((index, slope))
+        };
+        belief.slopes.iter().filter_map(place).collect()
     }
 
     /// For each experiment the unknowns that its columns belong to.

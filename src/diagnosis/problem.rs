@@ -2,9 +2,10 @@
 
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
-use crate::model::chain::RESONANCES;
+use crate::model::chain::{MotorSide, RESONANCES};
 use crate::model::{Experiment, Kind, Model, Simulated, Term, Value, simulate_windows};
 use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Rows of one output that count, as ranges of samples.
@@ -225,9 +226,28 @@ impl Problem<'_> {
         }
     }
 
+    /// The effect by which part of the damping is tied to the ground, and its share of the damping ratio,
+    /// `c w / 2`: how fast a joint rings out is what is known of its damper, not what the damper is tied to.
+    pub fn damper_to_ground(&self, point: &Point) -> Option<(usize, f64)> {
+        let (frequency, _) = self.kind.mode?;
+        let input = self.experiments.first()?.input;
+        let motor = (self.kind.linear)(&point.keys, input).motor;
+        let drag = |term: &Term| term.effect.name == "viscous_drag";
+        let index = point.terms.iter().position(drag)?;
+        let half = 0.5 * TAU * point.keys[frequency];
+        (motor == MotorSide::Prescribed).then_some((index, half * point.terms[index].values[0]))
+    }
+
     /// Bounds of an unknown, in its own unit.
     pub fn limits(&self, point: &Point, global: Global) -> (f64, f64) {
         match global {
+            Global::Key(key) if self.kind.mode.is_some_and(|mode| mode.1 == key) => {
+                let (low, high) = self.bounds[key];
+                match self.damper_to_ground(point) {
+                    Some(_) => (self.kind.keys[key].range.0.min(low), high),
+                    None => (low, high),
+                }
+            }
             Global::Key(key) => self.bounds[key],
             Global::Parameter(term, parameter) => {
                 let physical = point.terms[term].effect.parameters[parameter].bounds;

@@ -6,45 +6,47 @@ use super::fit::Projector;
 use super::problem::{Point, Problem, Rows};
 use super::search::Search;
 
-/// Root mean square residuals in the unit of the first output.
+/// Root mean square residuals in the unit of the first output, and in times the noise of each recording.
 pub fn quality(search: &Search, explanation: &Explanation) -> Quality {
     let (judge, problem) = (search.judge, search.problem);
     let point = &explanation.fitted.point;
     let of = |rows: &[Vec<Rows>]| rms(search, (problem, search.projector, point), rows);
-    let train = of(&problem.rows);
-    let held = match judge.data.apart.is_empty() {
+    let [train, train_over] = of(&problem.rows);
+    let [held, held_over] = match judge.data.apart.is_empty() {
         true => of(&judge.data.held_out),
         false => {
             let (apart, projector, own) = judge.apart(problem, point);
             rms(search, (&apart, &projector, &own.point), &apart.rows)
         }
     };
-    let held = if held.is_finite() { held } else { train };
+    let there = held.is_finite();
     Quality {
         train_rms: train,
-        held_out_rms: held,
-        held_out_over_noise: held / level(problem).noise_std,
+        held_out_rms: if there { held } else { train },
+        held_out_over_noise: if there { held_over } else { train_over },
     }
 }
 
+/// Of the first outputs.
 fn rms(
     search: &Search,
     (problem, projector, point): (&Problem, &Projector, &Point),
     rows: &[Vec<Rows>],
-) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
+) -> [f64; 2] {
+    let (mut sum, mut over, mut count) = (0.0, 0.0, 0);
     for (e, rows) in rows.iter().enumerate() {
         let residual = search.judge.explained(problem, projector, point, e);
         let scale = problem.experiments[e].outputs[0].scale;
+        let noise = problem.noise[e][0].deviation;
         for range in &rows[0] {
-            sum += residual[0][range.clone()]
-                .iter()
-                .map(|r| (r * scale).powi(2))
-                .sum::<f64>();
+            let own = residual[0][range.clone()].iter();
+            let square: f64 = own.map(|r| r * r).sum();
+            sum += square * scale * scale;
+            over += square / (noise * noise);
             count += range.len();
         }
     }
-    (sum / count as f64).sqrt()
+    [sum, over].map(|sum| (sum / count as f64).sqrt())
 }
 
 /// Noise of the first output.

@@ -79,6 +79,7 @@ fn recordings_with_different_payloads() {
     let outcome = named(&empty, &recordings, &term);
     let inertia = outcome.diagnosis.nuisances["relative_inertia_with_payload 2 kg"];
     assert!((inertia / 1.4 - 1.0).abs() < 0.01, "{inertia}");
+    assert!(outcome.diagnosis.fit.after.held_out_over_noise < 1.1);
     remarked(&outcome, "With the payload \"2 kg\"");
 }
 

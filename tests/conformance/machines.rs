@@ -143,6 +143,28 @@ pub fn two_masses() -> Machine {
     }
 }
 
+/// A spring, a mass and a damper that a force drives.
+pub fn oscillator() -> Machine {
+    let shared = stamps(PERIOD);
+    let model = "kind = \"oscillator\"\nnatural_frequency_hz = 8.0\ndamping_ratio = 0.05\n";
+    let channels = vec![
+        angle(Role::Force, &shared, push),
+        blank(Role::LinkPosition, &shared),
+    ];
+    Machine::new("oscillator", model, channels)
+}
+
+/// A spring and a damper that are moved, and push back.
+pub fn held() -> Machine {
+    let shared = stamps(PERIOD);
+    let model = "kind = \"oscillator\"\nstiffness = 1000.0\nviscous = 5.0\n";
+    let channels = vec![
+        angle(Role::LinkPosition, &shared, position),
+        blank(Role::Force, &shared),
+    ];
+    Machine::new("spring and damper", model, channels)
+}
+
 /// A channel with the values of a function of time.
 pub fn angle(role: Role, time: &[f64], at: impl Fn(f64) -> f64) -> Channel {
     Channel {

@@ -9,9 +9,10 @@ mod machines;
 mod sets;
 
 use concealed::{conceal, typical};
-use machines::{Machine, axis, commanded, gauge, joint};
+use machines::{Machine, axis, commanded, gauge, held, joint, looped, oscillator, two_masses};
 use quell::diagnosis::{Diagnosis, Options, Outcome, diagnose};
-use quell::effects::{EFFECTS, Effect, Place};
+use quell::effects::{EFFECTS, Effect, PLACES, Place};
+use quell::model::{Experiment, Term, simulate};
 use quell::recording::Recording;
 use sets::known;
 use std::f64::consts::TAU;
@@ -80,6 +81,64 @@ fn each_effect_is_found_again() {
         }
     }
     assert!(missed.is_empty(), "not found again: {missed:?}");
+}
+
+#[test]
+fn the_handbook_lists_the_catalogue() {
+    let handbook = include_str!("../../README.md");
+    let missing = EFFECTS
+        .iter()
+        .filter(|e| !handbook.contains(&format!("`{}`", e.name)));
+    let missing: Vec<&str> = missing.map(|effect| effect.name).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// At its neutral size an effect is not there, to the bit: every effect, at every place, in every kind of
+/// model and under each of its inputs.
+#[test]
+fn neutral_effects_change_nothing_in_any_kind() {
+    let machines = [
+        joint(),
+        gauge(),
+        commanded(),
+        axis(),
+        looped(),
+        two_masses(),
+        oscillator(),
+        held(),
+    ];
+    for machine in machines {
+        let model = &machine.model;
+        let experiment = Experiment::new(model, &machine.blank).unwrap();
+        let run = |terms: &[Term]| {
+            let simulated = simulate(model.kind, &model.keys(), terms, &experiment, &[0.0; 8]);
+            let outputs = experiment.outputs.iter();
+            let values: Vec<_> = outputs.map(|o| simulated.predict(o, 0.0).values).collect();
+            values
+        };
+        let without = run(&[]);
+        for effect in EFFECTS.iter().copied() {
+            for place in PLACES.iter().map(|entry| entry.0) {
+                if !effect.places.contains(&place) || !machine.can_have(effect, place) {
+                    continue;
+                }
+                let mut values: Vec<f64> = typical(&machine, effect, place, 1.0).values;
+                values[0] = effect.parameters[0].neutral;
+                let term = Term {
+                    effect,
+                    place,
+                    values,
+                };
+                assert_eq!(
+                    run(&[term]),
+                    without,
+                    "{} in a {}",
+                    effect.name,
+                    machine.name
+                );
+            }
+        }
+    }
 }
 
 /// Sizes away from the typical one: 5 and 30 % more inertia, 15 % less.
