@@ -23,7 +23,10 @@ pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
             true => format!("{name} (at the {})", place.name()),
             false => name.to_string(),
         };
-        of.iter().map(name).collect::<Vec<_>>().join(" + ")
+        match of.is_empty() {
+            true => "nothing more".into(),
+            false => of.iter().map(name).collect::<Vec<_>>().join(" + "),
+        }
     };
     let [a, b] = [one, other].map(|side| join(side, false));
     match a == b {
