@@ -2,9 +2,8 @@
 
 use super::page::Case;
 use super::shown::digits;
-use super::words;
 use crate::diagnosis::{NextMove, ProposedMove};
-use crate::report::{Page, Table, number};
+use crate::report::{Page, Table};
 
 /// What to do next, if anything.
 pub fn section(page: Page, case: &Case) -> Page {
@@ -20,19 +19,16 @@ pub fn section(page: Page, case: &Case) -> Page {
 
 fn table(next: &NextMove) -> Table {
     let unit = next.moves.first().map_or("", shown_unit);
-    let [one, other] = &next.separates;
-    let mut table = Table::new("The move")
+    let mut table = Table::new("The moves")
         .column("distance", unit)
         .column("peak speed", format!("{unit}/s"))
         .column("peak acceleration", format!("{unit}/s^2"))
         .column("peak jerk", format!("{unit}/s^3"))
         .column("then wait", "s")
-        .note(format!(
-            "It separates {} from {}: the wrong one would miss by a chi-squared of at least {}.",
-            words::effect(one),
-            words::effect(other),
-            number(next.expected_score),
-        ));
+        .note(
+            "The first starts where the first recording does, each further one where the one before it has \
+             ended.",
+        );
     for one in &next.moves {
         table = table.row(shown(one).map(Into::into));
     }

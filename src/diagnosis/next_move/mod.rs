@@ -77,7 +77,7 @@ impl<'a> Pair<'a> {
     /// The best one is taken to be right; but where the equal's law contains it as a limit, and could
     /// never fail, the equal.
     fn new(best: &'a Explanation, equal: &'a Explanation) -> Self {
-        let (own, theirs) = words::apart(&best.effects(), &equal.effects());
+        let [own, theirs] = words::apart(&best.effects(), &equal.effects());
         let limit = |simple: &&(&str, Place)| theirs.iter().any(|law| contains(law.0, simple.0));
         let reversed = !own.is_empty() && own.iter().filter(limit).count() == own.len();
         let points = [&best.fitted.point, &equal.fitted.point];

@@ -76,14 +76,20 @@ fn at(seen: &Seen, (speed, acceleration): (f64, f64)) -> Limits {
 fn proposed(d: f64, limits: &Limits, pause: f64, unit: &str) -> Result<ProposedMove, PlanError> {
     let distance = shortened(d);
     let reached = plan(0.0, distance, limits)?;
-    let most = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    // Fine enough that the greatest values are met within a hundredth.
-    let sampled = reached.sample(reached.duration() / 1000.0)?;
-    let above = |peak: f64, limit: f64| shortened((1.01 * peak).min(limit));
+    // Speed and acceleration are greatest where the jerk changes.
+    let phases = reached.axes().iter().flat_map(|axis| axis.phases());
+    let (speed, acceleration) = phases.fold((0.0f64, 0.0f64), |(speed, acceleration), phase| {
+        let AxisState {
+            velocity: v,
+            acceleration: a,
+            ..
+        } = phase.state;
+        (speed.max(v.abs()), acceleration.max(a.abs()))
+    });
     Ok(ProposedMove {
         distance,
-        speed: above(most(sampled.velocities(0)), limits.velocity),
-        acceleration: above(most(sampled.accelerations(0)), limits.acceleration),
+        speed: shortened(speed.min(limits.velocity)),
+        acceleration: shortened(acceleration.min(limits.acceleration)),
         jerk: shortened(limits.jerk),
         pause_s: (100.0 * pause).ceil() / 100.0,
         unit: unit.to_string(),

@@ -8,12 +8,12 @@ use crate::effects::Place;
 pub fn apart<'a>(
     one: &[(&'a str, Place)],
     other: &[(&'a str, Place)],
-) -> (Vec<(&'a str, Place)>, Vec<(&'a str, Place)>) {
+) -> [Vec<(&'a str, Place)>; 2] {
     let only = |of: &[(&'a str, Place)], not: &[(&'a str, Place)]| {
         let own = of.iter().filter(|effect| !not.contains(effect));
         own.copied().collect()
     };
-    (only(one, other), only(other, one))
+    [only(one, other), only(other, one)]
 }
 
 /// Names of effects, joined by ` + `; with their places where the names alone are the same.
@@ -23,7 +23,10 @@ pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
             true => format!("{name} (at the {})", place.name()),
             false => name.to_string(),
         };
-        of.iter().map(name).collect::<Vec<_>>().join(" + ")
+        match of.is_empty() {
+            true => "nothing more".into(),
+            false => of.iter().map(name).collect::<Vec<_>>().join(" + "),
+        }
     };
     let [a, b] = [one, other].map(|side| join(side, false));
     match a == b {
@@ -46,10 +49,10 @@ fn told(value: f64, unit: &str) -> String {
     format!("{value:.*} {unit}", digits as usize)
 }
 
-/// A chi-squared to two digits: more are not known of it.
+/// A chi-squared to two digits, no greater: more are not known of it.
 fn rounded(score: f64) -> f64 {
     let unit = 10f64.powf(score.max(1.0).log10().floor() - 1.0);
-    (score / unit).round() * unit
+    (score / unit).floor() * unit
 }
 
 /// What to do.
@@ -91,12 +94,15 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: 
         .into_iter()
         .flat_map(char::to_uppercase)
         .collect();
-    let times = match score < ENOUGH {
-        true => format!("; {} times over to be sure", (ENOUGH / score).ceil()),
-        false => String::new(),
+    let (times, each) = match score < ENOUGH {
+        true => (
+            format!("; {} times over to be sure", (ENOUGH / score).ceil()),
+            " each time",
+        ),
+        false => (String::new(), ""),
     };
     format!(
-        "{first}{}{times}: if it is {right}, {wrong} will miss by a chi-squared of at least {} each time \
+        "{first}{}{times}: if it is {right}, {wrong} will miss by a chi-squared of at least {}{each} \
          ({SEPARATES} is very strong evidence).",
         letters.as_str(),
         rounded(score)
