@@ -1,7 +1,7 @@
 //! The public recordings of `examples/`: that their manifests read as they say. The recordings are
 //! not part of the project; where they are absent, a test says so and returns.
 
-use quell::diagnosis::{Options, Outcome, diagnose, score};
+use quell::diagnosis::{Options, Outcome, Score, diagnose, predict, score};
 use quell::model::Model;
 use quell::recording::{Recording, Role};
 use std::path::{Path, PathBuf};
@@ -122,21 +122,113 @@ fn examples_read_as_they_say() {
 }
 
 /// What a diagnosis of an example says, and what its model scores on the held-out part.
-fn diagnosed(folder: &TempDir) -> (Outcome, quell::diagnosis::Score) {
-    let read = |part: &str| Recording::from_path(folder.path().join(part)).unwrap();
-    let model = Model::from_path(folder.path().join("model.toml")).unwrap();
-    let (train, held_out) = (read("train.toml"), read("held_out.toml"));
-    let options = Options::default();
-    let outcome = diagnose(
-        &model,
-        &[train],
-        std::slice::from_ref(&held_out),
-        &options,
-        &|_, _| (),
-    );
-    let outcome = outcome.unwrap();
+fn diagnosed(folder: &TempDir) -> (Outcome, Score) {
+    let (train, held_out) = (read(folder, "train.toml"), read(folder, "held_out.toml"));
+    let outcome = diagnosis(folder, &train, std::slice::from_ref(&held_out));
     let scored = score(&outcome.model, &held_out).unwrap();
     (outcome, scored)
+}
+
+fn read(folder: &TempDir, part: &str) -> Recording {
+    Recording::from_path(folder.path().join(part)).unwrap()
+}
+
+fn diagnosis(folder: &TempDir, train: &Recording, held_out: &[Recording]) -> Outcome {
+    let model = Model::from_path(folder.path().join("model.toml")).unwrap();
+    let train = std::slice::from_ref(train);
+    diagnose(&model, train, held_out, &Options::default(), &|_, _| ()).unwrap()
+}
+
+/// Names of what was found, sorted, and the value of a parameter of one of them.
+fn names(outcome: &Outcome) -> Vec<&str> {
+    let findings = outcome.diagnosis.findings.iter();
+    let mut names: Vec<&str> = findings.map(|finding| finding.effect.as_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+fn parameter(outcome: &Outcome, effect: &str, name: &str) -> f64 {
+    let mut findings = outcome.diagnosis.findings.iter();
+    let finding = findings.find(|finding| finding.effect == effect).unwrap();
+    let mut parameters = finding.parameters.iter();
+    parameters.find(|own| own.name == name).unwrap().value
+}
+
+/// Janot, Gautier and Brunot's axis: 20.4 N of Coulomb friction and 3.2 N of offset, and their mass and
+/// viscous friction, to 3 %.
+#[test]
+fn the_positioning_axis_has_coulomb_friction_and_an_offset() {
+    let Some(folder) = example("emps", "emps") else {
+        return;
+    };
+    let (outcome, scored) = diagnosed(&folder);
+    assert_eq!(names(&outcome), ["coulomb_friction", "force_offset"]);
+    let found = [
+        parameter(&outcome, "coulomb_friction", "friction") / 20.4,
+        parameter(&outcome, "force_offset", "force") / -3.2,
+        outcome.model.value("mass").unwrap() / 95.1,
+        outcome.model.value("viscous").unwrap() / 203.5,
+    ];
+    assert!(found.iter().all(|x| (x - 1.0).abs() < 0.03), "{found:?}");
+    // Mass and grease alone leave 7 um.
+    assert!(scored.rms < 2e-6, "{}", scored.rms);
+}
+
+/// Wigren and Schoukens' circuit: a cubic spring and, small beside it, a voltage that is not 0. From five
+/// seconds of noise to an arrow that was never shown, and grows past them.
+#[test]
+fn the_silverbox_has_a_cubic_spring_and_an_offset() {
+    let Some(folder) = example("silverbox", "silverbox") else {
+        return;
+    };
+    let train = read(&folder, "train.toml");
+    let (short, _) = train.at(train.channels[0].time[3000]);
+    let outcome = diagnosis(&folder, &short, &[]);
+    assert_eq!(names(&outcome), ["cubic_stiffness", "force_offset"]);
+    let arrow = score(&outcome.model, &read(&folder, "held_out.toml")).unwrap();
+    assert!(arrow.rms < 0.6e-3, "{}", arrow.rms);
+}
+
+/// A hub that feedback holds, from its current alone, in windows: dry friction of the harmonic drive,
+/// and the low-pass through which the strain was logged.
+#[test]
+fn the_serial_flexible_link_has_friction_and_a_slow_sensor() {
+    let Some(folder) = example("quanser", "quanser_2dsfl") else {
+        return;
+    };
+    let held_out = read(&folder, "held_out.toml");
+    let (outcome, _) = diagnosed(&folder);
+    let findings = &outcome.diagnosis.findings;
+    assert_eq!(findings[0].place, "drive");
+    assert!(
+        findings[0].effect.ends_with("_friction"),
+        "{:?}",
+        names(&outcome)
+    );
+    assert!(findings[1].effect.starts_with("sensor_lag"));
+    let (outputs, _) = predict(&outcome.model, &held_out).unwrap();
+    let degrees = |output: &quell::diagnosis::Predicted| {
+        let pairs = output.recorded.iter().zip(&output.predicted);
+        let square: f64 = pairs.map(|(y, p)| (y - p).powi(2)).sum();
+        (square / output.time.len() as f64).sqrt().to_degrees()
+    };
+    let (hub, tip) = (degrees(&outputs[0]), degrees(&outputs[1]));
+    assert!(hub < 0.13 && tip < 0.18, "{hub} {tip}");
+}
+
+/// A drive that waits, then jumps: what breaks it away is more than what it slides against.
+#[test]
+fn the_flexible_arm_sticks() {
+    let Some(folder) = example("flexarm", "flexarm_ist") else {
+        return;
+    };
+    let (outcome, _) = diagnosed(&folder);
+    assert_eq!(names(&outcome), ["stribeck_friction"]);
+    let kinetic = parameter(&outcome, "stribeck_friction", "friction");
+    let breakaway = kinetic * (1.0 + parameter(&outcome, "stribeck_friction", "excess"));
+    // Nothing moves up to 0.33 V; 0.41 V break it away.
+    assert!((0.33..0.45).contains(&breakaway), "{breakaway}");
+    assert!(breakaway > 1.5 * kinetic, "{breakaway} {kinetic}");
 }
 
 /// De Moor's data set is explained to 76.5 % by one mode and the direct term, to more than 89 % by two.

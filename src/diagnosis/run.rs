@@ -10,7 +10,7 @@ use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
 use super::problem::Problem;
 use super::remarks::recorded;
-use super::search::{Found, Search, ratio};
+use super::search::{Found, Search, Trial, ratio};
 use super::traces::Traces;
 use super::weights::{measure_noise, measured_again};
 use crate::model::{Experiment, Model, simulate_windows};
@@ -151,7 +151,7 @@ fn investigate(
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
     let judge = Judge::new(model, data, &problem);
-    let mut baseline: Explanation = judge.judge(&problem, &projector, fitted);
+    let baseline: Explanation = judge.judge(&problem, &projector, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &judge, &projector, &baseline);
     problem.scales.suspects.clone_from(&located.suspects);
@@ -169,17 +169,7 @@ fn investigate(
         .suspect_orders
         .clone_from(&located.suspect_orders);
     progress(0.15, "screening the catalogue");
-    let first = search(&problem, &projector, &judge, progress);
-    let mut trials = first.first(&baseline);
-    let best = first.simplest(&trials, &baseline);
-    let again = best.and_then(|best| measured_again(&problem, &best.fitted.point));
-    if let Some(again) = again {
-        (problem.noise, problem.whitening) = again;
-        projector = Projector::new(&problem);
-        let refitted = problem.fit(&baseline.fitted.point, &projector, 20);
-        baseline = judge.judge(&problem, &projector, refitted);
-        trials = search(&problem, &projector, &judge, progress).again(&baseline, trials);
-    }
+    let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, progress);
     let search = search(&problem, &projector, &judge, progress);
     let found = search.run(baseline, trials);
     let surprised = surprised(&judge, &found);
@@ -201,6 +191,29 @@ fn investigate(
         surprised,
         period: problem.scales.period(),
     }
+}
+
+/// The refitted model and the single effects that it may lack, by the noise that the best of these leaves.
+fn singles(
+    problem: &mut Problem,
+    projector: &mut Projector,
+    judge: &Judge,
+    baseline: Explanation,
+    progress: Progress,
+) -> (Explanation, Vec<Trial>) {
+    let first = search(problem, projector, judge, progress);
+    let trials = first.first(&baseline);
+    let best = first.simplest(&trials, &baseline);
+    let again = best.and_then(|best| measured_again(problem, &best.fitted.point));
+    let Some(again) = again else {
+        return (baseline, trials);
+    };
+    (problem.noise, problem.whitening) = again;
+    *projector = Projector::new(problem);
+    let refitted = problem.fit(&baseline.fitted.point, projector, 20);
+    let baseline = judge.judge(problem, projector, refitted);
+    let trials = search(problem, projector, judge, progress).again(&baseline, trials);
+    (baseline, trials)
 }
 
 fn search<'a>(

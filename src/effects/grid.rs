@@ -86,8 +86,10 @@ pub(super) fn resonant_order(scales: &Scales) -> f64 {
 pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
     let most = scales.suspect_orders.iter().copied().fold(0.0, f64::max);
     let fastest = (300.0 * TAU / reach(scales)).max(30.0 * resonant_order(scales));
-    // On a spring to ground less than a period is the offset, slope and cubic of the spring's own law.
-    let slowest = match scales.forced {
+    // On a spring to ground less than a period is the offset, slope and cubic of the spring's own law; on
+    // an axis without any spring a constant force and what changes slowly with the place.
+    let rigid = scales.deformation <= f64::MIN_POSITIVE;
+    let slowest = match scales.forced || rigid {
         true => TAU / reach(scales),
         false => (0.5 * TAU / reach(scales)).min(0.3 * resonant_order(scales)),
     };

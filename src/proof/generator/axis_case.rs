@@ -57,6 +57,9 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     })
 }
 
+/// Parts of a drive's cycle over which the mean of the force is taken.
+const FINER: usize = 8;
+
 fn axis(draw: &mut Draw) -> Axis {
     let mass = draw.log_uniform(5.0, 200.0);
     Axis {
@@ -145,7 +148,6 @@ fn record(
 ) -> (Recording, Vec<f64>) {
     let count = (programme.duration * rate) as usize;
     let time: Vec<f64> = (0..count).map(|k| k as f64 / rate).collect();
-    let force = run(axis, programme, &time, true);
     let position = run(axis, programme, &time, false);
     let mut seen = position.clone();
     noise.add(draw, &mut seen);
@@ -155,6 +157,7 @@ fn record(
         time: time.clone(),
         columns: vec![column],
     };
+    let force = told(axis, programme, rate, count);
     let force = force.iter().map(|force| rounded(*force, 1e-6)).collect();
     let channels = vec![
         channel(Role::Force, "N", force),
@@ -168,6 +171,16 @@ fn record(
         },
         position,
     )
+}
+
+/// The force as a drive tells it: its mean over the cycle that begins at each stamp. So a record at the
+/// rate of the cycle holds all of the impulse, whatever the force does within one.
+fn told(axis: &Axis, programme: &Programme, rate: f64, count: usize) -> Vec<f64> {
+    let within = |k: usize| (k as f64 + 0.5) / (rate * FINER as f64);
+    let times: Vec<f64> = (0..count * FINER).map(within).collect();
+    let force = run(axis, programme, &times, true);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / FINER as f64;
+    force.chunks(FINER).map(mean).collect()
 }
 
 fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -> Truth {
@@ -198,6 +211,7 @@ fn model(draw: &mut Draw, axis: &Axis) -> String {
     format!(
         "# the nominal model: a driven axis, force in and position out\n\
          kind = \"rigid_axis\"\n\
+         input_hold = \"zero_order\"\n\
          mass = {mass:.4}\n\
          viscous = {viscous:.4}\n"
     )
