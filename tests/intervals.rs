@@ -50,6 +50,7 @@ fn recording(motor: Vec<f64>, link: Vec<f64>, time: &[Vec<f64>; 2]) -> Recording
         columns: vec![values],
     };
     Recording {
+        payload: None,
         name: "moves".into(),
         channels: vec![
             channel(Role::MotorPosition, motor, &time[0]),

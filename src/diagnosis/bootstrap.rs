@@ -114,7 +114,7 @@ impl<'a> World<'a> {
         let linear = problem.linearise(point, search.projector);
         let (mut predicted, mut noise) = (Vec::new(), Vec::new());
         for (e, experiment) in problem.experiments.iter().enumerate() {
-            let left = search.judge.explained(problem, search.projector, point, e);
+            let left = problem.explained(point, e);
             let less = |(values, left): (&Vec<f64>, &Vec<f64>)| {
                 values.iter().zip(left).map(|(y, r)| y - r).collect()
             };

@@ -33,15 +33,16 @@ impl Search<'_> {
         let mut equals: Vec<Trial> = Vec::new();
         for trial in pool {
             let explanation = &trial.explanation;
-            let close = self.criterion(explanation) < self.criterion(best) + EQUAL * unit;
-            let held = ratio(explanation.held_out, best.held_out);
-            // A law that contains the best one is listed only if it predicts better.
+            // A law that contains the best one fits as well by itself: it is listed if what it adds is worth
+            // its price, and was left out for being within the reach of a law's shape.
             let limit = match (explanation.effects().as_slice(), best.effects().as_slice()) {
                 ([theirs], [own]) => contains(theirs.0, own.0),
                 _ => explanation.unknowns() > best.unknowns(),
             };
-            let most = if limit { GATE } else { 2.0 - GATE };
-            let sound = trial.passed && held < most;
+            let reach = if limit { 0.0 } else { EQUAL * unit };
+            let close = self.criterion(explanation) < self.criterion(best) + reach;
+            let held = ratio(explanation.held_out, best.held_out);
+            let sound = trial.passed && held < 2.0 - GATE;
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);
             if close && sound && new && explanation.effects().len() <= best.effects().len() {
@@ -72,7 +73,7 @@ impl Search<'_> {
                 values,
             }));
             let fitted = self.problem.fit(&apart, self.projector, 25);
-            let apart = self.judge.judge(self.problem, self.projector, fitted);
+            let apart = self.judge.judge(self.problem, fitted);
             let close = self.criterion(&apart) < self.criterion(&best) + EQUAL * self.unit(&best);
             if close && ratio(apart.held_out, best.held_out) < 2.0 - GATE {
                 return apart;

@@ -22,9 +22,7 @@ pub fn draw(
     for (e, experiment) in search.problem.experiments.iter().enumerate() {
         let residual = |explanation: &Explanation| {
             let point = &explanation.fitted.point;
-            search
-                .judge
-                .explained(search.problem, search.projector, point, e)
+            search.problem.explained(point, e)
         };
         let (old, new) = (residual(before), residual(after));
         for (k, output) in experiment.outputs.iter().enumerate() {

@@ -75,9 +75,9 @@ impl<'a> Judge<'a> {
     }
 
     /// A fit with its figures.
-    pub fn judge(&self, problem: &Problem, projector: &Projector, fitted: Fitted) -> Explanation {
+    pub fn judge(&self, problem: &Problem, fitted: Fitted) -> Explanation {
         let train = fitted.cost - problem.disbelief(&fitted.point);
-        let held_out = self.held_out(problem, projector, &fitted.point);
+        let held_out = self.held_out(problem, &fitted.point);
         Explanation {
             fitted,
             train,
@@ -87,12 +87,12 @@ impl<'a> Judge<'a> {
 
     /// Sum of squares on what was held out. Clock, offset and frame are those of the fitted rows; a
     /// recording that is held out as a whole has its own fitted.
-    pub fn held_out(&self, problem: &Problem, projector: &Projector, point: &Point) -> f64 {
+    pub fn held_out(&self, problem: &Problem, point: &Point) -> f64 {
         if !self.data.apart.is_empty() {
-            return self.apart(problem, point).2.cost;
+            return self.apart(problem, point).1.cost;
         }
         let sum = |e: usize| -> f64 {
-            let residual = self.explained(problem, projector, point, e);
+            let residual = problem.explained(point, e);
             let mut rows = Vec::new();
             for (k, ranges) in self.data.held_out[e].iter().enumerate() {
                 for range in ranges {
@@ -111,33 +111,9 @@ impl<'a> Judge<'a> {
         (0..problem.experiments.len()).map(sum).sum()
     }
 
-    /// Recorded minus predicted over a whole experiment, the linear nuisances of the fitted rows taken
-    /// out.
-    pub fn explained(
-        &self,
-        problem: &Problem,
-        projector: &Projector,
-        point: &Point,
-        e: usize,
-    ) -> Vec<Vec<f64>> {
-        let mut raw = problem.run(point, e).residuals;
-        let whole = problem.complete(e, &raw);
-        let coefficients = coefficients(problem, projector, e, &whole);
-        let mut next = coefficients.iter();
-        for (output, residual) in problem.experiments[e].outputs.iter().zip(&mut raw) {
-            for column in &output.columns {
-                let c = next.next().copied().unwrap_or(0.0);
-                for (r, b) in residual.iter_mut().zip(column) {
-                    *r -= c * b;
-                }
-            }
-        }
-        raw
-    }
-
     /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the
     /// noise that it has in what was fitted.
-    pub fn apart(&self, fitted: &Problem, point: &Point) -> (Problem<'a>, Projector, Fitted) {
+    pub fn apart(&self, fitted: &Problem, point: &Point) -> (Problem<'a>, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
@@ -167,16 +143,35 @@ impl<'a> Judge<'a> {
         start.given_terms = start.terms.len();
         let projector = Projector::new(&problem);
         let fitted = problem.fit(&start, &projector, APART);
-        (problem, projector, fitted)
+        (problem, fitted)
     }
 }
 
-/// Coefficients of the linear nuisances of one experiment.
-fn coefficients(problem: &Problem, _: &Projector, e: usize, rows: &DVector<f64>) -> Vec<f64> {
-    let columns = problem.linear(e);
-    if columns.ncols() == 0 {
-        return Vec::new();
+impl Problem<'_> {
+    /// Recorded minus predicted over a whole experiment, the linear nuisances of the fitted rows taken
+    /// out.
+    pub fn explained(&self, point: &Point, e: usize) -> Vec<Vec<f64>> {
+        let mut raw = self.run(point, e).residuals;
+        let coefficients = self.coefficients(e, &self.complete(e, &raw));
+        let mut next = coefficients.iter();
+        for (output, residual) in self.experiments[e].outputs.iter().zip(&mut raw) {
+            for column in &output.columns {
+                let c = next.next().copied().unwrap_or(0.0);
+                for (r, b) in residual.iter_mut().zip(column) {
+                    *r -= c * b;
+                }
+            }
+        }
+        raw
     }
-    let solved = columns.svd(true, true).solve(rows, 1e-10);
-    solved.map_or_else(|_| Vec::new(), |c| c.iter().copied().collect())
+
+    /// Coefficients of the linear nuisances of one experiment.
+    fn coefficients(&self, e: usize, rows: &DVector<f64>) -> Vec<f64> {
+        let columns = self.linear(e);
+        if columns.ncols() == 0 {
+            return Vec::new();
+        }
+        let solved = columns.svd(true, true).solve(rows, 1e-10);
+        solved.map_or_else(|_| Vec::new(), |c| c.iter().copied().collect())
+    }
 }

@@ -18,13 +18,29 @@ const WITNESS: f64 = 3.0;
 /// Samples of a stretch whose variance is worth comparing.
 const SHORTEST: usize = 40;
 
-/// Noise of an output from the residual of a refitted model.
+/// Noise of an output from the residual of a refitted model, its offset taken out.
 ///
 /// From stretches where the motor side rests and the vibration, which decays at `decay` (1/s), has died
 /// away; their mean is taken out. Where there is no such rest, from frequencies far above `frequency`
 /// (rad/s), at which it vibrates; or from third differences, which do not see what is smooth. Never below
 /// what rounding makes.
 pub fn noise(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    rates: (f64, f64),
+) -> Whitening {
+    let found = shown(experiment, output, residual, rates);
+    // Noise is no louder than all that is left.
+    let left = residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64;
+    let times = left.sqrt() / found.deviation;
+    match times < 1.0 && left > 0.0 {
+        true => found.louder(times),
+        false => found,
+    }
+}
+
+fn shown(
     experiment: &Experiment,
     output: &Output,
     residual: &[f64],
@@ -77,10 +93,7 @@ fn restless(
     if !moved(experiment) {
         return None;
     }
-    let found = colour(residual, period, frequency)?;
-    // Noise is no louder than all that is left.
-    let left = residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64;
-    Some(found.louder((left.sqrt() / found.deviation).min(1.0)))
+    colour(residual, period, frequency)
 }
 
 /// Whether what drives the experiment is a motion, whose spectrum falls.

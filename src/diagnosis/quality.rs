@@ -2,7 +2,6 @@
 
 use super::document::{Fit, Quality};
 use super::explanation::Explanation;
-use super::fit::Projector;
 use super::problem::{Point, Problem, Rows};
 use super::search::Search;
 
@@ -10,13 +9,13 @@ use super::search::Search;
 pub fn quality(search: &Search, explanation: &Explanation) -> Quality {
     let (judge, problem) = (search.judge, search.problem);
     let point = &explanation.fitted.point;
-    let of = |rows: &[Vec<Rows>]| rms(search, (problem, search.projector, point), rows);
+    let of = |rows: &[Vec<Rows>]| rms(problem, point, rows);
     let [train, train_over] = of(&problem.rows);
     let [held, held_over] = match judge.data.apart.is_empty() {
         true => of(&judge.data.held_out),
         false => {
-            let (apart, projector, own) = judge.apart(problem, point);
-            rms(search, (&apart, &projector, &own.point), &apart.rows)
+            let (apart, own) = judge.apart(problem, point);
+            rms(&apart, &own.point, &apart.rows)
         }
     };
     let there = held.is_finite();
@@ -28,14 +27,10 @@ pub fn quality(search: &Search, explanation: &Explanation) -> Quality {
 }
 
 /// Of the first outputs.
-fn rms(
-    search: &Search,
-    (problem, projector, point): (&Problem, &Projector, &Point),
-    rows: &[Vec<Rows>],
-) -> [f64; 2] {
+fn rms(problem: &Problem, point: &Point, rows: &[Vec<Rows>]) -> [f64; 2] {
     let (mut sum, mut over, mut count) = (0.0, 0.0, 0);
     for (e, rows) in rows.iter().enumerate() {
-        let residual = search.judge.explained(problem, projector, point, e);
+        let residual = problem.explained(point, e);
         let scale = problem.experiments[e].outputs[0].scale;
         let noise = problem.noise[e][0].deviation;
         for range in &rows[0] {

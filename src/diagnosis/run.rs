@@ -151,16 +151,16 @@ fn investigate(
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
     let judge = Judge::new(model, data, &problem);
-    let baseline: Explanation = judge.judge(&problem, &projector, fitted);
+    let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
-    let located = located(&problem, &judge, &projector, &baseline);
+    let located = located(&problem, &baseline);
     problem.scales.suspects.clone_from(&located.suspects);
     problem
         .scales
         .suspect_frequencies
         .clone_from(&located.suspect_frequencies);
     if problem.scales.forced {
-        let residual = judge.explained(&problem, &projector, &baseline.fitted.point, 0);
+        let residual = problem.explained(&baseline.fitted.point, 0);
         let output = &problem.experiments[0].outputs[0];
         problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
     }
@@ -211,7 +211,7 @@ fn singles(
     (problem.noise, problem.whitening) = again;
     *projector = Projector::new(problem);
     let refitted = problem.fit(&baseline.fitted.point, projector, 20);
-    let baseline = judge.judge(problem, projector, refitted);
+    let baseline = judge.judge(problem, refitted);
     let trials = search(problem, projector, judge, progress).again(&baseline, trials);
     (baseline, trials)
 }
@@ -275,14 +275,9 @@ fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitte
 }
 
 /// Where the residual of the first output sits.
-fn located(
-    problem: &Problem,
-    judge: &Judge,
-    projector: &Projector,
-    baseline: &Explanation,
-) -> Located {
+fn located(problem: &Problem, baseline: &Explanation) -> Located {
     let point = &baseline.fitted.point;
-    let residual = judge.explained(problem, projector, point, 0);
+    let residual = problem.explained(point, 0);
     let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
     let simulated = simulate_windows(
         problem.kind,

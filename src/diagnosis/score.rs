@@ -1,11 +1,9 @@
 //! How well a model predicts a recording that it has never seen.
 
 use super::baseline::{DiagnosisError, problem};
-use super::explanation::Judge;
 use super::fit::Projector;
 use super::split;
 use super::weights::measure_noise;
-use crate::diagnosis::baseline::Data;
 use crate::model::{Experiment, Model};
 use crate::recording::Recording;
 use serde::{Deserialize, Serialize};
@@ -58,9 +56,7 @@ pub fn predict(
     measure_noise(&mut fit, &first.point);
     projector = Projector::new(&fit);
     let fitted = fit.fit(&first.point, &projector, 15);
-    let data = Data::new(experiments.clone(), experiments.clone());
-    let judge = Judge::new(model, &data, &fit);
-    let residual = judge.explained(&fit, &projector, &fitted.point, 0);
+    let residual = fit.explained(&fitted.point, 0);
     let mut outputs = Vec::new();
     for (output, residual) in experiments[0].outputs.iter().zip(&residual) {
         let values = output.values.iter();

@@ -106,7 +106,7 @@ impl Search<'_> {
         let refit = |mut trial: Trial| {
             let point = &trial.explanation.fitted.point;
             let fitted = self.problem.fit(point, self.projector, 25);
-            trial.explanation = self.judge.judge(self.problem, self.projector, fitted);
+            trial.explanation = self.judge.judge(self.problem, fitted);
             trial
         };
         let mut trials: Vec<Trial> = trials.into_par_iter().map(refit).collect();
@@ -232,7 +232,7 @@ impl Search<'_> {
         }
         best.run(LONG);
         let fitted = best.end();
-        let explanation = self.judge.judge(problem, projector, fitted);
+        let explanation = self.judge.judge(problem, fitted);
         Some(Trial {
             explanation,
             delta_bic: 0.0,
@@ -308,7 +308,7 @@ impl Search<'_> {
         terms
             .map(|term| {
                 let fitted = self.problem.fit(&point.without(term), self.projector, LONG);
-                self.judge.judge(self.problem, self.projector, fitted)
+                self.judge.judge(self.problem, fitted)
             })
             .collect()
     }
@@ -326,7 +326,7 @@ impl Search<'_> {
             let dropped = terms
                 .map(|term| {
                     let fitted = self.problem.fit(&point.without(term), self.projector, LONG);
-                    self.judge.judge(self.problem, self.projector, fitted)
+                    self.judge.judge(self.problem, fitted)
                 })
                 .filter(|without| {
                     let needless = self.criterion(without) < self.criterion(&best) + STRONG * unit;

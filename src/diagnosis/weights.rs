@@ -52,7 +52,7 @@ fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
     };
     let rate = (frequency, frequency * damping);
     let of = |(e, experiment): (usize, &Experiment)| {
-        let raw = problem.run(point, e).residuals;
+        let raw = problem.explained(point, e);
         let pairs = experiment.outputs.iter().zip(&raw);
         let each = pairs.map(|(output, r)| (noise(experiment, output, r, rate), spread(r)));
         each.unzip()
