@@ -71,6 +71,7 @@ fn recorded(truth: &[Term], moves: &[ProposedMove], noise: f64, seed: u64) -> Re
     };
     let zeros = vec![0.0; values.len()];
     let mut recording = Recording {
+        payload: None,
         name: format!("recording {seed}"),
         channels: vec![
             channel(Role::MotorPosition, values),
