@@ -283,7 +283,7 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
         })
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    problem.fit(&costs[0].1, projector, 30)
+    problem.fit(&costs[0].1, projector, 100)
 }
 
 /// Why a diagnosis cannot be made.

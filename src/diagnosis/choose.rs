@@ -31,18 +31,23 @@ impl Search<'_> {
     /// Explanations with as many effects as the best that are within reach of it.
     pub(super) fn equals(&self, best: &Explanation, pool: &[Trial], unit: f64) -> Vec<Trial> {
         let mut equals: Vec<Trial> = Vec::new();
+        // Within a standard deviation of chi-squared two predictions are alike.
+        let alike = 1.0 + (2.0 / self.judge.held_out_rows.max(1) as f64).sqrt();
         for trial in pool {
             let explanation = &trial.explanation;
-            // A law that contains the best one fits as well by itself: it is listed if what it adds is worth
-            // its price, and was left out for being within the reach of a law's shape.
+            let worse = self.criterion(explanation) - self.criterion(best);
+            let held = ratio(explanation.held_out, best.held_out);
             let limit = match (explanation.effects().as_slice(), best.effects().as_slice()) {
                 ([theirs], [own]) => contains(theirs.0, own.0),
-                _ => explanation.unknowns() > best.unknowns(),
+                _ => false,
             };
-            let reach = if limit { 0.0 } else { EQUAL * unit };
-            let close = self.criterion(explanation) < self.criterion(best) + reach;
-            let held = ratio(explanation.held_out, best.held_out);
-            let sound = trial.passed && held < 2.0 - GATE;
+            // A law that contains the best one fits as well by itself: it is listed if it predicts better, or
+            // if what it adds is worth its price (it was left out for being within reach of a law's shape).
+            let close = match limit {
+                true => worse < EQUAL * unit && held < GATE || worse < 0.0 && held < alike,
+                false => worse < EQUAL * unit && held < alike,
+            };
+            let sound = trial.passed;
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);
             if close && sound && new && explanation.effects().len() <= best.effects().len() {
@@ -72,7 +77,7 @@ impl Search<'_> {
                 place: own.place,
                 values,
             }));
-            let fitted = self.problem.fit(&apart, self.projector, 25);
+            let fitted = self.problem.fit(&apart, self.projector, 100);
             let apart = self.judge.judge(self.problem, fitted);
             let close = self.criterion(&apart) < self.criterion(&best) + EQUAL * self.unit(&best);
             if close && ratio(apart.held_out, best.held_out) < 2.0 - GATE {

@@ -20,6 +20,10 @@ const TRIES: usize = 8;
 /// Analysis, Lecture Notes in Mathematics 630 (1978): below a quarter the step was too long).
 const POOR: f64 = 0.25;
 
+/// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
+/// many as there are unknowns.
+const LEARNED: usize = 12;
+
 /// A fit on its way.
 pub struct Descent<'a> {
     problem: &'a Problem<'a>,
@@ -160,7 +164,8 @@ impl<'a> Descent<'a> {
             ways.push(way);
         }
         let fell = self.linear.cost - there.cost;
-        self.exact = fell < POOR * (self.linear.cost - promised);
+        let many = ways.iter().any(|way| way.len() > LEARNED);
+        self.exact = many || fell < POOR * (self.linear.cost - promised);
         self.point = next;
         if self.exact {
             self.linear = self

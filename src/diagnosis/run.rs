@@ -2,7 +2,7 @@
 
 use super::baseline::{Data, DiagnosisError, problem, refit};
 use super::conclude::{better_model, conclude, reported};
-use super::document::Diagnosis;
+use super::document::{Diagnosis, Verdict};
 use super::draw::draw;
 use super::explanation::{Explanation, Judge};
 use super::fit::{Fitted, Projector};
@@ -61,12 +61,35 @@ pub fn diagnose(
     if train.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
-    let mut fitted = experiments(model, train)?;
-    let mut apart = experiments(model, held_out)?;
-    if apart.is_empty() && !fitted[0].windows.is_empty() {
+    let (mut fitted, mut apart) = (experiments(model, train)?, experiments(model, held_out)?);
+    if fitted[0].windows.is_empty() {
+        return Ok(attempt(model, train, (fitted, apart), options, progress));
+    }
+    // A motion in one piece says more, if the model can follow it that far.
+    let pieces = (in_one(&fitted), in_one(&apart));
+    let whole = attempt(model, train, pieces, options, progress);
+    let explained = matches!(
+        whole.diagnosis.verdict,
+        Verdict::NoMismatch | Verdict::Named | Verdict::Ambiguous
+    );
+    if explained {
+        return Ok(whole);
+    }
+    if apart.is_empty() {
         // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
         (fitted, apart) = in_two(model, train, &fitted)?;
     }
+    Ok(attempt(model, train, (fitted, apart), options, progress))
+}
+
+/// What experiments, and others held apart, say.
+fn attempt(
+    model: &Model,
+    train: &[Recording],
+    (fitted, apart): (Vec<Experiment>, Vec<Experiment>),
+    options: &Options,
+    progress: Progress,
+) -> Outcome {
     let mut data = Data::new(fitted, apart);
     let told = recorded(train);
     let first = investigate(model, &data, options, progress, told.clone(), false);
@@ -79,9 +102,16 @@ pub fn diagnose(
             Stretches of every move were held out instead of the last moves.";
         let told = std::iter::once(remark.to_string()).chain(told).collect();
         let second = investigate(model, &data, options, progress, told, true);
-        return Ok(named(second.outcome, &data, train));
+        return named(second.outcome, &data, train);
     }
-    Ok(named(first.outcome, &data, train))
+    named(first.outcome, &data, train)
+}
+
+/// The same experiments without starts within them.
+fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
+    let mut whole = experiments.to_vec();
+    whole.iter_mut().for_each(|e| e.windows.clear());
+    whole
 }
 
 /// Where there are several recordings, each series that is drawn bears the name of its own.
@@ -210,7 +240,7 @@ fn singles(
     };
     (problem.noise, problem.whitening) = again;
     *projector = Projector::new(problem);
-    let refitted = problem.fit(&baseline.fitted.point, projector, 20);
+    let refitted = problem.fit(&baseline.fitted.point, projector, 100);
     let baseline = judge.judge(problem, refitted);
     let trials = search(problem, projector, judge, progress).again(&baseline, trials);
     (baseline, trials)
@@ -255,14 +285,14 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
-    (problem.fit(&first.point, &projector, 20), projector)
+    (problem.fit(&first.point, &projector, 100), projector)
 }
 
 /// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
 /// their price.
 fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitted {
     problem.departures = vec![2, 3];
-    let ringing = problem.fit(&still.point, projector, 20);
+    let ringing = problem.fit(&still.point, projector, 100);
     let experiments = problem.experiments;
     let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
     let unit = (ringing.cost / rows).max(1.0);

@@ -30,9 +30,9 @@ const FIRST: usize = 2;
 /// How many go on.
 const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
-const SHORT: usize = 3;
+const SHORT: usize = 6;
 /// Most steps of the fit that is carried through.
-const LONG: usize = 25;
+const LONG: usize = 100;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 /// Most effects in one explanation: with three the structure is no longer determined by a recording.
@@ -105,7 +105,7 @@ impl Search<'_> {
     pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
         let refit = |mut trial: Trial| {
             let point = &trial.explanation.fitted.point;
-            let fitted = self.problem.fit(point, self.projector, 25);
+            let fitted = self.problem.fit(point, self.projector, 100);
             trial.explanation = self.judge.judge(self.problem, fitted);
             trial
         };
@@ -275,7 +275,8 @@ impl Search<'_> {
 
     /// Whether a further effect is more than a mend of the first law's shape: what is left falls by more
     /// than that shape could be wrong, or most of it goes, where it was fitted and where it was not. A law
-    /// that mends another's shape has a part of the error in common with it; one that is there makes it.
+    /// that mends another's shape has a part of the error in common with it; one that is there makes it. And
+    /// what is held out is predicted better as it was recorded, not only as it was whitened.
     fn worth(&self, baseline: &Explanation, best: &Explanation, next: &Explanation) -> bool {
         let (rows, held) = (self.judge.train_rows, self.judge.held_out_rows);
         let reach = SHAPE * (baseline.train - rows as f64);
@@ -283,7 +284,11 @@ impl Search<'_> {
             before - after > MOST * (before - rows as f64).max(0.0)
         };
         let all = most(best.train, next.train, rows) && most(best.held_out, next.held_out, held);
-        best.train - next.train > reach || all
+        let raw = |explanation| super::quality::quality(self, explanation).held_out_rms;
+        // A second sensor may show what the first one does not.
+        let several = self.problem.experiments[0].outputs.len() > 1;
+        let better = several || raw(next).powi(2) < GATE * raw(best).powi(2);
+        (best.train - next.train > reach || all) && better
     }
 
     /// Whether fitted and held-out residual are both below this many times the noise.

@@ -40,7 +40,10 @@ pub fn typical(machine: &Machine, effect: &'static Effect, place: Place, factor:
 }
 
 fn experiment(machine: &Machine) -> Experiment {
-    Experiment::new(&machine.model, &machine.blank).unwrap()
+    let mut experiment = Experiment::new(&machine.model, &machine.blank).unwrap();
+    // A machine moves in one piece.
+    experiment.windows.clear();
+    experiment
 }
 
 fn scales(machine: &Machine) -> Scales {
