@@ -99,6 +99,7 @@ prop_compose! {
             suspect_frequencies: suspects[..found].iter().map(|s| 50.0 * s * natural_frequency).collect(),
             suspect_orders: suspects[..found].iter().map(|s| 500.0 * s / travel).collect(),
             forced: false,
+            rigid: false,
         }
     }
 }

@@ -43,18 +43,21 @@ pub fn measured_again(
 
 /// Noise of every output, and the standard deviation of what the model leaves of it.
 fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
-    let (frequency, damping) = match problem.kind.mode {
-        Some((f, xi)) => (TAU * point.keys[f], point.keys[xi]),
-        None => (
-            problem.scales.natural_frequency,
-            problem.scales.damping_ratio,
-        ),
+    // Only of a mode is it known how its response falls above its frequency.
+    let rates = match problem.kind.mode {
+        Some((f, xi)) => (TAU * point.keys[f], TAU * point.keys[f] * point.keys[xi]),
+        None => {
+            let scales = &problem.scales;
+            (
+                f64::INFINITY,
+                scales.natural_frequency * scales.damping_ratio,
+            )
+        }
     };
-    let rate = (frequency, frequency * damping);
     let of = |(e, experiment): (usize, &Experiment)| {
         let raw = problem.explained(point, e);
         let pairs = experiment.outputs.iter().zip(&raw);
-        let each = pairs.map(|(output, r)| (noise(experiment, output, r, rate), spread(r)));
+        let each = pairs.map(|(output, r)| (noise(experiment, output, r, rates), spread(r)));
         each.unzip()
     };
     problem.experiments.iter().enumerate().map(of).unzip()

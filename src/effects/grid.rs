@@ -88,8 +88,7 @@ pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
     let fastest = (300.0 * TAU / reach(scales)).max(30.0 * resonant_order(scales));
     // On a spring to ground less than a period is the offset, slope and cubic of the spring's own law; on
     // an axis without any spring a constant force and what changes slowly with the place.
-    let rigid = scales.deformation <= f64::MIN_POSITIVE;
-    let slowest = match scales.forced || rigid {
+    let slowest = match scales.forced || scales.rigid {
         true => TAU / reach(scales),
         false => (0.5 * TAU / reach(scales)).min(0.3 * resonant_order(scales)),
     };
