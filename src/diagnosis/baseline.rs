@@ -2,6 +2,7 @@
 
 use super::fit::{Fitted, Projector};
 use super::problem::{Point, Problem, Rows};
+use super::search::LONG;
 use super::split::{self, HeldOut};
 use super::whitening::Whitening;
 use crate::effects::Scales;
@@ -284,7 +285,7 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
         })
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    problem.fit(&costs[0].1, projector, 100)
+    problem.fit(&costs[0].1, projector, LONG)
 }
 
 /// Why a diagnosis cannot be made.

@@ -47,10 +47,9 @@ impl Search<'_> {
                 true => worse < EQUAL * unit && held < GATE || worse < 0.0 && held < alike,
                 false => worse < EQUAL * unit && held < alike,
             };
-            let sound = trial.passed;
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);
-            if close && sound && new && explanation.effects().len() <= best.effects().len() {
+            if close && trial.passed && new && explanation.effects().len() <= best.effects().len() {
                 equals.push(trial.clone());
             }
         }
@@ -77,8 +76,7 @@ impl Search<'_> {
                 place: own.place,
                 values,
             }));
-            let fitted = self.problem.fit(&apart, self.projector, 100);
-            let apart = self.judge.judge(self.problem, fitted);
+            let apart = self.refitted(&apart);
             let close = self.criterion(&apart) < self.criterion(&best) + EQUAL * self.unit(&best);
             if close && ratio(apart.held_out, best.held_out) < 2.0 - GATE {
                 return apart;

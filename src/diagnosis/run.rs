@@ -10,7 +10,7 @@ use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
 use super::problem::Problem;
 use super::remarks::recorded;
-use super::search::{Found, Search, Trial, ratio};
+use super::search::{Found, LONG, Search, Trial, ratio};
 use super::traces::Traces;
 use super::weights::{measure_noise, measured_again};
 use crate::model::{Experiment, Model, simulate_windows};
@@ -92,19 +92,21 @@ fn attempt(
 ) -> Outcome {
     let mut data = Data::new(fitted, apart);
     let told = recorded(train);
-    let first = investigate(model, &data, options, progress, told.clone(), false);
-    if data.apart.is_empty() && first.surprised {
-        // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out parts
-        // of every move instead.
-        let stretch = INTERLEAVED_PERIODS * first.period;
-        data.interleave(stretch);
-        let remark = "What was held out differs from what was fitted: something changed with time. \
-            Stretches of every move were held out instead of the last moves.";
-        let told = std::iter::once(remark.to_string()).chain(told).collect();
-        let second = investigate(model, &data, options, progress, told, true);
-        return named(second.outcome, &data, train);
+    let mut ending = investigate(model, &data, options, progress, told.clone(), false);
+    loop {
+        match ending {
+            Ending::Told(outcome) => return named(*outcome, &data, train),
+            Ending::Surprised(period) => {
+                // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out
+                // parts of every move instead.
+                data.interleave(INTERLEAVED_PERIODS * period);
+                let remark = "What was held out differs from what was fitted: something changed with time. \
+                    Stretches of every move were held out instead of the last moves.";
+                let told = std::iter::once(remark.to_string()).chain(told.clone());
+                ending = investigate(model, &data, options, progress, told.collect(), true);
+            }
+        }
     }
-    named(first.outcome, &data, train)
 }
 
 /// The same experiments without starts within them.
@@ -160,15 +162,16 @@ fn in_two(
     Ok((fitted, apart))
 }
 
-struct Investigation {
-    outcome: Outcome,
-    /// Whether the held-out part is worse than the fitted one by more than chance.
-    surprised: bool,
-    /// Period of the mode, s.
-    period: f64,
+/// How an investigation ends.
+enum Ending {
+    /// With what it says.
+    Told(Box<Outcome>),
+    /// What was held out is worse than what was fitted by more than chance: something changed with time.
+    /// The period of the mode, s.
+    Surprised(f64),
 }
 
-/// The whole journey; `remark` says why it is made once more.
+/// The whole journey; a second one is told however it ends.
 fn investigate(
     model: &Model,
     data: &Data,
@@ -176,7 +179,7 @@ fn investigate(
     progress: Progress,
     mut remarks: Vec<String>,
     is_second: bool,
-) -> Investigation {
+) -> Ending {
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
@@ -202,25 +205,19 @@ fn investigate(
     let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, progress);
     let search = search(&problem, &projector, &judge, progress);
     let found = search.run(baseline, trials);
-    let surprised = surprised(&judge, &found);
+    if !is_second && data.apart.is_empty() && surprised(&judge, &found) {
+        return Ending::Surprised(problem.scales.period());
+    }
     remarks.extend(super::remarks::remarks(&problem, &found));
     let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
-    // Where the search runs once more, its outcome is what is told.
-    let last = !surprised || !data.apart.is_empty() || is_second;
-    if last {
-        diagnosis.next_move = next_move(&search, &found, diagnosis.verdict);
-    }
+    diagnosis.next_move = next_move(&search, &found, diagnosis.verdict);
     let told = reported(diagnosis.verdict, &found);
     let traces = draw(&search, &found.baseline, told, &located);
-    Investigation {
-        outcome: Outcome {
-            model: better_model(model, told),
-            diagnosis,
-            traces,
-        },
-        surprised,
-        period: problem.scales.period(),
-    }
+    Ending::Told(Box::new(Outcome {
+        model: better_model(model, told),
+        diagnosis,
+        traces,
+    }))
 }
 
 /// The refitted model and the single effects that it may lack, by the noise that the best of these leaves.
@@ -232,7 +229,7 @@ fn singles(
     progress: Progress,
 ) -> (Explanation, Vec<Trial>) {
     let first = search(problem, projector, judge, progress);
-    let trials = first.first(&baseline);
+    let trials = first.extend(&baseline);
     let best = first.simplest(&trials, &baseline);
     let again = best.and_then(|best| measured_again(problem, &best.fitted.point));
     let Some(again) = again else {
@@ -240,9 +237,9 @@ fn singles(
     };
     (problem.noise, problem.whitening) = again;
     *projector = Projector::new(problem);
-    let refitted = problem.fit(&baseline.fitted.point, projector, 100);
-    let baseline = judge.judge(problem, refitted);
-    let trials = search(problem, projector, judge, progress).again(&baseline, trials);
+    let search = search(problem, projector, judge, progress);
+    let baseline = search.refitted(&baseline.fitted.point);
+    let trials = search.again(&baseline, trials);
     (baseline, trials)
 }
 
@@ -285,14 +282,14 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
-    (problem.fit(&first.point, &projector, 100), projector)
+    (problem.fit(&first.point, &projector, LONG), projector)
 }
 
 /// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
 /// their price.
 fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitted {
     problem.departures = vec![2, 3];
-    let ringing = problem.fit(&still.point, projector, 100);
+    let ringing = problem.fit(&still.point, projector, LONG);
     let experiments = problem.experiments;
     let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
     let unit = (ringing.cost / rows).max(1.0);

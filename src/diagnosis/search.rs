@@ -32,7 +32,7 @@ const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 const SHORT: usize = 6;
 /// Most steps of the fit that is carried through.
-const LONG: usize = 100;
+pub const LONG: usize = 100;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 /// Most effects in one explanation: with three the structure is no longer determined by a recording.
@@ -96,17 +96,10 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// All single effects that the refitted model may lack, best first.
-    pub fn first(&self, baseline: &Explanation) -> Vec<Trial> {
-        self.extend(baseline, FITTED)
-    }
-
     /// The same fits, refitted and ranked where the noise was measured anew.
     pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
         let refit = |mut trial: Trial| {
-            let point = &trial.explanation.fitted.point;
-            let fitted = self.problem.fit(point, self.projector, 100);
-            trial.explanation = self.judge.judge(self.problem, fitted);
+            trial.explanation = self.refitted(&trial.explanation.fitted.point);
             trial
         };
         let mut trials: Vec<Trial> = trials.into_par_iter().map(refit).collect();
@@ -137,7 +130,7 @@ impl Search<'_> {
             (self.progress)(0.3 + 0.2 * depth as f64, "looking for a further effect");
             let further: Vec<Trial> = frontier
                 .iter()
-                .flat_map(|explanation| self.extend(explanation, FITTED))
+                .flat_map(|explanation| self.extend(explanation))
                 .collect();
             let mut next = further.clone();
             // Against one another: each was ranked against the explanation that it extends.
@@ -146,8 +139,8 @@ impl Search<'_> {
             frontier = passed(&next, BEAM);
             let Some(first) = frontier.first() else { break };
             let pruned = self.prune(first.clone());
-            if self.worth(&baseline, &best, &pruned)
-                && self.criterion(&pruned) < self.criterion(&best) - STRONG * self.unit(&pruned)
+            if self.criterion(&pruned) < self.criterion(&best) - STRONG * self.unit(&pruned)
+                && self.worth(&baseline, &best, &pruned)
             {
                 best = pruned;
             }
@@ -174,11 +167,11 @@ impl Search<'_> {
     }
 
     /// Candidates on top of an explanation, fitted and judged against it; best first.
-    pub fn extend(&self, from: &Explanation, count: usize) -> Vec<Trial> {
+    pub fn extend(&self, from: &Explanation) -> Vec<Trial> {
         let (problem, projector) = (self.problem, self.projector);
         let linear = problem.linearise(&from.fitted.point, projector);
         let starts = screen(problem, &from.fitted.point, &linear, projector, SIZES);
-        let mut trials: Vec<Trial> = chosen(starts, count)
+        let mut trials: Vec<Trial> = chosen(starts)
             .into_par_iter()
             .filter_map(|starts| self.fit(from, &linear, &starts))
             .collect();
@@ -241,6 +234,12 @@ impl Search<'_> {
         })
     }
 
+    /// A structure, fitted from a point on and judged.
+    pub fn refitted(&self, point: &Point) -> Explanation {
+        let fitted = self.problem.fit(point, self.projector, LONG);
+        self.judge.judge(self.problem, fitted)
+    }
+
     /// `chi^2 + k ln N`.
     pub fn criterion(&self, explanation: &Explanation) -> f64 {
         let n = self.judge.train_rows as f64;
@@ -284,11 +283,11 @@ impl Search<'_> {
             before - after > MOST * (before - rows as f64).max(0.0)
         };
         let all = most(best.train, next.train, rows) && most(best.held_out, next.held_out, held);
-        let raw = |explanation| super::quality::quality(self, explanation).held_out_rms;
         // A second sensor may show what the first one does not.
         let several = self.problem.experiments[0].outputs.len() > 1;
-        let better = several || raw(next).powi(2) < GATE * raw(best).powi(2);
-        (best.train - next.train > reach || all) && better
+        let raw = |explanation| super::quality::quality(self, explanation).held_out_rms;
+        let better = || several || raw(next).powi(2) < GATE * raw(best).powi(2);
+        (best.train - next.train > reach || all) && better()
     }
 
     /// Whether fitted and held-out residual are both below this many times the noise.
@@ -311,10 +310,7 @@ impl Search<'_> {
             return vec![baseline.clone(); terms.len()];
         }
         terms
-            .map(|term| {
-                let fitted = self.problem.fit(&point.without(term), self.projector, LONG);
-                self.judge.judge(self.problem, fitted)
-            })
+            .map(|term| self.refitted(&point.without(term)))
             .collect()
     }
 
@@ -329,10 +325,7 @@ impl Search<'_> {
             }
             let unit = self.unit(&best);
             let dropped = terms
-                .map(|term| {
-                    let fitted = self.problem.fit(&point.without(term), self.projector, LONG);
-                    self.judge.judge(self.problem, fitted)
-                })
+                .map(|term| self.refitted(&point.without(term)))
                 .filter(|without| {
                     let needless = self.criterion(without) < self.criterion(&best) + STRONG * unit;
                     needless || ratio(best.held_out, without.held_out) >= GATE
@@ -347,7 +340,7 @@ impl Search<'_> {
 }
 
 /// Starts of the best candidates, those of one effect and place together.
-fn chosen(starts: Vec<Start>, count: usize) -> Vec<Vec<Start>> {
+fn chosen(starts: Vec<Start>) -> Vec<Vec<Start>> {
     let mut groups: Vec<Vec<Start>> = Vec::new();
     for start in starts {
         if start.score < HOPELESS {
@@ -357,7 +350,7 @@ fn chosen(starts: Vec<Start>, count: usize) -> Vec<Vec<Start>> {
             let first: (&str, Place) = (group[0].effect.name, group[0].place);
             first == (start.effect.name, start.place)
         };
-        let room = groups.len() < count;
+        let room = groups.len() < FITTED;
         match groups.iter_mut().find(same) {
             Some(group) => group.push(start),
             None if room => groups.push(vec![start]),
