@@ -1,9 +1,12 @@
 //! Which of explanations that are nearly equal is told, and which are told beside it.
 
 use super::explanation::Explanation;
-use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, Search, Trial, ratio};
+use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
 use crate::effects::{contains, parts};
 use crate::model::Term;
+
+/// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
+const CHANCE: f64 = 6.0;
 
 impl Search<'_> {
     /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
@@ -41,10 +44,10 @@ impl Search<'_> {
                 ([theirs], [own]) => contains(theirs.0, own.0),
                 _ => false,
             };
-            // A law that contains the best one fits as well by itself: it is listed if it predicts better, or
-            // if what it adds is worth its price (it was left out for being within reach of a law's shape).
+            // A law that contains the best one always fits as well: it is listed if what it adds is more than
+            // chance makes.
             let close = match limit {
-                true => worse < EQUAL * unit && held < GATE || worse < 0.0 && held < alike,
+                true => best.fitted.cost - explanation.fitted.cost > CHANCE * unit && held < alike,
                 false => worse < EQUAL * unit && held < alike,
             };
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
@@ -54,6 +57,37 @@ impl Search<'_> {
             }
         }
         equals
+    }
+
+    /// A pair that leaves more than noise, its effects chosen anew: the first was chosen without the second.
+    /// Each turn drops the one that was chosen longest ago; a turn that brings nothing is the last.
+    pub(super) fn exchanged(
+        &self,
+        baseline: &Explanation,
+        mut best: Explanation,
+        pool: &mut Vec<Trial>,
+    ) -> Explanation {
+        for _ in 0..MOST_EFFECTS {
+            let point = &best.fitted.point;
+            if point.terms.len() - point.given_terms < 2 || self.explains(baseline, &best) {
+                break;
+            }
+            let kept = self.refitted(&point.without(point.given_terms));
+            let trials = self.extend(&kept);
+            let next = trials.iter().find(|trial| trial.passed);
+            let next = next.map(|trial| trial.explanation.clone());
+            pool.extend(trials);
+            match next {
+                Some(next)
+                    if self.criterion(&next)
+                        < self.criterion(&best) - STRONG * self.unit(&next) =>
+                {
+                    best = next
+                }
+                _ => break,
+            }
+        }
+        best
     }
 
     /// An explanation whose law acts as two simpler ones together is told as these, where they do as well.

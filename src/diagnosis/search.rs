@@ -45,6 +45,8 @@ pub const SHAPE: f64 = 0.01;
 const MOST: f64 = 0.5;
 /// Explanations that are carried on.
 const BEAM: usize = 2;
+/// Two predictions whose sums of squares differ by less, fitted and held out, are taken for one.
+const ALIKE: f64 = 0.005;
 
 /// A candidate that was fitted, against the model without it.
 #[derive(Clone)]
@@ -109,10 +111,9 @@ impl Search<'_> {
 
     /// Searches on from the refitted model and the single effects that it may lack.
     pub fn run(&self, baseline: Explanation, mut trials: Vec<Trial>) -> Found {
-        if self.at_floor(&baseline) {
-            trials
-                .iter_mut()
-                .for_each(|trial| trial.passed &= trial.held_out_ratio < WEAK);
+        let plain = |trial: &Trial| trial.passed && trial.held_out_ratio < WEAK;
+        if self.at_floor(&baseline) && !trials.iter().any(plain) {
+            trials.iter_mut().for_each(|trial| trial.passed = false);
         }
         let mut frontier: Vec<Explanation> = passed(&trials, BEAM);
         let mut best = self
@@ -146,6 +147,7 @@ impl Search<'_> {
             }
             pool.extend(further);
         }
+        best = self.exchanged(&baseline, best, &mut pool);
         best = self.taken_apart(best);
         let unit = self.unit(&best);
         for trial in trials.iter_mut().chain(&mut pool) {
@@ -360,12 +362,20 @@ fn chosen(starts: Vec<Start>) -> Vec<Vec<Start>> {
     groups
 }
 
+/// The best that passed and predict differently: what predicts the same leaves the same to a further effect.
 fn passed(trials: &[Trial], count: usize) -> Vec<Explanation> {
-    let passed = trials.iter().filter(|trial| trial.passed);
+    let mut passed: Vec<Explanation> = Vec::new();
+    for trial in trials.iter().filter(|trial| trial.passed) {
+        let own = &trial.explanation;
+        let alike = |other: &Explanation| {
+            (own.train / other.train - 1.0).abs() < ALIKE
+                && (ratio(own.held_out, other.held_out) - 1.0).abs() < ALIKE
+        };
+        if passed.len() < count && !passed.iter().any(alike) {
+            passed.push(own.clone());
+        }
+    }
     passed
-        .take(count)
-        .map(|trial| trial.explanation.clone())
-        .collect()
 }
 
 fn sort(trials: &mut [Trial]) {
