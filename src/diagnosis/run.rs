@@ -210,11 +210,13 @@ fn investigate(
     }
     remarks.extend(super::remarks::remarks(&problem, &found));
     let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
-    diagnosis.next_move = next_move(&search, &found, diagnosis.verdict);
-    let told = reported(diagnosis.verdict, &found);
+    let verdict = diagnosis.verdict;
+    diagnosis.next_move =
+        next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));
+    let told = reported(verdict, &found);
     let traces = draw(&search, &found.baseline, told, &located);
     Ending::Told(Box::new(Outcome {
-        model: better_model(model, told),
+        model: super::scale::corrected(better_model(model, told), &diagnosis),
         diagnosis,
         traces,
     }))
