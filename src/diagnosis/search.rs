@@ -173,9 +173,17 @@ impl Search<'_> {
         let (problem, projector) = (self.problem, self.projector);
         let linear = problem.linearise(&from.fitted.point, projector);
         let starts = screen(problem, &from.fitted.point, &linear, projector, SIZES);
-        let mut trials: Vec<Trial> = chosen(starts)
+        let begun: Vec<Descent> = chosen(starts)
             .into_par_iter()
-            .filter_map(|starts| self.fit(from, &linear, &starts))
+            .filter_map(|starts| self.begin(from, &linear, &starts))
+            .collect();
+        let ahead = begun
+            .iter()
+            .map(Descent::cost)
+            .fold(f64::INFINITY, f64::min);
+        let mut trials: Vec<Trial> = begun
+            .into_par_iter()
+            .map(|descent| self.finish(descent, ahead))
             .collect();
         self.rank(from, &mut trials);
         trials
@@ -199,8 +207,13 @@ impl Search<'_> {
         sort(trials);
     }
 
-    /// The best of a candidate's starts, fitted to its end.
-    fn fit(&self, from: &Explanation, linear: &Linearised, starts: &[Start]) -> Option<Trial> {
+    /// The best of a candidate's starts, on its way.
+    fn begin(
+        &self,
+        from: &Explanation,
+        linear: &Linearised,
+        starts: &[Start],
+    ) -> Option<Descent<'_>> {
         let (problem, projector) = (self.problem, self.projector);
         // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
         let mut believed = from.fitted.point.clone();
@@ -221,19 +234,19 @@ impl Search<'_> {
         descents.truncate(SECOND);
         descents.iter_mut().for_each(|descent| descent.run(SHORT));
         let best = descents.into_iter();
-        let mut best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
-        if best.cost() > from.fitted.cost {
-            return None;
-        }
-        best.run(LONG);
-        let fitted = best.end();
-        let explanation = self.judge.judge(problem, fitted);
-        Some(Trial {
-            explanation,
+        let best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+        (best.cost() <= from.fitted.cost).then_some(best)
+    }
+
+    /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
+    fn finish(&self, mut descent: Descent, ahead: f64) -> Trial {
+        descent.race(LONG, ahead);
+        Trial {
+            explanation: self.judge.judge(self.problem, descent.end()),
             delta_bic: 0.0,
             held_out_ratio: 1.0,
             passed: false,
-        })
+        }
     }
 
     /// A structure, fitted from a point on and judged.
