@@ -22,6 +22,7 @@
 mod error;
 pub mod health;
 mod manifest;
+mod mcap;
 #[cfg(test)]
 mod properties;
 mod role;
@@ -32,6 +33,7 @@ mod write;
 pub(crate) use error::nearest;
 pub use error::{Place, Problem, RecordingError};
 pub use manifest::MANIFEST;
+pub use mcap::McapWriter;
 pub use role::{ROLES, Role, RoleEntry};
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
