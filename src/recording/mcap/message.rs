@@ -81,13 +81,11 @@ pub(super) fn encode_float(value: f64, out: &mut Encoder) {
     out.f64(value);
 }
 
-/// Begins a message with `std_msgs/msg/Header`; the stamp in ns.
+/// Begins a message with `std_msgs/msg/Header`; the stamp in ns, from 1970 to 2038.
 fn header(stamp: i64, frame: &str, out: &mut Encoder) {
     const SECOND: i64 = 1_000_000_000;
     out.clear();
-    // Beyond 2038 a stamp of ROS 2 has no place for the seconds.
-    let seconds = stamp.div_euclid(SECOND);
-    out.i32(seconds.clamp(i32::MIN.into(), i32::MAX.into()) as i32);
-    out.u32(stamp.rem_euclid(SECOND) as u32);
+    out.i32((stamp / SECOND) as i32);
+    out.u32((stamp % SECOND) as u32);
     out.string(frame);
 }

@@ -5,8 +5,18 @@
 //! Source: MCAP format specification, version 0; ROS 2 design, "Interface definition using .msg files".
 
 mod cdr;
+mod chunk;
+mod definition;
+mod file;
 mod message;
+mod recording;
+mod records;
+mod series;
 mod topic;
+mod value;
 mod writer;
 
+pub use file::{McapFile, Topic};
+pub use recording::Found;
+pub use records::Cut;
 pub use writer::McapWriter;

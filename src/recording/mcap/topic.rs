@@ -26,7 +26,7 @@ pub(super) struct Carrier {
 
 /// What carries so many columns of a role.
 ///
-/// Where ROS 2 has no stamped scalar for a role it is a `Float64`, and the log time is the sensor's stamp.
+/// Where ROS 2 has no stamped scalar for a role it is a `Float64`, and its publish time is the sensor's stamp.
 pub(super) fn carrier(role: Role, columns: usize) -> Carrier {
     let (definition, fields): (_, &[&str]) = match role {
         Role::CommandPosition | Role::MotorPosition | Role::LinkPosition | Role::Deformation => {

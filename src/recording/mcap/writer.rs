@@ -17,6 +17,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const CHUNK: usize = 1 << 16;
 /// Time after which a chunk is closed although it is small, ns: what a crash may cost.
 const SPAN: i64 = 250_000_000;
+/// The last stamp of ROS 2, ns: its seconds have 32 bits with a sign.
+const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 
 /// Writes commands and measurements into an MCAP file that other tools of ROS 2 read, chunk by chunk: a file
 /// that is cut in the middle lacks a quarter of a second.
@@ -102,7 +104,7 @@ impl McapWriter {
     ) -> Result<(), RecordingError> {
         let role = Role::CommandPosition;
         self.check(joint, role, &[time, position, velocity, acceleration])?;
-        let now = self.wall(time);
+        let now = self.wall(role, time)?;
         let state = JointState {
             name: joint,
             position: &[position],
@@ -134,14 +136,12 @@ impl McapWriter {
         if !role.entry().columns.contains(&values.len()) {
             return Err(self.bad(role, format!("it has {} values", values.len())));
         }
-        let (now, stamp) = (self.wall(time), self.wall(stamp));
+        let (now, stamp) = (self.wall(role, time)?, self.wall(role, stamp)?);
         let carrier = topic::carrier(role, values.len());
-        let mut logged = now;
         match (values, carrier.fields[0]) {
             (&[x, y, z], _) => message::encode_vector(stamp, "", [x, y, z], &mut self.body),
             (&[value], "data") => {
                 message::encode_float(value, &mut self.body);
-                logged = stamp;
             }
             (_, field) => {
                 let of = |name| if field == name { values } else { &[] };
@@ -155,7 +155,7 @@ impl McapWriter {
             }
         }
         let topic = topic::topic(joint, role);
-        self.put(&topic, carrier.definition, now, logged)
+        self.put(&topic, carrier.definition, now, stamp)
     }
 
     /// Closes the chunk and hands it to the operating system: what is written so far survives a crash.
@@ -180,13 +180,13 @@ impl McapWriter {
         )
     }
 
-    /// Writes the body as a message of a topic, logged at `logged`; the chunk's age counts by `now`.
+    /// Writes the body as a message of a topic.
     fn put(
         &mut self,
         topic: &str,
         definition: &Definition,
         now: i64,
-        logged: i64,
+        stamp: i64,
     ) -> Result<(), RecordingError> {
         if !self.channels.contains_key(topic) {
             let id = self.channel(topic, definition);
@@ -196,12 +196,11 @@ impl McapWriter {
         let Some((channel_id, sequence)) = self.channels.get_mut(topic) else {
             return Ok(());
         };
-        let log_time = u64::try_from(logged).unwrap_or(0);
         let header = MessageHeader {
             channel_id: *channel_id,
             sequence: *sequence,
-            log_time,
-            publish_time: log_time,
+            log_time: now.unsigned_abs(),
+            publish_time: stamp.unsigned_abs(),
         };
         *sequence = sequence.wrapping_add(1);
         let body = self.body.bytes();
@@ -223,8 +222,15 @@ impl McapWriter {
     }
 
     /// A time in s as wall time in ns, rounded to the nearest.
-    fn wall(&self, time: f64) -> i64 {
-        self.origin.saturating_add((time * 1e9).round() as i64)
+    fn wall(&self, role: Role, time: f64) -> Result<i64, RecordingError> {
+        let wall = self.origin.saturating_add((time * 1e9).round() as i64);
+        match (0..=LAST).contains(&wall) {
+            true => Ok(wall),
+            false => Err(self.bad(
+                role,
+                format!("{time} s is outside of the years 1970 to 2038, which a stamp can hold"),
+            )),
+        }
     }
 
     fn check(&self, joint: &str, role: Role, values: &[f64]) -> Result<(), RecordingError> {
