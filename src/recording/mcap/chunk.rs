@@ -49,7 +49,7 @@ impl<'a> Chunk<'a> {
     /// # Errors
     /// A sentence, where the chunk is whole and does not unpack to what it says.
     pub(super) fn unpack(&self) -> Result<Cow<'a, [u8]>, String> {
-        if self.size > LARGEST {
+        if self.is_whole && self.size > LARGEST {
             return Err(format!("a chunk of {} bytes", self.size));
         }
         let unpacked = match self.compression {
@@ -75,10 +75,13 @@ impl<'a> Chunk<'a> {
     }
 
     /// What a decoder gives, one byte more than the chunk is to have at the most. The decoder of a chunk
-    /// that is cut fails at the cut.
+    /// that is cut fails at the cut; its size may not have been written yet.
     fn read(&self, decoder: impl Read) -> Result<Cow<'a, [u8]>, String> {
         let mut unpacked = Vec::new();
-        match decoder.take(self.size + 1).read_to_end(&mut unpacked) {
+        match decoder
+            .take(self.size.min(LARGEST) + 1)
+            .read_to_end(&mut unpacked)
+        {
             Err(error) if self.is_whole => Err(format!("a chunk cannot be unpacked: {error}")),
             _ => Ok(Cow::Owned(unpacked)),
         }

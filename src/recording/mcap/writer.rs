@@ -71,12 +71,14 @@ impl McapWriter {
     /// [`RecordingError`] where the file cannot be made.
     pub fn create_at(path: &Path, joints: &[&str], origin: i64) -> Result<Self, RecordingError> {
         let file = File::create(path).map_err(|error| from_io(&error).in_file(path))?;
-        // One thread: a chunk is compressed in less time than a pool of threads takes to begin.
+        // One thread: a chunk is compressed in less time than a pool of threads takes to begin. Nothing is
+        // written twice, so that the file on the disk ends with a whole chunk at all times.
         let options = WriteOptions::new()
             .profile("ros2")
             .library(concat!("quell ", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
+            .disable_seeking(true)
             .chunk_size(None);
         let out = options.create(BufWriter::new(file));
         Ok(Self {
