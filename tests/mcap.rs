@@ -436,6 +436,89 @@ fn inspect_lists_topics_and_roles() {
     assert_eq!(Recording::from_path(knee).unwrap().channels.len(), 1);
 }
 
+/// Runs a verb in a folder; what it prints.
+fn quell(folder: &TempDir, arguments: &[&str]) -> String {
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let assert = command
+        .current_dir(folder)
+        .args(arguments)
+        .assert()
+        .success();
+    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+}
+
+#[test]
+fn every_verb_takes_an_mcap_file_as_it_takes_a_manifest() {
+    let folder = TempDir::new().unwrap();
+    quell(
+        &folder,
+        &[
+            "simulate", "--target", "30", "--target", "0", "--out", "arm",
+        ],
+    );
+    let recording = Recording::from_path(folder.path().join("arm")).unwrap();
+    let path = folder.path().join("arm.mcap");
+    let mut writer = McapWriter::create(&path, &["hip"]).unwrap();
+    for channel in &recording.channels {
+        for (sample, t) in channel.time.iter().enumerate() {
+            let row: Vec<_> = channel
+                .columns
+                .iter()
+                .map(|column| column[sample])
+                .collect();
+            writer
+                .write_sample(*t, "hip", channel.role, *t, &row)
+                .unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    let model = "arm/model.toml";
+    for (verb, lines) in [
+        (
+            &["identify", "IT", "--model", model][..],
+            &["likelihood", "batch_fit", "clock"][..],
+        ),
+        (&["score", model, "IT"], &["rms"]),
+        (&["simulate", model, "IT", "--out", "p.csv"], &["rms"]),
+        (&["simulate", "--command", "IT", "--out", "again"], &["1 "]),
+    ] {
+        // Stamps are rounded to a nanosecond, which no digit that is printed shows.
+        let [folder_says, file_says] = ["arm", "arm.mcap"].map(|name| {
+            let arguments = verb.iter().map(|word| word.replace("IT", name));
+            let arguments: Vec<String> = arguments.collect();
+            let text = quell(
+                &folder,
+                &arguments.iter().map(String::as_str).collect::<Vec<_>>(),
+            );
+            let told = |line: &&str| lines.iter().any(|word| line.contains(word));
+            text.lines()
+                .filter(told)
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(folder_says, file_says, "{verb:?}");
+        assert!(file_says.len() >= lines.len(), "{verb:?}: {file_says:?}");
+    }
+}
+
+#[test]
+fn a_length_that_lies_takes_no_memory() {
+    for place in (8..bare().len().min(6000) - 8).step_by(5) {
+        for lie in [u64::MAX, 0x7fff_ffff, 0x7fff_ffff_7fff_ffff] {
+            let mut bytes = bare().to_vec();
+            bytes[place..place + 8].copy_from_slice(&lie.to_le_bytes());
+            let used = allocation_counter::measure(|| look(&bytes));
+            // A few copies of the file, its numbers and the text of an error.
+            let most = 64 * bytes.len() as u64;
+            assert!(
+                used.bytes_max < most,
+                "byte {place}: {} of {most}",
+                used.bytes_max
+            );
+        }
+    }
+}
+
 /// A file without compression and sums, so that changed bytes reach definitions and messages.
 fn bare() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();

@@ -1,5 +1,6 @@
 //! Chunks: records packed together, compressed or not.
 
+use super::record::{take, text};
 use std::borrow::Cow;
 use std::io::Read;
 
@@ -26,8 +27,7 @@ impl<'a> Chunk<'a> {
         let mut rest = body.get(16..)?;
         let size = u64::from_le_bytes(take(&mut rest)?);
         let crc = u32::from_le_bytes(take(&mut rest)?);
-        let name = u32::from_le_bytes(take(&mut rest)?) as usize;
-        let (name, mut rest) = rest.split_at_checked(name)?;
+        let compression = text(&mut rest)?;
         let length = u64::from_le_bytes(take(&mut rest)?);
         let is_whole = length <= rest.len() as u64;
         let data = match is_whole {
@@ -38,7 +38,7 @@ impl<'a> Chunk<'a> {
         Some(Self {
             size,
             crc,
-            compression: core::str::from_utf8(name).ok()?,
+            compression,
             data,
             is_whole,
         })
@@ -86,10 +86,4 @@ impl<'a> Chunk<'a> {
             _ => Ok(Cow::Owned(unpacked)),
         }
     }
-}
-
-fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
-    let (first, after) = rest.split_first_chunk()?;
-    *rest = after;
-    Some(*first)
 }

@@ -1,12 +1,12 @@
 //! An MCAP file and its topics.
 
 use super::definition::Layout;
+use super::record::{Message, Record};
 use super::records::{Broken, Cut, visit};
 use super::series::{Series, series};
 use super::value::Path as Field;
 use crate::recording::error::{Place, Problem, RecordingError};
 use crate::recording::table::from_io;
-use ::mcap::records::{MessageHeader, Record};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -138,17 +138,17 @@ impl McapFile {
     pub(super) fn messages(
         &self,
         topic: &str,
-        mut take: impl FnMut(&MessageHeader, &[u8]) -> Result<(), String>,
+        mut take: impl FnMut(&Message) -> Result<(), String>,
     ) -> Result<(), Broken> {
         let mut ids = Vec::new();
         let walk = visit(&self.bytes, |record, _| match record {
-            Record::Channel(channel) if channel.topic == topic => {
-                ids.push(channel.id);
+            Record::Channel {
+                id, topic: name, ..
+            } if name == topic => {
+                ids.push(id);
                 Ok(())
             }
-            Record::Message { header, data } if ids.contains(&header.channel_id) => {
-                take(&header, &data)
-            }
+            Record::Message(message) if ids.contains(&message.channel) => take(&message),
             _ => Ok(()),
         });
         walk.map(|_| ())
@@ -176,46 +176,52 @@ struct Index {
 impl Index {
     fn take(&mut self, record: Record) -> Result<(), String> {
         match record {
-            Record::Schema { header, data } => {
-                let layout = match &*header.encoding {
-                    "ros2msg" => Layout::parse(&header.name, &String::from_utf8_lossy(&data)),
+            Record::Schema {
+                id,
+                name,
+                encoding,
+                data,
+            } => {
+                let layout = match encoding {
+                    "ros2msg" => Layout::parse(name, &String::from_utf8_lossy(data)),
                     other => Err(format!(
                         "definitions in \"{other}\" are not read, ros2msg is"
                     )),
                 };
-                self.schemas.insert(header.id, (header.name, layout));
+                self.schemas.insert(id, (name.into(), layout));
             }
-            Record::Channel(channel) => {
-                let known = self
-                    .topics
-                    .iter()
-                    .position(|topic| topic.name == channel.topic);
+            Record::Channel {
+                id,
+                schema,
+                topic,
+                encoding,
+            } => {
+                let known = self.topics.iter().position(|known| known.name == topic);
                 let index = known.unwrap_or_else(|| {
-                    self.topics.push(self.topic(&channel));
+                    self.topics.push(self.topic(topic, schema, encoding));
                     self.topics.len() - 1
                 });
-                self.channels.insert(channel.id, index);
+                self.channels.insert(id, index);
             }
-            Record::Message { header, data } => {
-                let index = self.channels.get(&header.channel_id);
+            Record::Message(message) => {
+                let index = self.channels.get(&message.channel);
                 let index = index.ok_or("a message of a channel that is not announced")?;
-                self.topics[*index].count(&header, &data);
+                self.topics[*index].count(&message);
             }
-            _ => {}
         }
         Ok(())
     }
 
-    fn topic(&self, channel: &::mcap::records::Channel) -> Topic {
+    fn topic(&self, name: &str, schema: u16, encoding: &str) -> Topic {
         let unknown = || Err("its type is not defined in the file".into());
-        let schema = self.schemas.get(&channel.schema_id).cloned();
+        let schema = self.schemas.get(&schema).cloned();
         let (kind, layout) = schema.unwrap_or_else(|| (String::new(), unknown()));
-        let layout = match &*channel.message_encoding {
+        let layout = match encoding {
             "cdr" => layout,
             other => Err(format!("messages in \"{other}\" are not read, CDR is")),
         };
         Topic {
-            name: channel.topic.clone(),
+            name: name.into(),
             kind,
             messages: 0,
             logged: None,
@@ -226,13 +232,13 @@ impl Index {
 }
 
 impl Topic {
-    fn count(&mut self, header: &MessageHeader, data: &[u8]) {
+    fn count(&mut self, message: &Message) {
         if let Ok(layout) = &self.layout
             && self.messages == 0
         {
-            self.names = super::value::names(layout, data);
+            self.names = super::value::names(layout, message.data);
         }
-        let time = header.log_time;
+        let time = message.log_time;
         let [first, last] = self.logged.unwrap_or([time, time]);
         self.logged = Some([first.min(time), last.max(time)]);
         self.messages += 1;

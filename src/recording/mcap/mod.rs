@@ -9,6 +9,7 @@ mod chunk;
 mod definition;
 mod file;
 mod message;
+mod record;
 mod recording;
 mod records;
 mod series;

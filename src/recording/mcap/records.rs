@@ -3,8 +3,9 @@
 //! The index at the end of a file is not used: a recorder that was stopped hard has written none.
 
 use super::chunk::Chunk;
-use ::mcap::records::{Record, op};
-use ::mcap::{MAGIC, parse_record};
+use super::record::Record;
+use ::mcap::MAGIC;
+use ::mcap::records::op;
 
 /// Opcode and length before the body.
 const FRAME: usize = 9;
@@ -139,8 +140,9 @@ fn record(
     match code {
         0 => Err(broken(at, "there is no record")),
         op::SCHEMA | op::CHANNEL | op::MESSAGE => {
-            let record = parse_record(code, body);
-            let record = record.map_err(|error| broken(at, error.to_string()))?;
+            let record = Record::parse(code, body);
+            let record =
+                record.ok_or_else(|| broken(at, "a record does not hold what it should"))?;
             visit(record, at).map_err(|reason| broken(at, reason))
         }
         _ => Ok(()),

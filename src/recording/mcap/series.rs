@@ -2,9 +2,9 @@
 
 use super::definition::Layout;
 use super::file::McapFile;
+use super::record::Message;
 use super::records::Broken;
-use super::value::{Path, Value, message};
-use ::mcap::records::MessageHeader;
+use super::value::{self, Path, Value};
 
 /// Stamps that are further from their log times than this are of another clock, ns: longer than a bus delays a
 /// message, shorter than what lies between clocks that nobody sets.
@@ -48,14 +48,15 @@ impl Clock {
         }
     }
 
-    fn stamp(&self, header: &MessageHeader, value: &Value) -> Result<i64, String> {
+    fn stamp(&self, message: &Message, value: &Value) -> Result<i64, String> {
         let time = match self {
             Self::Field(seconds, rest) => {
                 let number = |path: &Path| Ok::<_, String>(path.pick(value)?.unwrap_or(0.0) as i64);
-                return Ok(number(seconds)? * 1_000_000_000 + number(rest)?);
+                let seconds = number(seconds)?.saturating_mul(1_000_000_000);
+                return Ok(seconds.saturating_add(number(rest)?));
             }
-            Self::Log => header.log_time,
-            Self::Publish => header.publish_time,
+            Self::Log => message.log_time,
+            Self::Publish => message.publish_time,
         };
         i64::try_from(time).map_err(|_| format!("its time of {time} ns is after the year 2262"))
     }
@@ -81,8 +82,8 @@ pub(super) fn series(
         columns: vec![Vec::new(); fields.len()],
     };
     let (mut logs, mut at_field) = (Vec::new(), None);
-    let walk = file.messages(topic, |header, bytes| {
-        let value = message(layout, bytes, &wanted);
+    let walk = file.messages(topic, |message| {
+        let value = value::message(layout, message.data, &wanted);
         let value = value.map_err(|d| format!("byte {} of a message: {}", d.offset, d.what))?;
         let mut row = Vec::with_capacity(fields.len());
         for (index, field) in fields.iter().enumerate() {
@@ -96,8 +97,8 @@ pub(super) fn series(
             }
         }
         at_field = None;
-        series.stamps.push(clock.stamp(header, &value)?);
-        logs.push(i64::try_from(header.log_time).unwrap_or(i64::MAX));
+        series.stamps.push(clock.stamp(message, &value)?);
+        logs.push(i64::try_from(message.log_time).unwrap_or(i64::MAX));
         for (column, number) in series.columns.iter_mut().zip(row) {
             column.push(number);
         }
