@@ -217,6 +217,9 @@ fn inspect_lists_topics_and_roles() {
     );
     assert_eq!(all["channels"].as_array().unwrap().len(), 1 + SAMPLES.len());
     assert_eq!(all["cut"]["of"], whole().len() / 2);
+    let states = &all["topics"][2];
+    assert_eq!(states["topic"], "/joint_states");
+    assert_eq!(states["fields"][2], "position[]");
 
     let mut writer = McapWriter::create(&path, &["hip", "knee"]).unwrap();
     for joint in ["hip", "knee"] {

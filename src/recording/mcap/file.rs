@@ -154,6 +154,13 @@ impl McapFile {
 }
 
 impl Topic {
+    /// Fields of its messages that hold numbers, `[]` where they hold many; empty where they cannot be read.
+    pub fn fields(&self) -> Vec<String> {
+        self.layout
+            .as_ref()
+            .map_or_else(|_| Vec::new(), Layout::numbers)
+    }
+
     /// Messages a second of log time.
     pub fn rate_hz(&self) -> Option<f64> {
         let [first, last] = self.logged?;
