@@ -18,7 +18,14 @@ impl Search<'_> {
                 .filter(|trial| trial.passed)
                 .map(|trial| &trial.explanation)
         };
-        let best = sound().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))?;
+        let first = sound().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))?;
+        // A law that must be stretched to the end of what is plausible stands in for another one.
+        let level = self.criterion(first) + EQUAL * self.unit(first);
+        let within =
+            sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
+        let best = within
+            .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
+            .unwrap_or(first);
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
         let simpler = sound().find(|other| {
             let names = (best.effects(), other.effects());
@@ -29,6 +36,23 @@ impl Search<'_> {
             limit && other.train <= best.train + reach
         });
         Some(simpler.unwrap_or(best).clone())
+    }
+
+    /// Whether a parameter of an effect that was added lies within a thousandth of its range of a bound,
+    /// other than the value at which it does nothing.
+    fn is_stretched(&self, explanation: &Explanation) -> bool {
+        let point = &explanation.fitted.point;
+        point.terms[point.given_terms..].iter().any(|term| {
+            let parameters = term.effect.parameters.iter().zip(&term.values);
+            let mut ends = parameters.map(|(parameter, value)| {
+                let (low, high) = (parameter.bounds)(&self.problem.scales);
+                let near = |bound: f64| (value - bound).abs() < 1e-3 * (high - low);
+                [low, high]
+                    .into_iter()
+                    .any(|bound| bound != parameter.neutral && near(bound))
+            });
+            ends.any(|at_end| at_end)
+        })
     }
 
     /// Explanations with as many effects as the best that are within reach of it.

@@ -106,7 +106,8 @@ impl Experiment {
         for channel in &recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);
             if wanted && channel.role != input.role {
-                let output = super::output::output(model, &experiment, channel)?;
+                let mut output = super::output::output(model, &experiment, channel)?;
+                output.keep_within(experiment.span());
                 experiment.outputs.push(output);
             }
         }

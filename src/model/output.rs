@@ -9,6 +9,9 @@ use nalgebra::Point3;
 use quell_shapers::Mode;
 use std::f64::consts::{PI, TAU};
 
+/// Fewest samples of an output that are worth looking at.
+const FEWEST: usize = 10;
+
 /// The channel as an output.
 pub(super) fn output(
     model: &Model,
@@ -118,6 +121,22 @@ fn tip(
 }
 
 impl Output {
+    /// Drops what was measured while nobody knows what drove the axis, unless that is nearly all.
+    pub(super) fn keep_within(&mut self, (first, last): (f64, f64)) {
+        let at = |instant: f64| instant + self.clock_offset;
+        let from = self.time.partition_point(|stamp| *stamp < at(first));
+        let to = self.time.partition_point(|stamp| *stamp <= at(last));
+        if to.saturating_sub(from) < FEWEST.min(self.time.len()) {
+            return;
+        }
+        let cut = |values: &mut Vec<f64>| {
+            values.truncate(to);
+            values.drain(..from);
+        };
+        [&mut self.time, &mut self.values].into_iter().for_each(cut);
+        self.columns.iter_mut().for_each(cut);
+    }
+
     /// The same sensor with other values, which need no correction of its frame or offset.
     pub fn showing(&self, time: Vec<f64>, values: Vec<f64>) -> Self {
         let columns = match self.channel {
