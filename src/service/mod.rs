@@ -2,4 +2,5 @@
 //!
 //! [`contract`] is all that the outside (HTTP, page, files) sees of the engine.
 
+pub mod config;
 pub mod contract;
