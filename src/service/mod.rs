@@ -2,5 +2,15 @@
 //!
 //! [`contract`] is all that the outside (HTTP, page, files) sees of the engine.
 
+pub mod clock;
 pub mod config;
 pub mod contract;
+mod engine;
+pub mod guard;
+pub mod link;
+pub mod ringing;
+mod start;
+pub mod state;
+pub mod tick;
+
+pub use start::{Service, StartError, start};
