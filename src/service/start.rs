@@ -292,6 +292,7 @@ fn made(
         position: 0.0,
         began: false,
         stopped_by_watchdog: false,
+        stop_due: false,
         running: None,
         asked: None,
         standstill: Default::default(),

@@ -19,7 +19,15 @@ const PERIOD: f64 = 0.001;
 /// Longest that anything here is waited for.
 const PATIENCE: Duration = Duration::from_secs(30);
 
+/// What the service says, shown where a test fails.
+fn log() {
+    let log = tracing_subscriber::fmt().with_max_level(tracing::Level::DEBUG);
+    // The first test of the process starts it.
+    let _ = log.with_test_writer().try_init();
+}
+
 fn config(robot: RobotKind, data: &std::path::Path) -> Config {
+    log();
     let overrides = Overrides {
         robot: Some(robot),
         data: Some(data.to_path_buf()),
@@ -62,7 +70,12 @@ fn wait(handle: &Handle, what: &str, holds: impl Fn(&Snapshot) -> bool) -> Arc<S
 }
 
 fn phase_is(phase: Phase) -> impl Fn(&Snapshot) -> bool {
-    move |snapshot| snapshot.joints.first().is_some_and(|joint| joint.phase == phase)
+    move |snapshot| {
+        snapshot
+            .joints
+            .first()
+            .is_some_and(|joint| joint.phase == phase)
+    }
 }
 
 fn result(handle: &Handle, id: u64) -> MoveResult {
@@ -75,17 +88,26 @@ fn result(handle: &Handle, id: u64) -> MoveResult {
 fn check(sent: &[Received], snapshot: &Snapshot) {
     let [velocity, acceleration, jerk] = snapshot.joints[0].limits;
     let allowed = CORRECTION_OVERSHOOT + 1e-9;
-    for pair in sent.windows(2).filter(|pair| pair[1].seq == pair[0].seq + 1) {
+    for pair in sent
+        .windows(2)
+        .filter(|pair| pair[1].seq == pair[0].seq + 1)
+    {
         let [before, now] = [pair[0], pair[1]];
         assert!(now.velocity.abs() <= velocity * allowed, "{pair:?}");
         assert!(now.acceleration.abs() <= acceleration * allowed, "{pair:?}");
         let change = (now.acceleration - before.acceleration) / PERIOD;
         // Rounding of accelerations over a tick of 1 ms.
-        assert!(change.abs() <= jerk * allowed + 1e-6, "jerk {change}: {pair:?}");
+        assert!(
+            change.abs() <= jerk * allowed + 1e-6,
+            "jerk {change}: {pair:?}"
+        );
         let mean = 0.5 * (before.velocity + now.velocity);
         let jump = now.position - before.position - PERIOD * mean;
         let bound = allowed * jerk * PERIOD.powi(3) / 6.0 + 1e-14;
-        assert!(jump.abs() <= bound, "the position jumps by {jump}: {pair:?}");
+        assert!(
+            jump.abs() <= bound,
+            "the position jumps by {jump}: {pair:?}"
+        );
     }
 }
 
@@ -112,7 +134,10 @@ fn the_embedded_arm_learns_and_the_next_start_remembers() {
         mode: Some(wrong),
         ..ShapingChange::default()
     };
-    assert_eq!(ask(&handle, Request::Shaping(change)), Ok(Accepted::Changed));
+    assert_eq!(
+        ask(&handle, Request::Shaping(change)),
+        Ok(Accepted::Changed)
+    );
     let unshaped = go(&handle, 0.5, Some("none"));
     let unshaped = result(&handle, unshaped);
     let learning = go(&handle, 0.0, None);
@@ -125,13 +150,23 @@ fn the_embedded_arm_learns_and_the_next_start_remembers() {
     // What the plan would have left unshaped agrees with what such a move did leave; the servo (30 Hz)
     // passes 8 Hz within a fifth.
     let forecast = next.unshaped_rad.expect("a forecast");
-    assert!((forecast / all - 1.0).abs() < 0.2, "{forecast:e} for {all:e}");
+    assert!(
+        (forecast / all - 1.0).abs() < 0.2,
+        "{forecast:e} for {all:e}"
+    );
     let learned = handle.snapshot().joints[0].mode.expect("a mode");
-    assert!((learned.frequency_hz / 8.12 - 1.0).abs() < 0.02, "{learned:?}");
+    assert!(
+        (learned.frequency_hz / 8.12 - 1.0).abs() < 0.02,
+        "{learned:?}"
+    );
 
     // As after a kill: the state is on disk before anybody asks for it.
     let kept = tempfile::tempdir().expect("a folder");
-    std::fs::copy(data.path().join("state.json"), kept.path().join("state.json")).expect("state");
+    std::fs::copy(
+        data.path().join("state.json"),
+        kept.path().join("state.json"),
+    )
+    .expect("state");
     service.stop();
     let again = start(config(RobotKind::Embedded, kept.path())).expect("a service");
     let snapshot = wait(&again.handle(), "it runs", phase_is(Phase::Rest));
@@ -156,10 +191,14 @@ fn a_robot_over_udp_is_commanded_without_a_jump() {
 
     // Another target in mid-move, then a stop.
     let interrupted = go(&handle, -0.5, None);
-    std::thread::sleep(Duration::from_millis(200));
+    wait(&handle, "it moves", |snapshot| {
+        snapshot.joints[0].command_rad_s < -0.5
+    });
     let next = go(&handle, 0.8, None);
     assert!(result(&handle, interrupted).interrupted);
-    std::thread::sleep(Duration::from_millis(150));
+    wait(&handle, "it moves on", |snapshot| {
+        snapshot.joints[0].command_rad_s > 0.5
+    });
     let stopped = ask(&handle, Request::Stop).expect("a stop");
     assert!(matches!(stopped, Accepted::Stop { duration_s } if duration_s > 0.0));
     let next = result(&handle, next);
@@ -168,17 +207,29 @@ fn a_robot_over_udp_is_commanded_without_a_jump() {
     let snapshot = handle.snapshot();
     check(&robot.received.lock().expect("no panic"), &snapshot);
     let link = &snapshot.link;
-    let counted = [link.lost, link.doubled, link.reordered, link.malformed, link.unknown_joint];
+    let counted = [
+        link.lost,
+        link.doubled,
+        link.reordered,
+        link.malformed,
+        link.unknown_joint,
+    ];
     assert!(counted.iter().all(|count| *count > 0), "{link:?}");
     assert!(snapshot.tick.ticks > 1000 && snapshot.tick.records_lost == 0);
 
     // The end of the service in mid-move is a stop, too.
+    wait(&handle, "it rests", phase_is(Phase::Rest));
     go(&handle, -0.8, None);
-    std::thread::sleep(Duration::from_millis(300));
+    wait(&handle, "it moves", |snapshot| {
+        snapshot.joints[0].command_rad_s < -0.5
+    });
     service.stop();
     std::thread::sleep(Duration::from_millis(20));
     let end = robot.last().expect("setpoints");
-    assert!(end.velocity == 0.0 && end.acceleration == 0.0 && end.position > -0.8, "{end:?}");
+    assert!(
+        end.velocity == 0.0 && end.acceleration == 0.0 && end.position > -0.8,
+        "{end:?}"
+    );
     check(&robot.received.lock().expect("no panic"), &snapshot);
 }
 
@@ -198,7 +249,10 @@ fn a_robot_that_falls_silent_is_stopped() {
     wait(&handle, "it is heard again", |snapshot| {
         snapshot.joints[0].watchdog == WatchdogState::Fine && !snapshot.joints[0].adaptation_frozen
     });
-    check(&robot.received.lock().expect("no panic"), &handle.snapshot());
+    check(
+        &robot.received.lock().expect("no panic"),
+        &handle.snapshot(),
+    );
     let id = go(&handle, 0.0, None);
     assert_eq!(result(&handle, id).target_rad, 0.0);
 }
