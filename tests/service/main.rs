@@ -1,6 +1,8 @@
 //! The service as a whole: moves commanded, learned from, stopped, and remembered.
 
+mod process;
 mod robot;
+mod tick;
 
 use std::net::SocketAddr;
 use std::sync::Arc;

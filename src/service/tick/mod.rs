@@ -11,7 +11,7 @@
 mod joint;
 mod lateness;
 mod messages;
-mod real_time;
+pub mod real_time;
 mod thread;
 
 pub use joint::JointTick;
