@@ -147,8 +147,9 @@ impl Engine {
             }
             return;
         }
-        let silent =
-            joint.report.as_ref().map(|report| report.watchdog) == Some(WatchdogState::Silent);
+        // A report from before the joint was commanded says nothing of how it is now.
+        let report = joint.report.as_ref().filter(|report| report.axis.is_some());
+        let silent = report.is_some_and(|report| report.watchdog == WatchdogState::Silent);
         if silent && self.config.watchdog_stops && !joint.stopped_by_watchdog {
             joint.stopped_by_watchdog = true;
             tracing::warn!(joint = joint.config.name, "no measurement: stopped");
