@@ -56,7 +56,8 @@ fn drain(rings: &mut EngineRings) -> [usize; 2] {
         }
     }
     while rings.records.pop().is_ok() {}
-    while rings.reports.pop().is_ok() {}
+    while rings.joints.pop().is_ok() {}
+    while rings.whole.pop().is_ok() {}
     counted
 }
 
@@ -101,7 +102,7 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
                 id: k,
                 ticket: k,
                 samples: Some(plan(&robot, from, 0.5 - from)),
-                start: Start::Rest(train),
+                start: Start::Rest(Box::new(train)),
             };
             let orders = [
                 ToTick::Carry(loads[index % 2].clone()),

@@ -6,7 +6,7 @@ use super::{BATCH, Engine, MOVES};
 use crate::service::clock::unix_time;
 use crate::service::contract::{Batch, Event as Told, Measured, Quantity, WatchdogState};
 use crate::service::state::LearnedMode;
-use crate::service::tick::{Event, JointReport, Record, Report};
+use crate::service::tick::{Event, JointReport, Record};
 
 /// Distance of the motor side from a command at rest from which, after a silence, it counts as moved by
 /// something else, rad: more than the static error of a servo, less than anybody would call a move.
@@ -24,14 +24,12 @@ impl Engine {
             self.hear(event);
         }
         let mut round = false;
-        while let Ok(report) = self.rings.reports.pop() {
-            match report {
-                Report::Joint(report) => self.believe(report),
-                Report::Whole(whole) => {
-                    self.whole = Some(whole);
-                    round = true;
-                }
-            }
+        while let Ok(report) = self.rings.joints.pop() {
+            self.believe(report);
+        }
+        while let Ok(whole) = self.rings.whole.pop() {
+            self.whole = Some(whole);
+            round = true;
         }
         for index in 0..self.joints.len() {
             self.look_after(index, now);
