@@ -16,4 +16,5 @@ pub mod plant;
 pub mod proof;
 pub mod recording;
 pub mod report;
+pub mod service;
 pub mod signal;

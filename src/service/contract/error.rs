@@ -1,0 +1,115 @@
+//! Why a request is refused, in one sentence for whoever asked.
+
+use thiserror::Error;
+
+/// Why a request is refused. Nothing has changed then.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ServiceError {
+    /// No joint has that name.
+    #[error("there is no joint \"{joint}\"; there are: {known}")]
+    UnknownJoint {
+        /// The name asked for.
+        joint: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// No shaper has that name.
+    #[error("there is no shaper \"{shaper}\"; there are: {known}")]
+    UnknownShaper {
+        /// The name asked for.
+        shaper: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// A value is out of its range, or not finite.
+    #[error("{what} is {value}, it must be {rule}")]
+    Value {
+        /// Which value, with its unit.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// The request changes nothing at all.
+    #[error("the request names nothing to change")]
+    Nothing,
+    /// The move cannot be planned, or not within the limits.
+    #[error("the move cannot be planned: {reason}")]
+    Plan {
+        /// What the planner says.
+        reason: String,
+    },
+    /// A mode for which no train can be designed at this rate.
+    #[error("no train for this mode: {reason}")]
+    Train {
+        /// What the shaper says.
+        reason: String,
+    },
+    /// Another shaper can only be taken at rest.
+    #[error("{joint} is moving: a move with another shaper has to wait until it rests")]
+    ShaperInMotion {
+        /// The joint.
+        joint: String,
+    },
+    /// A correction was under way for so long that the new plan could not be taken.
+    #[error("{joint}: {reason}; the running move goes on")]
+    NotTaken {
+        /// The joint.
+        joint: String,
+        /// Why.
+        reason: String,
+    },
+    /// The robot has not yet said where the joint stands.
+    #[error("the robot has not yet said where {joint} stands")]
+    NoMeasurement {
+        /// The joint.
+        joint: String,
+    },
+    /// Only the embedded arm can do that.
+    #[error("only the embedded arm has {what}")]
+    OnlyEmbedded {
+        /// What was asked for.
+        what: &'static str,
+    },
+    /// The service is about to end.
+    #[error("the service is stopping")]
+    Stopping,
+    /// Too many requests wait already.
+    #[error("too many requests wait already; try again")]
+    Busy,
+    /// The engine has ended.
+    #[error("the engine has ended")]
+    Gone,
+}
+
+/// Whose matter an error is; HTTP answers by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The request itself is wrong (HTTP 400, 422).
+    Input,
+    /// The request is fine, but not now (HTTP 409).
+    Conflict,
+    /// Nobody can answer at present (HTTP 503).
+    Unavailable,
+}
+
+impl ServiceError {
+    /// Whose matter it is.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::UnknownJoint { .. }
+            | Self::UnknownShaper { .. }
+            | Self::Value { .. }
+            | Self::Nothing
+            | Self::Plan { .. }
+            | Self::Train { .. }
+            | Self::OnlyEmbedded { .. } => ErrorKind::Input,
+            Self::ShaperInMotion { .. } | Self::NotTaken { .. } | Self::NoMeasurement { .. } => {
+                ErrorKind::Conflict
+            }
+            Self::Stopping | Self::Busy | Self::Gone => ErrorKind::Unavailable,
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! What engine and outside say to one another: requests, the state of everything, the stream.
+//!
+//! Plain data at the boundary, so that every name carries its unit. The outside holds a [`Handle`]
+//! and never waits for the tick, nor does the tick wait for it: the state is the last that was
+//! published, a reader of the stream that is too slow loses batches and is told how many.
+
+mod error;
+mod handle;
+mod request;
+mod snapshot;
+mod stream;
+
+pub use error::{ErrorKind, ServiceError};
+pub use handle::{EngineEnds, Envelope, Handle, channels};
+pub use request::{Accepted, ModeValue, Request, ShapingChange};
+pub use snapshot::{
+    EstimateView, JointSnapshot, LinkHealth, MoveResult, Phase, SensorView, Snapshot,
+    TickStatistics, TrainView, WatchdogState,
+};
+pub use stream::{Batch, Event, Frame, Measured, MoveStart, Quantity, TickRow};

@@ -1,0 +1,92 @@
+//! What the outside may ask for.
+
+use quell_shapers::{Mode, ModeError};
+use serde::{Deserialize, Serialize};
+
+/// What the outside may ask for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Move a joint to a target, from rest or in mid-move.
+    Move {
+        /// Name of the joint.
+        joint: String,
+        /// Where it shall end, rad.
+        target: f64,
+        /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
+        shaper: Option<String>,
+    },
+    /// Bring every joint to a jerk-limited stop.
+    Stop,
+    /// Change how commands are shaped; all of it or, on an error, nothing.
+    Shaping(ShapingChange),
+    /// Change the payload of the embedded arm, a point mass at the tip, kg.
+    Payload {
+        /// Mass, kg, 0 or more.
+        mass: f64,
+    },
+}
+
+/// A change of how commands are shaped. What is absent stays as it is; trains change at rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShapingChange {
+    /// The joint; every joint where absent.
+    pub joint: Option<String>,
+    /// Whether plans are shaped.
+    pub enabled: Option<bool>,
+    /// Whether the train follows the estimate.
+    pub adaptation: Option<bool>,
+    /// Name of the shaper.
+    pub kind: Option<String>,
+    /// The mode to shape for, from now on and until the estimate says better.
+    pub mode: Option<ModeValue>,
+}
+
+/// A mode as people write it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModeValue {
+    /// Undamped natural frequency, Hz.
+    pub frequency_hz: f64,
+    /// Damping ratio, from 0 to below 1.
+    pub damping_ratio: f64,
+}
+
+impl From<Mode> for ModeValue {
+    fn from(mode: Mode) -> Self {
+        Self {
+            frequency_hz: mode.hertz(),
+            damping_ratio: mode.damping_ratio(),
+        }
+    }
+}
+
+impl TryFrom<ModeValue> for Mode {
+    type Error = ModeError;
+
+    fn try_from(value: ModeValue) -> Result<Self, ModeError> {
+        Mode::from_hertz(value.frequency_hz, value.damping_ratio)
+    }
+}
+
+/// What became of a request that was taken.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "accepted", rename_all = "snake_case")]
+pub enum Accepted {
+    /// The move has begun.
+    Move {
+        /// Number of the move, counted up for ever; its result appears under it.
+        id: u64,
+        /// How long the plan lasts without the train, s.
+        duration_s: f64,
+        /// Speed to which the plan was slowed so that the train keeps the limits; 1 is full speed.
+        speed: f64,
+    },
+    /// Every joint that moves is being stopped.
+    Stop {
+        /// How long the longest stop lasts without the train, s.
+        duration_s: f64,
+    },
+    /// The change is in force, or will be with the next move from rest.
+    Changed,
+}

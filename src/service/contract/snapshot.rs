@@ -1,0 +1,267 @@
+//! The state of everything now, for `GET /api/state`, `GET /api/estimates` and `GET /metrics`.
+
+use serde::{Deserialize, Serialize};
+
+use super::ModeValue;
+
+/// The state of everything now. Published some 20 times a second.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Snapshot {
+    /// Version of the service.
+    pub version: &'static str,
+    /// The robot: `embedded`, `udp`, `zenoh`.
+    pub robot: &'static str,
+    /// Seconds since 1970 when this was published, by the system's clock.
+    pub unix_time_s: f64,
+    /// Time on the service's clock, s since it started: that of the stream.
+    pub time_s: f64,
+    /// Whether the service is bringing the robot to rest in order to end.
+    pub stopping: bool,
+    /// Payload of the embedded arm, kg; absent for another robot.
+    pub payload_kg: Option<f64>,
+    /// One entry a joint.
+    pub joints: Vec<JointSnapshot>,
+    /// How well the tick is kept.
+    pub tick: TickStatistics,
+    /// What came over the link.
+    pub link: LinkHealth,
+    /// The last moves, oldest first; at most 64.
+    pub moves: Vec<MoveResult>,
+}
+
+/// One joint now.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct JointSnapshot {
+    /// Name.
+    pub name: String,
+    /// What it is doing.
+    pub phase: Phase,
+    /// Number of the move that runs or ran last; 0 before the first.
+    pub move_id: u64,
+    /// Where the present or last plan ends, rad.
+    pub target_rad: f64,
+    /// Planned, unshaped position, rad.
+    pub planned_rad: f64,
+    /// Commanded position, rad.
+    pub command_rad: f64,
+    /// Commanded velocity, rad/s.
+    pub command_rad_s: f64,
+    /// Last measured motor position, rad.
+    pub motor_rad: Option<f64>,
+    /// Last deformation, rad.
+    pub deformation_rad: Option<f64>,
+    /// The same along the tip's arc, m, where the arc is known.
+    pub tip_deformation_m: Option<f64>,
+    /// Lowest and highest position that a move may have as its target, rad.
+    pub range_rad: [f64; 2],
+    /// Limits of velocity (rad/s), acceleration (rad/s^2) and jerk (rad/s^3).
+    pub limits: [f64; 3],
+    /// Whether plans are shaped.
+    pub shaping: bool,
+    /// Whether the train follows the estimate.
+    pub adaptation: bool,
+    /// Whether the adaptation waits, as after the watchdog or a sensor fault.
+    pub adaptation_frozen: bool,
+    /// Name of the shaper.
+    pub shaper: &'static str,
+    /// The mode that the train in force is designed for.
+    pub mode: Option<ModeValue>,
+    /// Since when it is in force, `unix_time_s`.
+    pub mode_since_s: f64,
+    /// The train in force.
+    pub train: TrainView,
+    /// The estimator's present estimate.
+    pub estimate: Option<EstimateView>,
+    /// Truth of the embedded arm, to compare the estimate with; absent for another robot.
+    pub true_mode: Option<ModeValue>,
+    /// Trains changed because of an estimate since the start.
+    pub retunes: u64,
+    /// Corrections in motion since the start.
+    pub corrections: u64,
+    /// Corrections that were refused because none kept the limits, since the start.
+    pub corrections_refused: u64,
+    /// The watchdog.
+    pub watchdog: WatchdogState,
+    /// The joint's sensors.
+    pub sensors: Vec<SensorView>,
+}
+
+/// What a joint is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// The robot has not yet said where it stands; nothing is commanded.
+    #[default]
+    Waiting,
+    /// The command stands still.
+    Rest,
+    /// A move runs.
+    Moving,
+    /// A stop runs.
+    Stopping,
+}
+
+/// Impulses in force.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TrainView {
+    /// Instants, s after the first.
+    pub times_s: Vec<f64>,
+    /// Amplitudes, sum 1.
+    pub amplitudes: Vec<f64>,
+}
+
+/// An estimate and what was made of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct EstimateView {
+    /// Time of the last sample used, s on the service's clock.
+    pub time_s: f64,
+    /// Undamped natural frequency, Hz.
+    pub frequency_hz: f64,
+    /// One standard deviation of it, Hz.
+    pub frequency_std_hz: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// One standard deviation of it.
+    pub damping_ratio_std: f64,
+    /// Whether the estimate has settled.
+    pub converged: bool,
+    /// Whether it was taken for the train.
+    pub accepted: bool,
+    /// Why it was not, in a few words.
+    pub refused: Option<String>,
+}
+
+/// What the watchdog says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WatchdogState {
+    /// Measurements come.
+    #[default]
+    Fine,
+    /// None for the configured time: adaptation waits.
+    Silent,
+    /// None for the configured time on a link that needs feedback: the joint was stopped.
+    Stopped,
+}
+
+/// One sensor of a joint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SensorView {
+    /// Its quantity: `motor_position`, `link_position`, `deformation`, `tip_position`,
+    /// `tip_acceleration`.
+    pub name: &'static str,
+    /// Samples taken since the start.
+    pub samples: u64,
+    /// Samples a second over the last second.
+    pub rate_hz: f64,
+    /// Seconds since the last one.
+    pub age_s: f64,
+    /// Samples refused since the start, by reason; reasons that never occurred are left out.
+    pub refused: Vec<(&'static str, u64)>,
+    /// What is wrong with it now: `stuck`, `saturated`, `jump`.
+    pub fault: Option<&'static str>,
+}
+
+/// How well the tick is kept, since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TickStatistics {
+    /// Ticks asked for a second, Hz.
+    pub rate_hz: f64,
+    /// Ticks run.
+    pub ticks: u64,
+    /// Ticks that began after the next one was due.
+    pub overruns: u64,
+    /// Ticks left out because the thread came a whole period late or more; the command's own time
+    /// stands still for them.
+    pub skipped: u64,
+    /// Median lateness of the beginning of a tick, s.
+    pub lateness_p50_s: f64,
+    /// 99th percentile of it, s.
+    pub lateness_p99_s: f64,
+    /// Largest, s.
+    pub lateness_max_s: f64,
+    /// Median and 99th percentile of the work of a tick, s.
+    pub work_p50_s: f64,
+    /// 99th percentile of the work of a tick, s.
+    pub work_p99_s: f64,
+    /// Whether the thread has a real-time priority.
+    pub real_time: bool,
+    /// Whether the memory is locked.
+    pub memory_locked: bool,
+    /// Records for the stream that found no room, since nobody took them in time.
+    pub records_lost: u64,
+}
+
+/// What came over the link and went out, since the start.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LinkHealth {
+    /// Datagrams received, of whatever kind.
+    pub received: u64,
+    /// Setpoints sent.
+    pub sent: u64,
+    /// Setpoints that could not be sent.
+    pub send_failures: u64,
+    /// Stamps missing in the sequence of a sensor of regular rate.
+    pub lost: u64,
+    /// Datagrams that came later than the watchdog allows.
+    pub late: u64,
+    /// Datagrams that came twice.
+    pub doubled: u64,
+    /// Datagrams that came after a younger one.
+    pub reordered: u64,
+    /// Datagrams from another address than the robot's.
+    pub foreign: u64,
+    /// Datagrams that are not what they should be.
+    pub malformed: u64,
+    /// Datagrams for a joint that there is not.
+    pub unknown_joint: u64,
+    /// Datagrams whose signature is wrong or missing.
+    pub unsigned: u64,
+    /// Measurements for which the tick had no room.
+    pub overflowed: u64,
+    /// The robot's address, once it is known.
+    pub peer: Option<String>,
+    /// The robot's clock minus the service's, s, by the datagrams of least delay.
+    pub clock_offset_s: Option<f64>,
+}
+
+/// What a move left.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MoveResult {
+    /// Number of the move.
+    pub id: u64,
+    /// The joint.
+    pub joint: String,
+    /// When it began, seconds since 1970.
+    pub unix_time_s: f64,
+    /// Where it began, rad.
+    pub from_rad: f64,
+    /// Where it ended, rad.
+    pub target_rad: f64,
+    /// From its first tick to the last change of the command, s.
+    pub duration_s: f64,
+    /// Shaper, `none` for an unshaped move.
+    pub shaper: String,
+    /// Whether a train was in force.
+    pub shaped: bool,
+    /// Whether the train followed the estimate.
+    pub adaptive: bool,
+    /// Whether it was stopped or given another target before its end.
+    pub interrupted: bool,
+    /// Mode of the train in force at its end.
+    pub mode: Option<ModeValue>,
+    /// Payload of the embedded arm, kg.
+    pub payload_kg: Option<f64>,
+    /// Amplitude of the deformation that was left after the command had ended, rad; absent where too
+    /// little was measured.
+    pub residual_rad: Option<f64>,
+    /// The same along the tip's arc, m.
+    pub residual_m: Option<f64>,
+    /// What the same plan would have left unshaped in the mode known best, rad. For an unshaped move
+    /// the measured residual itself.
+    pub unshaped_rad: Option<f64>,
+    /// The same along the tip's arc, m.
+    pub unshaped_m: Option<f64>,
+    /// Name under which it is recorded, where recordings are made: that of its [`super::MoveStart`].
+    pub recording: Option<String>,
+}

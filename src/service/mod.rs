@@ -1,0 +1,16 @@
+//! The service: commands a real robot in real time, learns its modes, and tells what it does.
+//!
+//! [`contract`] is all that the outside (HTTP, page, files) sees of the engine.
+
+pub mod clock;
+pub mod config;
+pub mod contract;
+mod engine;
+pub mod guard;
+pub mod link;
+pub mod ringing;
+mod start;
+pub mod state;
+pub mod tick;
+
+pub use start::{Service, StartError, start};
