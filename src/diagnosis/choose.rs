@@ -87,10 +87,12 @@ impl Search<'_> {
                 _ => false,
             };
             // A law that contains the best one always fits as well: it is listed if what it adds is more than
-            // chance makes.
+            // chance makes, or if it predicts better.
+            let more = best.fitted.cost - explanation.fitted.cost > CHANCE * unit && held < alike;
+            let near = worse < EQUAL * unit;
             let close = match limit {
-                true => best.fitted.cost - explanation.fitted.cost > CHANCE * unit && held < alike,
-                false => worse < EQUAL * unit && held < alike,
+                true => more || near && held < GATE,
+                false => near && held < alike,
             };
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);
