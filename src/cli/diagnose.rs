@@ -51,7 +51,7 @@ pub struct Args {
     /// What is believed of the machine.
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
-    /// The manifests, or the folders that hold a recording.toml.
+    /// The manifests, the folders that hold a recording.toml, or MCAP files.
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<PathBuf>,
     /// A recording to judge by, which nothing is fitted to; may be repeated.

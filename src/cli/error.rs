@@ -81,6 +81,7 @@ impl From<RecordingError> for CliError {
     fn from(error: RecordingError) -> Self {
         let help = match &error.problem {
             Problem::NotAManifest | Problem::NoManifest => Some(MANIFEST_HELP.to_owned()),
+            Problem::NoJoints => Some(TOPIC_HELP.to_owned()),
             Problem::UnknownRole { .. } => Some(format!(
                 "roles: {}",
                 names(ROLES.iter().map(|entry| entry.name))
@@ -107,6 +108,16 @@ write beside the CSV file a recording.toml such as
     file = \"encoder.csv.gz\"
     time = \"time_s\"
     column = \"joint_1_rad\"
+    unit = \"rad\"";
+
+const TOPIC_HELP: &str = "\
+`quell inspect` lists its topics; name them in a recording.toml beside it, such as
+    name = \"arm 7\"
+    [[channel]]
+    role = \"motor_position\"
+    file = \"run.mcap\"
+    topic = \"/joint_states\"
+    field = \"position[shoulder]\"
     unit = \"rad\"";
 
 fn names(names: impl Iterator<Item = &'static str>) -> String {

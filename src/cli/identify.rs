@@ -31,7 +31,7 @@ in a frame of its own needs a model with the lever arm:
 Estimators that know the motor side's motion see the whole recording, if that explains the
 deformation; the others, and all where it does not, see the strongest free decay.")]
 pub struct Args {
-    /// The manifest, or the folder that holds its recording.toml.
+    /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,
     /// What is believed of the joint.
     #[arg(long, value_name = "FILE")]

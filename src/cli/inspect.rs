@@ -1,8 +1,10 @@
 //! `quell inspect`: what a recording holds and what looks wrong with it.
 
+mod topics;
+
 use super::{CliError, output};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
-use crate::recording::{Channel, Recording};
+use crate::recording::{Channel, McapFile, Recording, mcap_and_joint};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -14,11 +16,12 @@ use std::path::PathBuf;
 Examples:
   quell inspect arm7/recording.toml
   quell inspect arm7 --json        (the folder of a recording.toml)
+  quell inspect run.mcap           (its topics, too; run.mcap#joint_2 takes one of several joints)
 
 Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
 jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.")]
 pub struct Args {
-    /// The manifest, or the folder that holds its recording.toml.
+    /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,
     /// Prints JSON instead of tables.
     #[arg(long)]
@@ -30,12 +33,34 @@ pub struct Args {
 /// # Errors
 /// [`CliError::Input`] where the recording is refused.
 pub fn run(args: Args) -> Result<(), CliError> {
+    let (path, joint) = mcap_and_joint(&args.recording);
+    if McapFile::is_named(&path) {
+        return mcap(&McapFile::open(&path)?, joint.as_deref(), args.json);
+    }
     let recording = Recording::from_path(&args.recording)?;
     let figures: Vec<Health> = recording.channels.iter().map(health).collect();
     if args.json {
         output::json(&document(&recording, &figures))
     } else {
         output::text(&page(&recording, &figures))
+    }
+}
+
+/// The topics of an MCAP file, and the recording of the joint that is named or alone in it.
+fn mcap(file: &McapFile, joint: Option<&str>, json: bool) -> Result<(), CliError> {
+    let mut text = topics::page(file);
+    let mut all = topics::document(file);
+    if joint.is_some() || file.joints().len() == 1 {
+        let recording = file.recording(joint)?;
+        let figures: Vec<Health> = recording.channels.iter().map(health).collect();
+        text.push_str(&page(&recording, &figures));
+        if let Value::Object(keys) = document(&recording, &figures) {
+            all.extend(keys);
+        }
+    }
+    match json {
+        true => output::json(&all),
+        false => output::text(&text),
     }
 }
 

@@ -19,7 +19,7 @@ and effects are taken as they stand. A model that lacks nothing has an rms of on
 pub struct Args {
     /// The model, such as the one that `quell diagnose` wrote.
     pub model: PathBuf,
-    /// The manifest, or the folder that holds its recording.toml.
+    /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,
     /// Prints JSON instead of text.
     #[arg(long)]

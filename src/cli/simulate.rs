@@ -44,7 +44,7 @@ pub struct Args {
     #[arg(value_name = "MODEL", requires = "recording",
           conflicts_with_all = ["target", "shaper", "command", "pose", "mode", "belief", "dwell"])]
     pub model: Option<PathBuf>,
-    /// The recording to predict: its manifest, or the folder of a recording.toml.
+    /// The recording to predict: its manifest, the folder of a recording.toml, or an MCAP file.
     #[arg(value_name = "RECORDING")]
     pub recording: Option<PathBuf>,
     #[command(flatten)]

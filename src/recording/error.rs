@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Why a recording cannot be read or written, with the file, the line and the column.
+/// Why a recording cannot be read or written, with its place in the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{place}{problem}")]
 pub struct RecordingError {
@@ -13,18 +13,24 @@ pub struct RecordingError {
     pub problem: Problem,
 }
 
-/// File, line and column of a problem, as an editor shows them.
+/// File, line and column of a problem, as an editor shows them; byte, topic and field of an MCAP file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// The manifest or the CSV file.
+    /// The manifest, the CSV file or the MCAP file.
     pub file: PathBuf,
     /// Line, counted from 1, where the problem has one.
     pub line: Option<usize>,
     /// Name of the CSV column, where the problem has one.
     pub column: Option<String>,
+    /// Byte of an MCAP file, counted from 0, where the problem has one.
+    pub byte: Option<usize>,
+    /// Topic of an MCAP file, where the problem has one.
+    pub topic: Option<String>,
+    /// Field of the topic's messages, where the problem has one.
+    pub field: Option<String>,
 }
 
-/// What is wrong with a manifest or a CSV file; carries the bad value.
+/// What is wrong with a manifest, a CSV file or an MCAP file; carries the bad value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The file or folder is not there.
@@ -143,6 +149,12 @@ pub enum Problem {
         /// The rate by the median interval, Hz.
         own_rate_hz: f64,
     },
+    /// An MCAP file is damaged, or does not have what is looked for.
+    #[error("{0}")]
+    Mcap(String),
+    /// An MCAP file without a topic that says which role it has.
+    #[error("none of its topics is known to have a role")]
+    NoJoints,
     /// A channel that was to be written is not well formed.
     #[error("channel {role}: {reason}")]
     Channel {
@@ -170,7 +182,7 @@ impl Problem {
         let place = Place {
             file: file.into(),
             line: Some(line),
-            column: None,
+            ..Place::default()
         };
         RecordingError {
             place,
@@ -184,6 +196,7 @@ impl Problem {
             file: file.into(),
             line: Some(line),
             column: Some(column.into()),
+            ..Place::default()
         };
         RecordingError {
             place,
@@ -200,6 +213,14 @@ impl fmt::Display for Place {
         }
         if let Some(column) = &self.column {
             write!(f, " column \"{column}\":")?;
+        }
+        if let Some(byte) = self.byte {
+            write!(f, " byte {byte}:")?;
+        }
+        for (what, name) in [("topic", &self.topic), ("field", &self.field)] {
+            if let Some(name) = name {
+                write!(f, " {what} \"{name}\":")?;
+            }
         }
         f.write_str(" ")
     }

@@ -1,6 +1,11 @@
-//! The manifest of a recording: a TOML file that says what the columns of CSV files are.
+//! The manifest of a recording: a TOML file that says what the columns of CSV files are, or the topics of an
+//! MCAP file.
+
+mod csv;
+mod topic;
 
 use super::error::{Problem, RecordingError, nearest};
+use super::mcap::McapFile;
 use super::role::{ROLES, Role};
 use super::table::{Table, from_io};
 use super::unit::{UNITS, Unit};
@@ -16,7 +21,7 @@ pub const MANIFEST: &str = "recording.toml";
 /// The keys of a manifest and of its channels, for suggestions.
 const KEYS: &[&str] = &[
     "name", "payload", "rows", "channel", "role", "file", "time", "rate_hz", "column", "columns",
-    "unit", "scale", "offset",
+    "topic", "field", "fields", "unit", "scale", "offset",
 ];
 
 #[derive(Deserialize)]
@@ -40,11 +45,24 @@ struct Entry {
     rate_hz: Option<Spanned<f64>>,
     column: Option<String>,
     columns: Option<Vec<String>>,
+    topic: Option<Spanned<String>>,
+    field: Option<String>,
+    fields: Option<Vec<String>>,
     unit: Spanned<String>,
     rows: Option<Rows>,
     scale: Option<Spanned<f64>>,
     offset: Option<Spanned<f64>>,
 }
+
+/// The files that a manifest names, each read once.
+#[derive(Default)]
+struct Files {
+    tables: HashMap<PathBuf, Table>,
+    mcap: HashMap<PathBuf, McapFile>,
+}
+
+/// Stamps and columns as they stand in a file.
+type Numbers = (Vec<f64>, Vec<Vec<f64>>);
 
 /// Reads the recording that a manifest (or the folder of a `recording.toml`) describes.
 pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
@@ -61,11 +79,11 @@ pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
     if manifest.channel.is_empty() {
         return Err(key("channel", "there is none").in_file(&path));
     }
-    let mut tables = HashMap::new();
+    let mut files = Files::default();
     let channels = manifest
         .channel
         .iter()
-        .map(|entry| source.channel(entry, manifest.rows.as_ref(), &mut tables));
+        .map(|entry| source.channel(entry, manifest.rows.as_ref(), &mut files));
     Ok(Recording {
         name: manifest.name,
         payload: manifest.payload,
@@ -134,7 +152,7 @@ impl Source<'_> {
         &self,
         entry: &Entry,
         rows: Option<&Rows>,
-        tables: &mut HashMap<PathBuf, Table>,
+        files: &mut Files,
     ) -> Result<Channel, RecordingError> {
         let role = self.role(&entry.role)?;
         let unit = self.unit(&entry.unit)?;
@@ -143,10 +161,11 @@ impl Source<'_> {
         if scale == Some(0.0) {
             return Err(self.at(start(&entry.scale), key("scale", "it is 0")));
         }
-        let names = self.columns(entry, role)?;
-        let table = self.table(entry, tables)?;
-        let mut columns = table.numbers(&names)?;
-        let mut time = self.time(entry, table, columns[0].len())?;
+        let path = self.file(entry)?;
+        let (mut time, mut columns) = match McapFile::is_named(&path) {
+            true => self.messages(entry, role, path, files)?,
+            false => self.cells(entry, role, path, files)?,
+        };
         if let Some(rows) = entry.rows.as_ref().or(rows) {
             let [first, last] = self.rows(rows, time.len())?;
             for values in columns.iter_mut().chain([&mut time]) {
@@ -218,13 +237,20 @@ impl Source<'_> {
         Err(self.at(rows.span().start, key("rows", reason)))
     }
 
-    fn columns<'e>(&self, entry: &'e Entry, role: Role) -> Result<Vec<&'e str>, RecordingError> {
-        let names: Vec<&str> = match (&entry.column, &entry.columns) {
+    /// The names of a channel's columns or fields, under the one key or the other.
+    fn names<'e>(
+        &self,
+        entry: &'e Entry,
+        role: Role,
+        [one, many]: [&'static str; 2],
+        names: (&'e Option<String>, &'e Option<Vec<String>>),
+    ) -> Result<Vec<&'e str>, RecordingError> {
+        let names: Vec<&str> = match names {
             (Some(name), None) => vec![name],
             (None, Some(names)) => names.iter().map(String::as_str).collect(),
             _ => {
-                let problem = key("column", "give either column = \"...\" or columns = [...]");
-                return Err(self.at(entry.role.span().start, problem));
+                let reason = format!("give either {one} = \"...\" or {many} = [...]");
+                return Err(self.at(entry.role.span().start, key(one, reason)));
             }
         };
         let allowed = role.entry().columns;
@@ -233,58 +259,22 @@ impl Source<'_> {
         }
         let allowed: Vec<String> = allowed.iter().map(usize::to_string).collect();
         let reason = format!(
-            "{role} takes {} column(s), not {}",
+            "{role} takes {} {one}(s), not {}",
             allowed.join(" or "),
             names.len()
         );
-        Err(self.at(entry.role.span().start, key("columns", reason)))
+        Err(self.at(entry.role.span().start, key(many, reason)))
     }
 
-    fn table<'t>(
-        &self,
-        entry: &Entry,
-        tables: &'t mut HashMap<PathBuf, Table>,
-    ) -> Result<&'t Table, RecordingError> {
-        let path = self
-            .path
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join(entry.file.get_ref());
-        if !path.exists() {
-            let reason = format!("there is no file {}", path.display());
-            return Err(self.at(entry.file.span().start, key("file", reason)));
+    /// The entry's file, which is there.
+    fn file(&self, entry: &Entry) -> Result<PathBuf, RecordingError> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let path = folder.join(entry.file.get_ref());
+        if path.exists() {
+            return Ok(path);
         }
-        if !tables.contains_key(&path) {
-            tracing::info!(file = %path.display(), "reading");
-            tables.insert(path.clone(), Table::open(&path)?);
-        }
-        Ok(&tables[&path])
-    }
-
-    fn time(
-        &self,
-        entry: &Entry,
-        table: &Table,
-        samples: usize,
-    ) -> Result<Vec<f64>, RecordingError> {
-        match (&entry.time, &entry.rate_hz) {
-            (Some(name), None) => table.stamps(name.get_ref()),
-            (None, Some(rate)) => {
-                let rate_hz = *rate.get_ref();
-                if !(rate_hz.is_finite() && rate_hz > 0.0) {
-                    let problem = key("rate_hz", format!("{rate_hz} is not a rate above 0"));
-                    return Err(self.at(rate.span().start, problem));
-                }
-                Ok((0..samples).map(|sample| sample as f64 / rate_hz).collect())
-            }
-            _ => {
-                let problem = key(
-                    "time",
-                    "give either time = \"<column>\" or rate_hz = <number>",
-                );
-                Err(self.at(entry.role.span().start, problem))
-            }
-        }
+        let reason = format!("there is no file {}", path.display());
+        Err(self.at(entry.file.span().start, key("file", reason)))
     }
 }
 

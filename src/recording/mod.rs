@@ -15,6 +15,18 @@
 //! # rows = [0, 4000]        # optional: instead of the recording's, where files differ in rate
 //! ```
 //!
+//! Of an MCAP file a channel names a topic and a field of its messages; the file says how they are laid out:
+//!
+//! ```toml
+//! [[channel]]
+//! role = "motor_position"
+//! file = "run.mcap"
+//! topic = "/joint_states"
+//! field = "position[shoulder]"  # or position[0]; fields = ["point.x", "point.y", "point.z"] for a vector
+//! unit = "rad"
+//! # time = "log_time"           # optional: or "publish_time", or a field; else header.stamp where there is one
+//! ```
+//!
 //! `rows` lets parts of one file be recordings of their own, one to fit and one to be judged by. A
 //! unit need not be one that the role usually has: the force of an analogue circuit may be in `V`,
 //! and a quantity of unknown scale in `raw`. It is kept, and remarked upon.
@@ -22,6 +34,7 @@
 mod error;
 pub mod health;
 mod manifest;
+mod mcap;
 #[cfg(test)]
 mod properties;
 mod role;
@@ -32,12 +45,13 @@ mod write;
 pub(crate) use error::nearest;
 pub use error::{Place, Problem, RecordingError};
 pub use manifest::MANIFEST;
+pub use mcap::{Cut, Found, McapFile, McapWriter, Topic};
 pub use role::{ROLES, Role, RoleEntry};
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
 
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// One measured quantity on its own clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,14 +80,19 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a recording: a manifest, or a folder that has a `recording.toml`.
+    /// Reads a recording: a manifest, a folder that has a `recording.toml`, or an MCAP file with Quell's own
+    /// topics. Of a file with several joints `run.mcap#joint_2` takes one.
     ///
     /// Values are converted to SI. File names in the manifest are relative to its folder.
     ///
     /// # Errors
-    /// [`RecordingError`] with file, line and column.
+    /// [`RecordingError`] with file, line and column, or file, byte, topic and field.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, RecordingError> {
-        manifest::read(path.as_ref())
+        let (file, joint) = mcap_and_joint(path.as_ref());
+        match McapFile::is_named(&file) {
+            true => McapFile::open(&file)?.recording(joint.as_deref()),
+            false => manifest::read(&file),
+        }
     }
 
     /// Writes the recording into a folder, as `recording.toml` and one CSV file a channel,
@@ -110,6 +129,17 @@ impl Recording {
             channels: self.channels.iter().map(|c| c.at(instant, after)).collect(),
         };
         (part(false), part(true))
+    }
+}
+
+/// The MCAP file and the joint of `run.mcap#joint_2`; any other path is left as it is.
+pub(crate) fn mcap_and_joint(path: &Path) -> (PathBuf, Option<String>) {
+    let text = path.to_string_lossy();
+    match text.rsplit_once(".mcap#") {
+        Some((stem, joint)) if !path.exists() => {
+            (format!("{stem}.mcap").into(), Some(joint.into()))
+        }
+        _ => (path.into(), None),
     }
 }
 

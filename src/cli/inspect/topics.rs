@@ -1,0 +1,73 @@
+//! What an MCAP file holds: its topics, and the roles that it says they have.
+
+use crate::cli::output;
+use crate::recording::{Cut, Found, McapFile, Topic};
+use serde_json::{Map, Value, json};
+
+/// The topics, the roles of each joint, and what has to be known of the file, as text.
+pub fn page(file: &McapFile) -> String {
+    let topics = output::table(
+        ["topic", "type", "messages", "rate_hz"],
+        file.topics().iter().map(topic_row),
+    );
+    let joints = file.joints();
+    let of = |joint: &String| {
+        let roles = file.roles(joint);
+        let row = |found: Found| {
+            let fields = found.fields.join(", ");
+            [joint.clone(), found.role.to_string(), found.topic, fields]
+        };
+        roles.into_iter().map(row).collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = joints.iter().flat_map(of).collect();
+    let roles = match rows.is_empty() {
+        true => "No topic is known to have a role: name topics and fields in a manifest.\n".into(),
+        false => output::table(["joint", "role", "topic", "field"], rows),
+    };
+    let remarks: String = file.remarks().iter().map(|r| format!("- {r}\n")).collect();
+    let several = match &*joints {
+        [first, _, ..] => format!(
+            "Several joints: name one behind the file, as in {}#{first}\n",
+            file.path().display()
+        ),
+        _ => String::new(),
+    };
+    format!("{topics}\n{roles}{several}{remarks}\n")
+}
+
+fn topic_row(topic: &Topic) -> [String; 4] {
+    [
+        topic.name.clone(),
+        topic.kind.clone(),
+        topic.messages.to_string(),
+        topic
+            .rate_hz()
+            .map_or("-".into(), |rate| format!("{rate:.2}")),
+    ]
+}
+
+/// The same as the keys of a document.
+pub fn document(file: &McapFile) -> Map<String, Value> {
+    let topics = file.topics().iter().map(|topic| {
+        json!({
+            "topic": topic.name,
+            "type": topic.kind,
+            "messages": topic.messages,
+            "rate_hz": topic.rate_hz(),
+            "names": topic.names,
+        })
+    });
+    let joints = file.joints().into_iter().map(|joint| {
+        let roles = file.roles(&joint).into_iter().map(|found| {
+            json!({"role": found.role.name(), "topic": found.topic, "fields": found.fields})
+        });
+        json!({"joint": joint, "roles": roles.collect::<Vec<_>>()})
+    });
+    let cut = file.cut();
+    let cut = cut.map(|Cut { at, length }| json!({"at_byte": at, "of": length}));
+    Map::from_iter([
+        ("topics".into(), topics.collect()),
+        ("joints".into(), joints.collect()),
+        ("cut".into(), json!(cut)),
+    ])
+}
