@@ -7,6 +7,7 @@ mod error;
 mod trace;
 
 pub use cell::{Cell, CellSettings};
+pub use commissioning::commission;
 pub use comparison::{Comparison, MoveKind, Scenario};
 pub use error::ClosedLoopError;
 pub use trace::{MoveTrace, Tick};

@@ -108,6 +108,46 @@ impl Axis {
         Ok(())
     }
 
+    /// As [`super::Controller::set_train`].
+    pub(super) fn set_train(
+        &mut self,
+        shaper: Option<&'static dyn Shaper>,
+        mode: Mode,
+        train: &GridTrain,
+    ) -> Result<(), ShaperError> {
+        match &mut self.lane {
+            Some(lane) => {
+                if !lane.wait_with(train) {
+                    let (ticks, capacity) = (train.duration_in_ticks(), lane.capacity());
+                    return Err(ShaperError::TooLong { ticks, capacity });
+                }
+            }
+            None => self.filter.install(train)?,
+        }
+        self.settings.shaper = shaper;
+        self.status.mode = mode;
+        Ok(())
+    }
+
+    /// Whether a train waits for the axis to stand still.
+    pub(super) fn is_train_waiting(&self) -> bool {
+        let lane = self.lane.as_ref().is_some_and(Lane::is_train_waiting);
+        lane || self.filter.pending().is_some()
+    }
+
+    /// Forgets what the sensors have said.
+    pub(super) fn restart_estimation(&mut self) {
+        self.sensor.restart();
+        self.rest = RestDetector::new(self.settings.rest);
+        self.begin_move();
+    }
+
+    /// Replaces the sensor, and gives the old one back.
+    pub(super) fn replace_sensor(&mut self, sensor: DeformationSensor) -> DeformationSensor {
+        self.begin_move();
+        core::mem::replace(&mut self.sensor, sensor)
+    }
+
     /// A move from rest begins: the mode may have changed since the last one.
     pub(super) fn begin_move(&mut self) {
         self.estimator.restart();

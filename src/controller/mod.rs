@@ -6,6 +6,7 @@
 mod adapting;
 mod ahead;
 mod axis;
+mod change;
 mod path;
 mod settings;
 mod slow_down;
@@ -151,7 +152,7 @@ impl Controller {
             return Err((plan, error));
         }
         // From rest the first sample is sent too: the same position for a tick more.
-        let cursor = usize::from(self.planned.iter().any(is_moving));
+        let cursor = usize::from(self.is_moving());
         if let Err((axis, reason)) = self.follow(Some(&plan), cursor) {
             let present = self.plan.take();
             // The present plan's corrections, which were possible a tick ago, are restored.
@@ -226,6 +227,12 @@ impl Controller {
         &self.planned
     }
 
+    /// Whether a plan is in motion: a new one then begins with the sample after its first.
+    pub fn is_moving(&self) -> bool {
+        let moves = |planned: &Setpoint| planned.velocity != 0.0 || planned.acceleration != 0.0;
+        self.planned.iter().any(moves)
+    }
+
     /// Control period, s.
     pub fn sample_time(&self) -> f64 {
         self.sample_time
@@ -265,10 +272,6 @@ fn keep_path(axes: &mut [Axis], start: impl Fn(usize) -> f64) -> Result<(), Shap
         axis.enter(lane)?;
     }
     Ok(())
-}
-
-fn is_moving(planned: &Setpoint) -> bool {
-    planned.velocity != 0.0 || planned.acceleration != 0.0
 }
 
 fn check_start(axis: usize, planned: &Setpoint, plan: &SampledTrajectory) -> Result<(), LoadError> {

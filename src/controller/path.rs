@@ -68,9 +68,19 @@ impl Lane {
         self.waiting.as_ref().unwrap_or(self.own())
     }
 
+    /// Whether a train waits for all axes to rest.
+    pub fn is_train_waiting(&self) -> bool {
+        self.waiting.is_some()
+    }
+
+    /// The longest train for this axis' own mode, ticks.
+    pub fn capacity(&self) -> usize {
+        self.filters[self.axis].capacity()
+    }
+
     /// Keeps a train until all axes rest; says whether it fits.
     pub fn wait_with(&mut self, train: &GridTrain) -> bool {
-        let fits = train.duration_in_ticks() <= self.filters[self.axis].capacity();
+        let fits = train.duration_in_ticks() <= self.capacity();
         if fits {
             self.waiting = Some(train.clone());
         }

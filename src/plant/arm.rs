@@ -25,6 +25,25 @@ pub struct Command {
     pub velocity: Option<f64>,
 }
 
+/// A payload and the modes that the joint has with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    payload: f64,
+    modes: ArrayVec<Mode, MAX_MODES>,
+}
+
+impl Load {
+    /// Mass of the payload, kg.
+    pub fn payload(&self) -> f64 {
+        self.payload
+    }
+
+    /// The dominating mode; none for a stiff joint.
+    pub fn mode(&self) -> Option<Mode> {
+        self.modes.first().copied()
+    }
+}
+
 /// One joint of a robot that moves, vibrates and is measured; the other joints stand.
 ///
 /// Time starts at 0 on the controller's clock, which is also the encoder's. The same robot, options
@@ -177,8 +196,25 @@ impl ArmSimulation {
     /// # Errors
     /// [`SimulationError::Option`] where it is negative or not finite.
     pub fn set_payload(&mut self, payload: f64) -> Result<(), SimulationError> {
-        self.payload = not_negative("payload", payload)?;
-        self.update_modes()
+        let load = self.load(payload)?;
+        self.carry(load);
+        Ok(())
+    }
+
+    /// What the joint is with a payload (kg) at the present pose, for [`carry`](Self::carry). Allocates.
+    ///
+    /// # Errors
+    /// As [`set_payload`](Self::set_payload).
+    pub fn load(&self, payload: f64) -> Result<Load, SimulationError> {
+        let payload = not_negative("payload", payload)?;
+        let modes = self.modes_with(payload)?;
+        Ok(Load { payload, modes })
+    }
+
+    /// Takes a payload up; the joint's motion is continuous. Does not allocate.
+    pub fn carry(&mut self, load: Load) {
+        self.payload = load.payload;
+        self.axis.set_modes(load.modes);
     }
 
     /// Changes the pose of the other joints (rad); the moved joint's entry is left out of account.
@@ -197,15 +233,18 @@ impl ArmSimulation {
     }
 
     fn update_modes(&mut self) -> Result<(), SimulationError> {
-        let mut modes = ArrayVec::<Mode, MAX_MODES>::new();
-        for &reference in &self.reference {
-            modes.push(
-                self.robot
-                    .mode_at(reference, self.joint, &self.pose, self.payload)?,
-            );
-        }
+        let modes = self.modes_with(self.payload)?;
         self.axis.set_modes(modes);
         Ok(())
+    }
+
+    fn modes_with(&self, payload: f64) -> Result<ArrayVec<Mode, MAX_MODES>, SimulationError> {
+        let mut modes = ArrayVec::new();
+        for &reference in &self.reference {
+            let robot = &self.robot;
+            modes.push(robot.mode_at(reference, self.joint, &self.pose, payload)?);
+        }
+        Ok(modes)
     }
 
     /// Time on the controller's clock, s.

@@ -8,7 +8,7 @@ pub mod options;
 pub mod robot;
 mod robot_file;
 
-pub use arm::{ArmSimulation, Command};
+pub use arm::{ArmSimulation, Command, Load};
 pub use error::{RobotError, SimulationError};
 pub use log::MeasurementLog;
 pub use options::SimulationOptions;

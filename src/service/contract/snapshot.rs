@@ -171,8 +171,8 @@ pub struct TickStatistics {
     pub ticks: u64,
     /// Ticks that began after the next one was due.
     pub overruns: u64,
-    /// Ticks left out because the thread came more than the configured number late; the command's
-    /// own time stands still for them.
+    /// Ticks left out because the thread came a whole period late or more; the command's own time
+    /// stands still for them.
     pub skipped: u64,
     /// Median lateness of the beginning of a tick, s.
     pub lateness_p50_s: f64,

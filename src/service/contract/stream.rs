@@ -34,6 +34,8 @@ pub struct TickRow {
     pub acceleration: f64,
     /// Last deformation, rad; not a number before the first.
     pub deformation: f64,
+    /// Stamp of the last deformation, s on the robot's clock.
+    pub deformation_time: f64,
     /// Last deformation along the tip's arc, m; not a number where the arc is not known.
     pub tip_deformation: f64,
     /// Estimated natural frequency, rad/s; not a number where there is no estimate.

@@ -1,0 +1,154 @@
+//! One joint of the configuration, filled up from the robot's description.
+
+use quell_shapers::{Mode, SHAPERS, Shaper, shaper_by_name};
+use quell_trajectories::Limits;
+
+use super::keys::JointKeys;
+use super::{Check, ConfigError};
+use crate::estimators::{ESTIMATORS, EstimatorEntry, estimator};
+use crate::plant::{Robot, RobotJoint};
+use crate::signal::JointArc;
+
+/// Positions that are targets where the configuration names no range, rad: a turn either way.
+const RANGE: [f64; 2] = [-core::f64::consts::TAU, core::f64::consts::TAU];
+/// What is believed of a joint of which nothing is said: the middle of the field's arms.
+pub(super) const BELIEF: (f64, f64) = (10.0, 0.05);
+/// Highest value of a limit, in degrees and seconds.
+const HIGHEST: f64 = 1e9;
+
+/// One joint that is commanded.
+#[derive(Clone)]
+pub struct JointConfig {
+    /// Name.
+    pub name: String,
+    /// The joint of the description, counted from 0.
+    pub index: usize,
+    /// Lowest and highest target, rad.
+    pub range: [f64; 2],
+    /// Limits of the command.
+    pub limits: Limits,
+    /// The mode that is shaped for until a better one is learned.
+    pub belief: Mode,
+    /// The rule that designs trains.
+    pub shaper: &'static dyn Shaper,
+    /// Method of estimation.
+    pub estimator: &'static EstimatorEntry,
+    /// Whether plans are shaped.
+    pub shaping: bool,
+    /// Whether the train follows the estimate.
+    pub adaptation: bool,
+    /// Samples a second of the sensor of tip, link or deformation, Hz.
+    pub sensor_rate: f64,
+    /// Step of the encoder's reading, rad.
+    pub encoder_resolution: f64,
+    /// Full scale of the deformation's sensor, rad.
+    pub deformation_range: f64,
+    /// The tip's arc, where the joint turns the tip.
+    pub arc: Option<JointArc>,
+}
+
+pub(super) fn checked(
+    keys: &JointKeys,
+    at: &str,
+    robot: &Robot,
+    check: &Check,
+) -> Result<JointConfig, ConfigError> {
+    let key = |name: &str| format!("{at}.{name}");
+    let number = keys.number.unwrap_or(robot.default_move.joint + 1);
+    let index = number.checked_sub(1).filter(|&i| i < robot.joints.len());
+    let Some(index) = index else {
+        let expected = format!("the number of a joint, from 1 to {}", robot.joints.len());
+        return Err(check.refuse(&key("number"), number, expected));
+    };
+    let range = keys
+        .range_deg
+        .map_or(RANGE, |range| range.map(f64::to_radians));
+    if !(range[0].is_finite() && range[1].is_finite() && range[0] < range[1]) {
+        let given = format!("{:?}", keys.range_deg.unwrap_or_default());
+        return Err(check.refuse(
+            &key("range_deg"),
+            given,
+            "two finite numbers, the lower first",
+        ));
+    }
+    let described = &robot.joints[index];
+    let sensor_rate = keys.sensor_rate_hz.unwrap_or(robot.tracker.rate);
+    let resolution = keys.encoder_resolution_deg.map(f64::to_radians);
+    let resolution = resolution.unwrap_or(robot.encoder.resolution);
+    let full_scale = keys.deformation_range_deg.map_or(f64::MAX, f64::to_radians);
+    Ok(JointConfig {
+        name: keys.name.clone(),
+        index,
+        range,
+        limits: limits(keys, at, described, check)?,
+        belief: belief(keys, at, described, check)?,
+        shaper: shaper_by_name(&keys.shaper).ok_or_else(|| {
+            let names = SHAPERS.iter().map(|shaper| shaper.name());
+            check.refuse(&key("shaper"), &keys.shaper, one_of(names))
+        })?,
+        estimator: estimator(&keys.estimator).ok_or_else(|| {
+            let names = ESTIMATORS.iter().map(|entry| entry.name);
+            check.refuse(&key("estimator"), &keys.estimator, one_of(names))
+        })?,
+        shaping: keys.shaping,
+        adaptation: keys.adaptation,
+        sensor_rate: check.within(&key("sensor_rate_hz"), sensor_rate, [1.0, 1e5])?,
+        encoder_resolution: check.within(&key("encoder_resolution_deg"), resolution, [0.0, 1.0])?,
+        deformation_range: check.within(
+            &key("deformation_range_deg"),
+            full_scale,
+            [f64::MIN_POSITIVE, f64::MAX],
+        )?,
+        arc: robot.arc(&robot.home(), index).ok(),
+    })
+}
+
+fn one_of(names: impl Iterator<Item = &'static str>) -> String {
+    format!("one of {}", names.collect::<Vec<_>>().join(", "))
+}
+
+fn limits(
+    keys: &JointKeys,
+    at: &str,
+    described: &RobotJoint,
+    check: &Check,
+) -> Result<Limits, ConfigError> {
+    let limit = |name: &str, given: Option<f64>, described: f64| -> Result<f64, ConfigError> {
+        let value = given.unwrap_or(described.to_degrees());
+        let positive = [f64::MIN_POSITIVE, HIGHEST];
+        check.within(&format!("{at}.{name}"), value, positive)?;
+        Ok(given.map_or(described, f64::to_radians))
+    };
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = described.limits;
+    Ok(Limits {
+        velocity: limit("velocity_deg_s", keys.velocity_deg_s, velocity)?,
+        acceleration: limit(
+            "acceleration_deg_s2",
+            keys.acceleration_deg_s2,
+            acceleration,
+        )?,
+        jerk: limit("jerk_deg_s3", keys.jerk_deg_s3, jerk)?,
+    })
+}
+
+fn belief(
+    keys: &JointKeys,
+    at: &str,
+    described: &RobotJoint,
+    check: &Check,
+) -> Result<Mode, ConfigError> {
+    let (frequency, damping) = match described.modes.first() {
+        Some(entry) => (entry.mode.hertz(), entry.mode.damping_ratio()),
+        None => BELIEF,
+    };
+    let frequency = keys.frequency_hz.unwrap_or(frequency);
+    let damping = keys.damping_ratio.unwrap_or(damping);
+    Mode::from_hertz(frequency, damping).map_err(|error| {
+        let key = format!("{at}.frequency_hz, {at}.damping_ratio");
+        check.refuse(&key, format!("{frequency}, {damping}"), error.to_string())
+    })
+}

@@ -1,0 +1,221 @@
+//! The keys of `quell.toml`, each with its unit and default, before they are checked.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+/// The whole file. Every key may be left out.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Keys {
+    pub service: ServiceKeys,
+    pub tick: TickKeys,
+    pub http: HttpKeys,
+    pub udp: UdpKeys,
+    pub watchdog: WatchdogKeys,
+    pub recording: RecordingKeys,
+    pub joint: Vec<JointKeys>,
+}
+
+/// `[service]`: what is commanded, and where data are kept.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServiceKeys {
+    /// Which robot: `embedded` or `udp`.
+    pub robot: String,
+    /// Description of the robot, TOML as for `quell move --robot`; the embedded arm where absent.
+    pub description: Option<PathBuf>,
+    /// Folder of state and recordings, relative to the working directory.
+    pub data: PathBuf,
+}
+
+impl Default for ServiceKeys {
+    fn default() -> Self {
+        Self {
+            robot: "embedded".into(),
+            description: None,
+            data: "quell-data".into(),
+        }
+    }
+}
+
+/// `[tick]`: the control period.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TickKeys {
+    /// Ticks a second, Hz, 250 to 4000.
+    pub rate_hz: f64,
+    /// Whether a real-time priority and locked memory are asked for.
+    pub real_time: bool,
+}
+
+impl Default for TickKeys {
+    fn default() -> Self {
+        Self {
+            rate_hz: 1000.0,
+            real_time: true,
+        }
+    }
+}
+
+/// `[http]`: page and interface.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HttpKeys {
+    /// Where it listens; port 0 takes a free one.
+    pub address: SocketAddr,
+    /// Token that every request must carry; needed where the address is not loopback.
+    pub token: Option<String>,
+    /// Most connections at once.
+    pub max_connections: usize,
+    /// Longest body of a request, bytes.
+    pub max_body_bytes: usize,
+}
+
+impl Default for HttpKeys {
+    fn default() -> Self {
+        Self {
+            address: SocketAddr::from(([127, 0, 0, 1], 7870)),
+            token: None,
+            max_connections: 64,
+            max_body_bytes: 64 * 1024,
+        }
+    }
+}
+
+/// `[udp]`: the link to a robot that is not embedded.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UdpKeys {
+    /// Where it listens; port 0 takes a free one.
+    pub address: SocketAddr,
+    /// The robot's address; where absent, and on loopback only, that of its first datagram.
+    pub robot: Option<SocketAddr>,
+}
+
+impl Default for UdpKeys {
+    fn default() -> Self {
+        Self {
+            address: SocketAddr::from(([127, 0, 0, 1], 7871)),
+            robot: None,
+        }
+    }
+}
+
+/// `[watchdog]`: what happens when the robot falls silent.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WatchdogKeys {
+    /// Silence after which the adaptation waits, s.
+    pub timeout_s: f64,
+    /// Whether a joint without measurements is stopped.
+    pub stop: bool,
+}
+
+impl Default for WatchdogKeys {
+    fn default() -> Self {
+        Self {
+            timeout_s: 0.2,
+            stop: true,
+        }
+    }
+}
+
+/// `[recording]`: moves on disk.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecordingKeys {
+    /// Whether every move is recorded.
+    pub enabled: bool,
+    /// Most bytes of all recordings, MB; the oldest go first.
+    pub max_size_mb: f64,
+    /// Age at which a recording goes, days.
+    pub max_age_days: f64,
+}
+
+impl Default for RecordingKeys {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            max_size_mb: 1000.0,
+            max_age_days: 30.0,
+        }
+    }
+}
+
+/// `[[joint]]`: one joint that is commanded. Without any, the one that the description moves.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointKeys {
+    /// Name, as datagrams and requests call it.
+    pub name: String,
+    /// The joint of the description, counted from 1; the one that it moves where absent.
+    pub number: Option<usize>,
+    /// Lowest and highest position that a move may have as its target, deg.
+    pub range_deg: Option<[f64; 2]>,
+    /// Limit of the velocity, deg/s; the description's where absent.
+    pub velocity_deg_s: Option<f64>,
+    /// Limit of the acceleration, deg/s^2; the description's where absent.
+    pub acceleration_deg_s2: Option<f64>,
+    /// Limit of the jerk, deg/s^3; the description's where absent.
+    pub jerk_deg_s3: Option<f64>,
+    /// Believed natural frequency, Hz, until a better one is learned; the description's where absent.
+    pub frequency_hz: Option<f64>,
+    /// Believed damping ratio; the description's where absent.
+    pub damping_ratio: Option<f64>,
+    /// Shaper.
+    #[serde(default = "zvd")]
+    pub shaper: String,
+    /// Estimator.
+    #[serde(default = "likelihood")]
+    pub estimator: String,
+    /// Whether plans are shaped.
+    #[serde(default = "yes")]
+    pub shaping: bool,
+    /// Whether the train follows the estimate.
+    #[serde(default = "yes")]
+    pub adaptation: bool,
+    /// Samples a second of the sensor of tip, link or deformation, Hz; sizes the estimator's window.
+    /// The description's tracker where absent.
+    pub sensor_rate_hz: Option<f64>,
+    /// Step of the encoder's reading, deg; the description's where absent.
+    pub encoder_resolution_deg: Option<f64>,
+    /// Full scale of the sensor of the deformation, deg: a reading there is refused as saturated.
+    pub deformation_range_deg: Option<f64>,
+}
+
+impl JointKeys {
+    /// A joint of that name, everything else as the description says.
+    pub fn named(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            number: None,
+            range_deg: None,
+            velocity_deg_s: None,
+            acceleration_deg_s2: None,
+            jerk_deg_s3: None,
+            frequency_hz: None,
+            damping_ratio: None,
+            shaper: zvd(),
+            estimator: likelihood(),
+            shaping: true,
+            adaptation: true,
+            sensor_rate_hz: None,
+            encoder_resolution_deg: None,
+            deformation_range_deg: None,
+        }
+    }
+}
+
+fn zvd() -> String {
+    "zvd".into()
+}
+
+fn likelihood() -> String {
+    "likelihood".into()
+}
+
+fn yes() -> bool {
+    true
+}

@@ -1,0 +1,323 @@
+//! `quell.toml`, checked; the command line overrides it.
+
+mod joint;
+mod keys;
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use thiserror::Error;
+
+pub use joint::JointConfig;
+use keys::{JointKeys, Keys};
+
+use crate::plant::{Robot, RobotError};
+
+/// The rates at which the tick is made to run, Hz.
+const RATES: [f64; 2] = [250.0, 4000.0];
+/// The longest name of a joint, bytes: a datagram holds it, and it names metrics.
+const LONGEST_NAME: usize = 64;
+
+/// Why a configuration is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("{}: {reason}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is not TOML, or a key is unknown or of another type; the message has line and column.
+    #[error("{}: {message}", file.display())]
+    Syntax {
+        /// The file.
+        file: PathBuf,
+        /// Line, column and cause.
+        message: String,
+    },
+    /// A value that is out of its range.
+    #[error("{origin}: {key} = {value}: it must be {expected}")]
+    Value {
+        /// The file, or that it is a default or an option.
+        origin: String,
+        /// The key, as `joint[1].velocity_deg_s`, tables counted from 1.
+        key: String,
+        /// The value as given.
+        value: String,
+        /// What it must be.
+        expected: String,
+    },
+    /// The robot's description is refused.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+}
+
+/// Which robot is commanded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RobotKind {
+    /// The simulated arm, stepped by the tick.
+    Embedded,
+    /// One that speaks JSON over UDP.
+    Udp,
+}
+
+impl RobotKind {
+    /// All of them, as the command line names them.
+    pub const ALL: &[Self] = &[Self::Embedded, Self::Udp];
+
+    /// Name on the command line, in the configuration and in the state.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Embedded => "embedded",
+            Self::Udp => "udp",
+        }
+    }
+}
+
+/// What the command line says instead of the file.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// Instead of `service.robot`.
+    pub robot: Option<RobotKind>,
+    /// Instead of `service.data`.
+    pub data: Option<PathBuf>,
+    /// Instead of `tick.rate_hz`.
+    pub rate: Option<f64>,
+    /// Instead of `http.address`.
+    pub http: Option<SocketAddr>,
+    /// Instead of `udp.address`.
+    pub udp: Option<SocketAddr>,
+}
+
+/// A configuration that can be used.
+#[derive(Clone)]
+pub struct Config {
+    /// Which robot.
+    pub robot: RobotKind,
+    /// Its description.
+    pub description: Robot,
+    /// Folder of state and recordings.
+    pub data: PathBuf,
+    /// Control period, s.
+    pub period: f64,
+    /// Whether a real-time priority and locked memory are asked for.
+    pub real_time: bool,
+    /// Page and interface.
+    pub http: HttpConfig,
+    /// Where the UDP link listens.
+    pub udp: SocketAddr,
+    /// The robot's address, if it is not taken from its first datagram.
+    pub udp_robot: Option<SocketAddr>,
+    /// Silence after which the adaptation waits.
+    pub watchdog: Duration,
+    /// Whether a joint without measurements is stopped.
+    pub watchdog_stops: bool,
+    /// Moves on disk.
+    pub recording: RecordingConfig,
+    /// The joints, at least one.
+    pub joints: Vec<JointConfig>,
+}
+
+/// Page and interface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HttpConfig {
+    /// Where it listens; port 0 takes a free one.
+    pub address: SocketAddr,
+    /// Token that every request must carry.
+    pub token: Option<String>,
+    /// Most connections at once.
+    pub max_connections: usize,
+    /// Longest body of a request, bytes.
+    pub max_body: usize,
+}
+
+/// Moves on disk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordingConfig {
+    /// Whether every move is recorded.
+    pub enabled: bool,
+    /// Their folder.
+    pub folder: PathBuf,
+    /// Most bytes of all of them; the oldest go first.
+    pub max_bytes: u64,
+    /// Age at which one goes.
+    pub max_age: Duration,
+}
+
+impl Config {
+    /// The configuration of a file, or the defaults, with what the command line says instead.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with file, line or key, and value.
+    pub fn load(file: Option<&Path>, overrides: &Overrides) -> Result<Self, ConfigError> {
+        let Some(file) = file else {
+            return checked(Keys::default(), "defaults", Path::new(""), overrides);
+        };
+        let text = std::fs::read_to_string(file).map_err(|error| ConfigError::Unreadable {
+            file: file.to_path_buf(),
+            reason: error.to_string(),
+        })?;
+        let keys = toml::from_str(&text).map_err(|error| ConfigError::Syntax {
+            file: file.to_path_buf(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        checked(keys, &file.display().to_string(), folder, overrides)
+    }
+}
+
+fn checked(
+    keys: Keys,
+    origin: &str,
+    folder: &Path,
+    overrides: &Overrides,
+) -> Result<Config, ConfigError> {
+    let check = Check { origin };
+    let robot = match overrides.robot {
+        Some(robot) => robot,
+        None => robot_kind(&keys.service.robot, &check)?,
+    };
+    let description = match &keys.service.description {
+        Some(file) => Robot::from_file(&folder.join(file))?,
+        None => Robot::rx170(),
+    };
+    let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
+    let rate = check.within("tick.rate_hz", rate, RATES)?;
+    let http = http(&keys, overrides, &check)?;
+    let data = overrides.data.clone().unwrap_or(keys.service.data);
+    let days = check.within(
+        "recording.max_age_days",
+        keys.recording.max_age_days,
+        [0.0, 1e5],
+    )?;
+    let megabytes = check.within(
+        "recording.max_size_mb",
+        keys.recording.max_size_mb,
+        [1.0, 1e9],
+    )?;
+    let timeout = check.within("watchdog.timeout_s", keys.watchdog.timeout_s, [0.005, 60.0])?;
+    Ok(Config {
+        robot,
+        period: 1.0 / rate,
+        real_time: keys.tick.real_time,
+        http,
+        udp: overrides.udp.unwrap_or(keys.udp.address),
+        udp_robot: keys.udp.robot,
+        watchdog: Duration::from_secs_f64(timeout),
+        watchdog_stops: keys.watchdog.stop,
+        recording: RecordingConfig {
+            enabled: keys.recording.enabled,
+            folder: data.join("recordings"),
+            max_bytes: (megabytes * 1e6) as u64,
+            max_age: Duration::from_secs_f64(days * 86_400.0),
+        },
+        data,
+        joints: joints(&keys.joint, &description, robot, &check)?,
+        description,
+    })
+}
+
+fn robot_kind(name: &str, check: &Check) -> Result<RobotKind, ConfigError> {
+    let found = RobotKind::ALL.iter().find(|kind| kind.name() == name);
+    let expected = || {
+        let names: Vec<_> = RobotKind::ALL.iter().map(|kind| kind.name()).collect();
+        names.join(" or ")
+    };
+    found
+        .copied()
+        .ok_or_else(|| check.refuse("service.robot", name, expected()))
+}
+
+fn http(keys: &Keys, overrides: &Overrides, check: &Check) -> Result<HttpConfig, ConfigError> {
+    let address = overrides.http.unwrap_or(keys.http.address);
+    let token = keys.http.token.clone().filter(|token| !token.is_empty());
+    if !address.ip().is_loopback() && token.is_none() {
+        let expected = "loopback, or else a token (http.token) must be set";
+        return Err(check.refuse("http.address", address, expected));
+    }
+    let (connections, body) = (keys.http.max_connections, keys.http.max_body_bytes);
+    check.within("http.max_connections", connections as f64, [1.0, 1e4])?;
+    check.within("http.max_body_bytes", body as f64, [256.0, 1e8])?;
+    Ok(HttpConfig {
+        address,
+        token,
+        max_connections: connections,
+        max_body: body,
+    })
+}
+
+fn joints(
+    keys: &[JointKeys],
+    description: &Robot,
+    robot: RobotKind,
+    check: &Check,
+) -> Result<Vec<JointConfig>, ConfigError> {
+    let alone = [JointKeys {
+        frequency_hz: (robot == RobotKind::Embedded).then(|| wrong_belief(description)),
+        ..JointKeys::named("joint_1")
+    }];
+    let keys = if keys.is_empty() { &alone[..] } else { keys };
+    let most = match robot {
+        // The simulation moves one joint; the others stand.
+        RobotKind::Embedded => 1,
+        RobotKind::Udp => 7,
+    };
+    if keys.len() > most {
+        let expected = format!("at most {most} for this robot");
+        return Err(check.refuse("[[joint]] tables", keys.len(), expected));
+    }
+    let mut joints: Vec<JointConfig> = Vec::new();
+    for (index, joint) in keys.iter().enumerate() {
+        let at = format!("joint[{}]", index + 1);
+        let fits = (1..=LONGEST_NAME).contains(&joint.name.len());
+        let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+        if !fits || !joint.name.chars().all(plain) {
+            let expected = "1 to 64 letters, digits, or any of _-.";
+            return Err(check.refuse(&format!("{at}.name"), &joint.name, expected));
+        }
+        if joints.iter().any(|other| other.name == joint.name) {
+            return Err(check.refuse(&format!("{at}.name"), &joint.name, "unlike every other"));
+        }
+        joints.push(joint::checked(joint, &at, description, check)?);
+    }
+    Ok(joints)
+}
+
+/// What is believed of the embedded arm, Hz, where nobody says anything: a quarter too much, as for
+/// `quell move`, so that there is something to learn.
+fn wrong_belief(description: &Robot) -> f64 {
+    let joint = description.joints.get(description.default_move.joint);
+    let mode = joint.and_then(|joint| joint.modes.first());
+    1.25 * mode.map_or(joint::BELIEF.0, |entry| entry.mode.hertz())
+}
+
+/// Checks values; `origin` names the file in errors.
+struct Check<'a> {
+    origin: &'a str,
+}
+
+impl Check<'_> {
+    fn refuse(
+        &self,
+        key: &str,
+        value: impl std::fmt::Display,
+        expected: impl Into<String>,
+    ) -> ConfigError {
+        ConfigError::Value {
+            origin: self.origin.to_owned(),
+            key: key.to_owned(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+
+    fn within(&self, key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, ConfigError> {
+        match (low..=high).contains(&value) {
+            true => Ok(value),
+            false => Err(self.refuse(key, value, format!("from {low} to {high}"))),
+        }
+    }
+}

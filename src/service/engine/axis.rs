@@ -1,0 +1,59 @@
+//! A controller for a joint as the configuration describes it.
+
+use quell_shapers::{GridTrain, Mode, Shaper, ShaperError};
+
+use crate::adaptation::AdaptationSettings;
+use crate::controller::{AxisSettings, Controller, PathPolicy, RetunePolicy};
+use crate::estimators::Settings;
+use crate::service::config::JointConfig;
+use crate::signal::{DeformationSensor, RestRule};
+
+/// No correction is made in a move longer than this, s; sizes the memory of what was sent.
+const LONGEST_MOVE: f64 = 20.0;
+/// Longest train, in periods of the lowest plausible frequency: as in the simulated cell.
+const LONGEST_TRAIN: f64 = 4.0;
+
+/// A controller of one axis at rest at `position` (rad), shaping for `mode`.
+pub fn controller(
+    joint: &JointConfig,
+    shaper: Option<&'static dyn Shaper>,
+    mode: Mode,
+    sensor: DeformationSensor,
+    position: f64,
+    period: f64,
+) -> Result<Controller, ShaperError> {
+    let adaptation = AdaptationSettings::around(joint.belief);
+    let [low, high] = adaptation.natural_frequency;
+    let settings = AxisSettings {
+        sample_time: period,
+        limits: joint.limits,
+        shaper,
+        belief: mode,
+        adaptive: joint.adaptation,
+        retune: RetunePolicy::InMotion,
+        estimator: joint.estimator,
+        estimation: Settings {
+            // What may be accepted must be looked for.
+            frequency_range: (low, high),
+            ..Settings::around(mode, 1.0 / joint.sensor_rate)
+        },
+        adaptation,
+        rest: RestRule::new(0.0, joint.encoder_resolution),
+        sensor,
+        longest_train: LONGEST_TRAIN * joint.belief.damped_period(),
+        longest_move: LONGEST_MOVE,
+    };
+    Controller::new(vec![settings], &[position], PathPolicy::Independent)
+}
+
+/// The train of a shaper for a mode; none sends the plan as it is.
+pub fn train(
+    shaper: Option<&'static dyn Shaper>,
+    mode: Mode,
+    period: f64,
+) -> Result<GridTrain, ShaperError> {
+    match shaper {
+        Some(shaper) => shaper.on_grid(mode, period),
+        None => GridTrain::identity(period),
+    }
+}

@@ -1,0 +1,134 @@
+//! One joint as the engine sees it: what it is told, what it does, what was learned of it.
+
+use quell_shapers::{Mode, Shaper};
+use quell_trajectories::SampledTrajectory;
+use tokio::sync::oneshot;
+
+use super::running::Running;
+use super::standstill::Standstill;
+use crate::service::config::JointConfig;
+use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
+use crate::service::tick::JointReport;
+use crate::signal::DeformationSensor;
+
+/// Where the answer to a request goes, if anybody waits for it.
+pub type Reply = oneshot::Sender<Result<Accepted, ServiceError>>;
+
+/// A joint.
+pub struct Joint {
+    /// As it is configured.
+    pub config: JointConfig,
+    /// From its measurements to the deformation.
+    pub sensor: DeformationSensor,
+    /// Whether the tip's arc is the robot's own, so that lengths can be told.
+    pub arc_known: bool,
+    /// The rule that designs trains, while shaping is on.
+    pub shaper: &'static dyn Shaper,
+    /// Whether plans are shaped.
+    pub shaping: bool,
+    /// Whether the train follows the estimate.
+    pub adaptation: bool,
+    /// The mode that is shaped for.
+    pub mode: Mode,
+    /// A mode that somebody asked for and that the tick has not taken yet.
+    pub wanted_mode: Option<Mode>,
+    /// Since when the mode is what it is, seconds since 1970.
+    pub mode_since: f64,
+    /// Whether the train in force is not the one that should be.
+    pub train_due: bool,
+    /// Changes of the train by an estimate that the present controller has told.
+    pub retunes: u32,
+    /// And those of the controllers before it, of corrections, and of corrections refused.
+    pub before: [u64; 3],
+    /// What the tick said last.
+    pub report: Option<JointReport>,
+    /// Where the command stands once it is at rest, rad.
+    pub position: f64,
+    /// Whether the tick commands the joint.
+    pub began: bool,
+    /// Whether the watchdog has stopped it.
+    pub stopped_by_watchdog: bool,
+    /// The move that runs, or rings out.
+    pub running: Option<Running>,
+    /// What the tick was told and has not taken yet.
+    pub asked: Option<Asked>,
+    /// Whether the motor side stands still, while the joint is not commanded.
+    pub standstill: Standstill,
+    /// Last measured motor position, rad.
+    pub motor: Option<f64>,
+}
+
+/// A plan on its way to the tick.
+pub struct Asked {
+    /// What it is for.
+    pub what: What,
+    /// Number of the move.
+    pub id: u64,
+    /// Number of the plan.
+    pub ticket: u64,
+    /// A copy of the plan.
+    pub samples: SampledTrajectory,
+    /// Speed to which it was slowed, 1 for full speed.
+    pub speed: f64,
+    /// The rule of its train.
+    pub shaper: Option<&'static dyn Shaper>,
+    /// Ticks ahead for which it was planned, in motion.
+    pub ahead: u64,
+    /// After this time (s) it is given up.
+    pub deadline: f64,
+    /// Whether it has to be planned anew, the tick not having taken it.
+    pub again: bool,
+    /// Who waits.
+    pub reply: Option<Reply>,
+}
+
+/// What a plan is for.
+#[derive(Clone, Copy)]
+pub enum What {
+    /// A target, rad, and the rule for this move alone.
+    Move {
+        target: f64,
+        shaper: Option<Option<&'static dyn Shaper>>,
+    },
+    /// A stop.
+    Stop,
+}
+
+impl Joint {
+    /// The rule of the next train.
+    pub fn standing_shaper(&self) -> Option<&'static dyn Shaper> {
+        self.shaping.then_some(self.shaper)
+    }
+
+    /// Whether the command stands still.
+    pub fn is_at_rest(&self) -> bool {
+        self.running
+            .as_ref()
+            .is_none_or(|move_| move_.settled.is_some())
+    }
+
+    /// What it is doing.
+    pub fn phase(&self) -> Phase {
+        match &self.running {
+            _ if !self.began => Phase::Waiting,
+            Some(running) if running.settled.is_none() && running.stopping => Phase::Stopping,
+            Some(running) if running.settled.is_none() => Phase::Moving,
+            _ => Phase::Rest,
+        }
+    }
+
+    /// What the watchdog says.
+    pub fn watchdog(&self) -> WatchdogState {
+        let silent = self.report.as_ref().map(|report| report.watchdog);
+        match silent {
+            Some(WatchdogState::Silent) if self.stopped_by_watchdog => WatchdogState::Stopped,
+            Some(state) => state,
+            None => WatchdogState::Silent,
+        }
+    }
+}
+
+/// Name of a rule, `none` for no shaping.
+pub fn name_of(shaper: Option<&'static dyn Shaper>) -> &'static str {
+    shaper.map_or("none", |shaper| shaper.name())
+}

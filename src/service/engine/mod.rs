@@ -1,0 +1,197 @@
+//! The engine: everything beside the tick that need not be punctual. One thread.
+//!
+//! It answers requests, plans, hands plans to the tick, hears what became of them, measures what each
+//! move left, publishes state and stream, and has the state kept on disk.
+
+mod axis;
+mod joint;
+mod orders;
+mod planning;
+mod publish;
+mod pump;
+mod requests;
+mod running;
+mod standstill;
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+use quell_trajectories::Planner;
+
+pub use axis::controller;
+pub use joint::Joint;
+
+use super::clock::ServiceClock;
+use super::config::Config;
+use super::contract::{Batch, EngineEnds, MoveResult};
+use super::state::State;
+use super::tick::{EngineRings, WholeReport};
+use crate::plant::ArmSimulation;
+use joint::Asked;
+
+/// How often the rings are emptied.
+const PUMPED: Duration = Duration::from_millis(5);
+/// Length of a batch of the stream, s.
+const BATCH: f64 = 0.02;
+/// Moves that the state shows.
+const MOVES: usize = 64;
+/// How long a service that ends waits for its joints to come to rest, s: the longest move that can be
+/// corrected, and its stop.
+const ENDING: f64 = 30.0;
+/// How long setpoints are still sent after everything rests, s, so that a lost one is made up for.
+const REST: f64 = 0.1;
+
+/// The engine.
+pub struct Engine {
+    config: Config,
+    clock: ServiceClock,
+    ends: EngineEnds,
+    rings: EngineRings,
+    planner: Planner,
+    joints: Vec<Joint>,
+    /// The embedded arm as it was at the start, to ask it what a payload does.
+    arm: Option<ArmSimulation>,
+    payload: Option<f64>,
+    state: State,
+    saver: Sender<State>,
+    whole: Option<WholeReport>,
+    moves: VecDeque<MoveResult>,
+    batch: Batch,
+    batch_since: f64,
+    tickets: u64,
+    stopping: Option<f64>,
+}
+
+/// What an engine is made of.
+pub struct EngineParts {
+    /// The configuration.
+    pub config: Config,
+    /// The clock of all threads.
+    pub clock: ServiceClock,
+    /// Its end of the channels to the outside.
+    pub ends: EngineEnds,
+    /// Its ends of the rings.
+    pub rings: EngineRings,
+    /// The joints.
+    pub joints: Vec<Joint>,
+    /// The embedded arm, as it is at the start.
+    pub arm: Option<ArmSimulation>,
+    /// What is remembered.
+    pub state: State,
+    /// Where states go to be kept.
+    pub saver: Sender<State>,
+    /// The planner, of one axis.
+    pub planner: Planner,
+}
+
+impl Engine {
+    /// An engine whose joints are not commanded yet.
+    pub fn new(parts: EngineParts) -> Self {
+        Self {
+            payload: parts.arm.as_ref().map(|_| 0.0),
+            moves: parts.state.moves.iter().cloned().collect(),
+            config: parts.config,
+            clock: parts.clock,
+            ends: parts.ends,
+            rings: parts.rings,
+            planner: parts.planner,
+            joints: parts.joints,
+            arm: parts.arm,
+            state: parts.state,
+            saver: parts.saver,
+            whole: None,
+            batch: Batch::default(),
+            batch_since: 0.0,
+            tickets: 0,
+            stopping: None,
+        }
+    }
+
+    /// Works until `ending` is set, then brings every joint to rest.
+    pub async fn run(mut self, ending: &AtomicBool) {
+        self.begin_embedded();
+        let mut pump = tokio::time::interval(PUMPED);
+        pump.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                biased;
+                _ = pump.tick() => {
+                    self.pump();
+                    if ending.load(Relaxed) && self.has_ended() {
+                        break;
+                    }
+                }
+                envelope = self.ends.requests.recv() => match envelope {
+                    Some(envelope) => self.answer(envelope),
+                    // Nobody can ask any more; the joints are still commanded.
+                    None => tokio::time::sleep(PUMPED).await,
+                },
+            }
+        }
+        self.flush(self.clock.now());
+        self.save();
+    }
+
+    /// Brings every joint to rest, and says whether they are.
+    fn has_ended(&mut self) -> bool {
+        let now = self.clock.now();
+        let since = match self.stopping {
+            Some(since) => since,
+            None => {
+                tracing::info!("stopping");
+                self.stop_all();
+                *self.stopping.insert(now)
+            }
+        };
+        if now - since > ENDING {
+            tracing::warn!("not every joint has come to rest within {ENDING} s");
+            return true;
+        }
+        let rests = |joint: &Joint| {
+            let settled = joint
+                .running
+                .as_ref()
+                .is_none_or(|running| running.settled.is_some_and(|settled| now - settled > REST));
+            settled && joint.asked.is_none()
+        };
+        self.joints.iter().all(rests)
+    }
+
+    fn stop_all(&mut self) -> f64 {
+        let mut longest: f64 = 0.0;
+        for index in 0..self.joints.len() {
+            longest = longest.max(self.stop(index));
+        }
+        longest
+    }
+
+    /// The tick that comes next, as well as it is known.
+    fn next_tick(&self) -> u64 {
+        let Some(whole) = &self.whole else { return 0 };
+        let passed = (self.clock.now() - whole.time) / self.config.period;
+        whole.tick.saturating_add(passed.max(0.0).ceil() as u64)
+    }
+
+    fn save(&mut self) {
+        self.state.moves = self.moves.iter().cloned().collect();
+        // The thread that keeps states lives as long as the engine.
+        let _ = self.saver.send(self.state.clone());
+    }
+
+    fn give_up(asked: Asked, error: super::contract::ServiceError) {
+        if let Some(reply) = asked.reply {
+            // Whoever asked may have gone.
+            let _ = reply.send(Err(error));
+        }
+    }
+
+    /// The name under which a move is recorded, if it is.
+    fn recording_name(&self, id: u64) -> Option<String> {
+        self.config
+            .recording
+            .enabled
+            .then(|| format!("move-{id:06}"))
+    }
+}

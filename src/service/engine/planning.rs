@@ -1,0 +1,153 @@
+//! From what is asked for to a plan for the tick.
+
+use quell_shapers::Shaper;
+use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
+
+use super::axis::train;
+use super::joint::{Joint, What};
+use crate::controller::plan_shaped;
+use crate::service::contract::ServiceError;
+use crate::service::tick::{Start, Train};
+
+/// Rounding of velocities and accelerations by the planner and of differences over one tick.
+const ROUNDING: f64 = 1e-9;
+
+/// A plan, and how it begins.
+pub struct Planned {
+    /// The plan at the control period.
+    pub samples: SampledTrajectory,
+    /// When it begins.
+    pub start: Start,
+    /// Speed to which it was slowed, 1 for full speed.
+    pub speed: f64,
+    /// The rule of its train.
+    pub shaper: Option<&'static dyn Shaper>,
+}
+
+/// Plans for a joint; in motion, the plan begins with tick `at`.
+pub fn plan(
+    joint: &Joint,
+    what: What,
+    planner: &Planner,
+    period: f64,
+    at: u64,
+) -> Result<Planned, ServiceError> {
+    match (&joint.running, what) {
+        (Some(running), _) if !joint.is_at_rest() => {
+            let from = running.state_before(at);
+            let shaper = joint_shaper(joint);
+            in_motion(joint, what, planner, period, from, at, shaper)
+        }
+        (_, What::Move { target, shaper }) => from_rest(
+            joint,
+            target,
+            shaper.unwrap_or(joint.standing_shaper()),
+            planner,
+            period,
+        ),
+        (_, What::Stop) => {
+            let here = joint.position;
+            from_rest(joint, here, joint.standing_shaper(), planner, period)
+        }
+    }
+}
+
+/// The train of a joint for its mode.
+pub fn standing_train(
+    joint: &Joint,
+    shaper: Option<&'static dyn Shaper>,
+    period: f64,
+) -> Result<Train, ServiceError> {
+    let mode = joint.wanted_mode.unwrap_or(joint.mode);
+    let designed = train(shaper, mode, period).map_err(|error| ServiceError::Train {
+        reason: error.to_string(),
+    })?;
+    Ok(Train {
+        shaper,
+        mode,
+        train: designed,
+        retunes: joint.retunes,
+    })
+}
+
+fn from_rest(
+    joint: &Joint,
+    target: f64,
+    shaper: Option<&'static dyn Shaper>,
+    planner: &Planner,
+    period: f64,
+) -> Result<Planned, ServiceError> {
+    let train = standing_train(joint, shaper, period)?;
+    let ends = [joint.position, target];
+    let slowed = plan_shaped(planner, ends, joint.config.limits, &train.train).map_err(refused)?;
+    if slowed.peaks.worst() > 1.0 + ROUNDING {
+        let reason = format!(
+            "shaped by {} it reaches {:.2} times a limit, even at {:.0} % speed",
+            super::joint::name_of(shaper),
+            slowed.peaks.worst(),
+            100.0 * slowed.speed
+        );
+        return Err(ServiceError::Plan { reason });
+    }
+    Ok(Planned {
+        samples: slowed.plan,
+        start: Start::Rest(train),
+        speed: slowed.speed,
+        shaper,
+    })
+}
+
+fn in_motion(
+    joint: &Joint,
+    what: What,
+    planner: &Planner,
+    period: f64,
+    from: AxisState,
+    at: u64,
+    shaper: Option<&'static dyn Shaper>,
+) -> Result<Planned, ServiceError> {
+    // A train of negative impulses may exceed the limits by its gain, the sum of the magnitudes: a
+    // plan below the limits by as much cannot.
+    let gain = match shaper {
+        Some(shaper) if !shaper.is_convex() => {
+            train(Some(shaper), joint.mode, period).map_or(1.0, |train| train.gain())
+        }
+        _ => 1.0,
+    };
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = joint.config.limits;
+    let limits = [Limits {
+        velocity: velocity / gain,
+        acceleration: acceleration / gain,
+        jerk: jerk / gain,
+    }];
+    let trajectory = match what {
+        What::Stop => planner.plan_stop(&[from], &limits),
+        What::Move { target, .. } => planner.plan(&[from], &[AxisState::at_rest(target)], &limits),
+    };
+    let samples = trajectory.and_then(|plan| plan.sample(period));
+    Ok(Planned {
+        samples: samples.map_err(refused)?,
+        start: Start::Tick(at),
+        speed: 1.0 / gain,
+        shaper,
+    })
+}
+
+/// The rule that the running move is shaped by.
+fn joint_shaper(joint: &Joint) -> Option<&'static dyn Shaper> {
+    let name = joint
+        .running
+        .as_ref()
+        .map(|running| running.start.shaper.as_str());
+    quell_shapers::shaper_by_name(name?)
+}
+
+fn refused(error: quell_trajectories::PlanError) -> ServiceError {
+    ServiceError::Plan {
+        reason: error.to_string(),
+    }
+}

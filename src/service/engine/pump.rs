@@ -1,0 +1,234 @@
+//! What the rings bring: events, records, reports.
+
+use std::sync::Arc;
+
+use super::{BATCH, Engine, MOVES};
+use crate::service::clock::unix_time;
+use crate::service::contract::{Batch, Event as Told, Measured, Quantity, WatchdogState};
+use crate::service::state::LearnedMode;
+use crate::service::tick::{Event, JointReport, Record, Report};
+
+/// Distance of the motor side from a command at rest from which, after a silence, it counts as moved by
+/// something else, rad: more than the static error of a servo, less than anybody would call a move.
+const MOVED: f64 = 1e-3;
+
+impl Engine {
+    /// Empties the rings and does what follows.
+    pub(super) fn pump(&mut self) {
+        let now = self.clock.now();
+        // Records first: those of a move belong to it before it ends.
+        while let Ok(record) = self.rings.records.pop() {
+            self.record(record);
+        }
+        while let Ok(event) = self.rings.events.pop() {
+            self.hear(event);
+        }
+        let mut round = false;
+        while let Ok(report) = self.rings.reports.pop() {
+            match report {
+                Report::Joint(report) => self.believe(report),
+                Report::Whole(whole) => {
+                    self.whole = Some(whole);
+                    round = true;
+                }
+            }
+        }
+        for index in 0..self.joints.len() {
+            self.look_after(index, now);
+        }
+        if round {
+            (0..self.joints.len()).for_each(|index| self.order_train(index));
+            self.publish();
+        }
+        self.retry(now);
+        if now - self.batch_since >= BATCH {
+            self.flush(now);
+        }
+    }
+
+    fn record(&mut self, record: Record) {
+        match record {
+            Record::Tick(row) => {
+                if let Some(running) = &mut self.joints[row.joint].running {
+                    running.take(&row);
+                }
+                self.batch.ticks.push(row);
+            }
+            Record::Measured(measured) => {
+                self.measure(&measured);
+                self.batch.measured.push(measured);
+            }
+        }
+    }
+
+    fn measure(&mut self, measured: &Measured) {
+        let joint = &mut self.joints[measured.joint];
+        if measured.quantity != Quantity::MotorPosition || measured.refused {
+            return;
+        }
+        joint.motor = Some(measured.value[0]);
+        if !joint.began {
+            joint.standstill.take(measured.received, measured.value[0]);
+        }
+    }
+
+    fn hear(&mut self, event: Event) {
+        match event {
+            Event::Taken(taken) => self.taken(&taken),
+            Event::NotTaken(plan, why) => self.not_taken(&plan, why),
+            Event::Settled(index, id, time) => self.settled(index, id, time),
+            Event::Train(order, answer) => self.train_answered(&order, &answer),
+            // Dropped here, off the tick.
+            Event::Controller(_) | Event::Sensor(_) => {}
+        }
+    }
+
+    fn settled(&mut self, index: usize, id: u64, time: f64) {
+        let joint = &mut self.joints[index];
+        if let Some(running) = joint.running.as_mut().filter(|move_| move_.start.id == id) {
+            running.settled = Some(time);
+            let own = super::joint::name_of(joint.shaping.then_some(joint.shaper));
+            // A shaper for one move alone ends with it.
+            joint.train_due |= running.start.shaper != own;
+        }
+        self.order_train(index);
+    }
+
+    fn believe(&mut self, report: JointReport) {
+        let index = report.joint;
+        let joint = &mut self.joints[index];
+        if let Some(axis) = &report.axis {
+            let status = &axis.status;
+            if status.retunes > joint.retunes {
+                joint.mode = status.mode;
+                joint.mode_since = unix_time();
+                let more = u64::from(status.retunes - joint.retunes);
+                let payload = self.payload.unwrap_or(0.0);
+                let state = self
+                    .state
+                    .joints
+                    .entry(joint.config.name.clone())
+                    .or_default();
+                state.retunes += more;
+                state.learn(LearnedMode {
+                    payload_kg: payload,
+                    mode: status.mode.into(),
+                    unix_time_s: joint.mode_since,
+                });
+                tracing::info!(
+                    joint = joint.config.name,
+                    hertz = status.mode.hertz(),
+                    damping_ratio = status.mode.damping_ratio(),
+                    "learned"
+                );
+                joint.retunes = status.retunes;
+                joint.report = Some(report);
+                self.save();
+                return;
+            }
+            joint.retunes = status.retunes;
+        }
+        joint.report = Some(report);
+    }
+
+    /// Ends what has rung out, begins what stands still, stops what is not measured any more.
+    fn look_after(&mut self, index: usize, now: f64) {
+        let joint = &self.joints[index];
+        let mode = joint.mode;
+        if joint
+            .running
+            .as_ref()
+            .is_some_and(|running| running.has_rung_out(now, mode))
+        {
+            self.finish(index);
+        }
+        let joint = &mut self.joints[index];
+        if !joint.began {
+            if let Some(position) = joint.standstill.position() {
+                joint.standstill.restart();
+                self.begin(index, position);
+            }
+            return;
+        }
+        let silent =
+            joint.report.as_ref().map(|report| report.watchdog) == Some(WatchdogState::Silent);
+        if silent && self.config.watchdog_stops && !joint.stopped_by_watchdog {
+            joint.stopped_by_watchdog = true;
+            tracing::warn!(joint = joint.config.name, "no measurement: stopped");
+            self.stop(index);
+        } else if !silent && joint.stopped_by_watchdog && joint.is_at_rest() {
+            let moved = joint
+                .motor
+                .is_some_and(|motor| (motor - joint.position).abs() > MOVED);
+            joint.stopped_by_watchdog = false;
+            if moved {
+                tracing::warn!(joint = joint.config.name, "it was moved by something else");
+                self.cease(index);
+            }
+        }
+    }
+
+    /// Ceases to command a joint until it stands still.
+    fn cease(&mut self, index: usize) {
+        self.finish(index);
+        let joint = &mut self.joints[index];
+        joint.began = self
+            .rings
+            .orders
+            .push(crate::service::tick::ToTick::Cease(index))
+            .is_err();
+        joint.running = None;
+        joint.standstill.restart();
+    }
+
+    /// A move has ended: what it left is told once.
+    pub(super) fn finish(&mut self, index: usize) {
+        let joint = &mut self.joints[index];
+        let Some(running) = joint.running.as_mut() else {
+            return;
+        };
+        running.interrupted |= running.settled.is_none();
+        let settled = running.settled.is_some();
+        let (mode, sure) = match joint
+            .report
+            .as_ref()
+            .and_then(|report| report.axis.as_ref())
+        {
+            Some(axis) => match axis.status.estimate {
+                Some(estimate) if estimate.converged => (estimate.mode, true),
+                _ => (joint.mode, false),
+            },
+            None => (joint.mode, false),
+        };
+        let radius = joint.arc_known.then(|| joint.sensor.arc().radius());
+        let result = running.result(mode, sure, self.config.period, radius);
+        let told = self.moves.back().is_some_and(|last| last.id == result.id);
+        if settled {
+            // What runs on is a command at rest, not a move.
+            joint.running = None;
+        }
+        if told {
+            return;
+        }
+        self.moves.push_back(result.clone());
+        while self.moves.len() > MOVES {
+            self.moves.pop_front();
+        }
+        self.batch.events.push(Told::MoveEnded(result));
+        self.save();
+    }
+
+    /// Sends the batch off.
+    pub(super) fn flush(&mut self, now: f64) {
+        self.batch_since = now;
+        let next = Batch {
+            number: self.batch.number + 1,
+            ticks: Vec::with_capacity(self.batch.ticks.len()),
+            measured: Vec::with_capacity(self.batch.measured.len()),
+            events: Vec::new(),
+        };
+        let batch = std::mem::replace(&mut self.batch, next);
+        // Nobody need listen.
+        let _ = self.ends.stream.send(Arc::new(batch));
+    }
+}

@@ -1,0 +1,225 @@
+//! What the outside asks for.
+
+use quell_shapers::{Mode, SHAPERS, Shaper, shaper_by_name};
+
+use super::Engine;
+use super::axis::train;
+use super::joint::What;
+use crate::service::clock::unix_time;
+use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange};
+use crate::service::tick::ToTick;
+
+/// Largest payload of the embedded arm, kg: its class carries 60, and twice that is still an arm.
+const HEAVIEST: f64 = 120.0;
+
+impl Engine {
+    /// Answers a request, at once or once the tick has said what became of it.
+    pub(super) fn answer(&mut self, envelope: Envelope) {
+        let Envelope { request, reply } = envelope;
+        let answer = match request {
+            Request::Move {
+                joint,
+                target,
+                shaper,
+            } => match self.check_move(&joint, target, shaper.as_deref()) {
+                Ok((index, what)) => return self.ask(index, what, Some(reply)),
+                Err(error) => Err(error),
+            },
+            Request::Stop => Ok(Accepted::Stop {
+                duration_s: self.stop_all(),
+            }),
+            Request::Shaping(change) => self.change_shaping(&change),
+            Request::Payload { mass } => self.change_payload(mass),
+        };
+        // Whoever asked may have gone.
+        let _ = reply.send(answer);
+    }
+
+    fn check_move(
+        &self,
+        joint: &str,
+        target: f64,
+        shaper: Option<&str>,
+    ) -> Result<(usize, What), ServiceError> {
+        if self.stopping.is_some() {
+            return Err(ServiceError::Stopping);
+        }
+        let index = self.index_of(joint)?;
+        let joint = &self.joints[index];
+        let [low, high] = joint.config.range;
+        if !(low..=high).contains(&target) {
+            return Err(ServiceError::Value {
+                what: "the target in rad",
+                value: target,
+                rule: "within the joint's range",
+            });
+        }
+        if !joint.began {
+            let joint = joint.config.name.clone();
+            return Err(ServiceError::NoMeasurement { joint });
+        }
+        let shaper = shaper.map(shaper_named).transpose()?;
+        if let Some(shaper) = shaper
+            && !joint.is_at_rest()
+            && joint
+                .running
+                .as_ref()
+                .is_some_and(|running| running.start.shaper != super::joint::name_of(shaper))
+        {
+            let joint = joint.config.name.clone();
+            return Err(ServiceError::ShaperInMotion { joint });
+        }
+        Ok((index, What::Move { target, shaper }))
+    }
+
+    pub(super) fn index_of(&self, name: &str) -> Result<usize, ServiceError> {
+        let mut names = self.joints.iter().map(|joint| joint.config.name.as_str());
+        let found = names.position(|known| known == name);
+        found.ok_or_else(|| ServiceError::UnknownJoint {
+            joint: name.to_owned(),
+            known: self
+                .joints
+                .iter()
+                .map(|joint| joint.config.name.clone())
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+    }
+
+    fn change_shaping(&mut self, change: &ShapingChange) -> Result<Accepted, ServiceError> {
+        if self.stopping.is_some() {
+            return Err(ServiceError::Stopping);
+        }
+        if *change
+            == (ShapingChange {
+                joint: change.joint.clone(),
+                ..Default::default()
+            })
+        {
+            return Err(ServiceError::Nothing);
+        }
+        let chosen = match &change.joint {
+            Some(name) => {
+                let index = self.index_of(name)?;
+                index..index + 1
+            }
+            None => 0..self.joints.len(),
+        };
+        let mode = change.mode.map(Mode::try_from).transpose();
+        let mode = mode.map_err(|error| ServiceError::Train {
+            reason: error.to_string(),
+        })?;
+        let kind = change.kind.as_deref().map(shaper_named).transpose()?;
+        for index in chosen.clone() {
+            self.check_train(index, kind.flatten(), mode)?;
+        }
+        for index in chosen {
+            self.apply(index, change, kind, mode);
+        }
+        Ok(Accepted::Changed)
+    }
+
+    /// Whether the train that a change leads to can be designed and run.
+    fn check_train(
+        &self,
+        index: usize,
+        kind: Option<&'static dyn Shaper>,
+        mode: Option<Mode>,
+    ) -> Result<(), ServiceError> {
+        let joint = &self.joints[index];
+        let mode = mode.unwrap_or(joint.wanted_mode.unwrap_or(joint.mode));
+        let shaper = kind.unwrap_or(joint.shaper);
+        let designed = train(Some(shaper), mode, self.config.period);
+        let designed = designed.map_err(|error| ServiceError::Train {
+            reason: error.to_string(),
+        })?;
+        let longest = 4.0 * joint.config.belief.damped_period();
+        if designed.duration() > longest {
+            return Err(ServiceError::Value {
+                what: "the length of the train in s",
+                value: designed.duration(),
+                rule: "at most four periods of the mode in the configuration",
+            });
+        }
+        Ok(())
+    }
+
+    fn apply(
+        &mut self,
+        index: usize,
+        change: &ShapingChange,
+        kind: Option<Option<&'static dyn Shaper>>,
+        mode: Option<Mode>,
+    ) {
+        let joint = &mut self.joints[index];
+        match kind {
+            Some(Some(shaper)) => joint.shaper = shaper,
+            Some(None) => joint.shaping = false,
+            None => {}
+        }
+        joint.shaping = change.enabled.unwrap_or(joint.shaping);
+        joint.wanted_mode = mode.or(joint.wanted_mode);
+        joint.train_due |= kind.is_some() || change.enabled.is_some() || mode.is_some();
+        if let Some(adaptation) = change.adaptation {
+            joint.adaptation = adaptation;
+            // The ring has room: orders are a few, and the tick empties it each time.
+            let _ = self.rings.orders.push(ToTick::Adaptive(index, adaptation));
+        }
+        self.order_train(index);
+    }
+
+    fn change_payload(&mut self, mass: f64) -> Result<Accepted, ServiceError> {
+        let Some(arm) = &self.arm else {
+            return Err(ServiceError::OnlyEmbedded { what: "a payload" });
+        };
+        if !(0.0..=HEAVIEST).contains(&mass) {
+            return Err(ServiceError::Value {
+                what: "the payload in kg",
+                value: mass,
+                rule: "from 0 to 120",
+            });
+        }
+        let load = arm.load(mass).map_err(|error| ServiceError::Train {
+            reason: error.to_string(),
+        })?;
+        if self.rings.orders.push(ToTick::Carry(load)).is_err() {
+            return Err(ServiceError::Busy);
+        }
+        self.payload = Some(mass);
+        self.recall(mass);
+        tracing::info!(mass, "payload");
+        Ok(Accepted::Changed)
+    }
+
+    /// A mode that was learned with this payload before is better than that of another payload.
+    fn recall(&mut self, payload: f64) {
+        for index in 0..self.joints.len() {
+            let joint = &mut self.joints[index];
+            let learned = self.state.joints.get(&joint.config.name);
+            let learned = learned.and_then(|state| state.with_payload(payload));
+            if let Some(mode) = learned.and_then(|learned| Mode::try_from(learned.mode).ok())
+                && joint.adaptation
+            {
+                joint.wanted_mode = Some(mode);
+                joint.mode_since = unix_time();
+                joint.train_due = true;
+                self.order_train(index);
+            }
+        }
+    }
+}
+
+/// The rule of that name; none for `none`.
+fn shaper_named(name: &str) -> Result<Option<&'static dyn Shaper>, ServiceError> {
+    if name == "none" {
+        return Ok(None);
+    }
+    let found = shaper_by_name(name).ok_or_else(|| {
+        let names: Vec<_> = SHAPERS.iter().map(|shaper| shaper.name()).collect();
+        ServiceError::UnknownShaper {
+            shaper: name.to_owned(),
+            known: format!("{}, none", names.join(", ")),
+        }
+    });
+    found.map(Some)
+}

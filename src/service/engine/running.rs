@@ -1,0 +1,123 @@
+//! A move from its first tick until it has rung out.
+
+use quell_shapers::Mode;
+use quell_trajectories::{AxisState, SampledTrajectory};
+
+use crate::service::contract::{MoveResult, MoveStart, TickRow};
+use crate::service::ringing;
+
+/// Periods for which a joint is watched after its command has ended: the amplitude is taken over two,
+/// after the motor side has followed.
+const WATCHED: f64 = 3.0;
+/// Within this time the motor side has followed its command, s: seven time constants of a servo of
+/// 20 Hz, to 1 in 1000.
+const FOLLOWED: f64 = 0.06;
+/// Planned positions of a move that are kept for what it would have left unshaped; at 4 kHz a minute.
+const LONGEST: usize = 240_000;
+
+/// A move.
+pub struct Running {
+    /// What was told of it when it began.
+    pub start: MoveStart,
+    /// Its present plan: the move's own, or that of a stop.
+    pub plan: SampledTrajectory,
+    /// Tick with which the present plan began.
+    pub tick: u64,
+    /// The plan's sample that was sent then.
+    pub first: usize,
+    /// Whether a train other than the identity was in force.
+    pub shaped: bool,
+    /// Whether the train followed the estimate.
+    pub adaptive: bool,
+    /// Payload of the embedded arm, kg.
+    pub payload: Option<f64>,
+    /// Whether it is being stopped.
+    pub stopping: bool,
+    /// Whether it was stopped or given another target.
+    pub interrupted: bool,
+    /// When its command came to stand still, s.
+    pub settled: Option<f64>,
+    /// Planned positions, a tick each.
+    pub planned: Vec<f64>,
+    /// Deformation after its end: stamp, rad, m.
+    pub after: Vec<(f64, f64, f64)>,
+}
+
+impl Running {
+    /// Where the plan is at the tick before `tick`, at which another one begins.
+    pub fn state_before(&self, tick: u64) -> AxisState {
+        let passed = tick.saturating_sub(1).saturating_sub(self.tick) as usize;
+        let index = self.first.saturating_add(passed);
+        let end = AxisState::at_rest(self.target());
+        self.plan.state(0, index).unwrap_or(end)
+    }
+
+    /// Where the present plan ends, rad.
+    pub fn target(&self) -> f64 {
+        let last = self.plan.positions(0).last();
+        last.copied().unwrap_or(self.start.target_rad)
+    }
+
+    /// Takes what was commanded and measured at a tick.
+    pub fn take(&mut self, row: &TickRow) {
+        match self.settled {
+            None if self.planned.len() < LONGEST => self.planned.push(row.planned),
+            Some(settled) if row.time > settled + FOLLOWED => self.listen(row),
+            _ => {}
+        }
+    }
+
+    fn listen(&mut self, row: &TickRow) {
+        let newer = self
+            .after
+            .last()
+            .is_none_or(|last| row.deformation_time > last.0);
+        if newer && row.deformation.is_finite() {
+            let sample = (row.deformation_time, row.deformation, row.tip_deformation);
+            self.after.push(sample);
+        }
+    }
+
+    /// Whether it has been watched for long enough at `now` (s).
+    pub fn has_rung_out(&self, now: f64, mode: Mode) -> bool {
+        let watch = FOLLOWED + WATCHED * mode.damped_period();
+        self.settled.is_some_and(|settled| now - settled > watch)
+    }
+
+    /// What it left. `mode` is the one that is known best, and `sure` says whether it was learned.
+    pub fn result(&self, mode: Mode, sure: bool, period: f64, radius: Option<f64>) -> MoveResult {
+        let samples: Vec<_> = self
+            .after
+            .iter()
+            .map(|&(time, value, _)| (time, value))
+            .collect();
+        let residual = ringing::amplitude(&samples, mode, sure);
+        let unshaped = match self.shaped {
+            true => Some(ringing::unshaped(&self.planned, period, mode)),
+            false => residual,
+        };
+        let along_arc = |angle: Option<f64>| Some(angle? * radius?);
+        let end = self
+            .settled
+            .unwrap_or(self.start.time_s + self.planned.len() as f64 * period);
+        MoveResult {
+            id: self.start.id,
+            joint: self.start.joint.clone(),
+            unix_time_s: self.start.unix_time_s,
+            from_rad: self.start.from_rad,
+            target_rad: self.target(),
+            duration_s: end - self.start.time_s,
+            shaper: self.start.shaper.clone(),
+            shaped: self.shaped,
+            adaptive: self.adaptive,
+            interrupted: self.interrupted,
+            mode: Some(mode.into()),
+            payload_kg: self.payload,
+            residual_rad: residual,
+            residual_m: along_arc(residual),
+            unshaped_rad: unshaped,
+            unshaped_m: along_arc(unshaped),
+            recording: self.start.recording.clone(),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Sensors that are stuck, saturated, or jump: their samples are refused, and what was learned stays.
+
+use crate::service::contract::{Measured, Quantity};
+
+/// Quantities that are watched, in the order of [`Guard`]'s table.
+const QUANTITIES: [Quantity; 5] = [
+    Quantity::MotorPosition,
+    Quantity::LinkPosition,
+    Quantity::Deformation,
+    Quantity::TipPosition,
+    Quantity::TipAcceleration,
+];
+/// Exactly equal readings in succession, while the joint's motion must change them, from which a sensor
+/// counts as stuck. One whose noise is above its step repeats itself at most every other time: 2^-32
+/// by chance.
+const STUCK: u32 = 32;
+/// Speed from which a position must change, as a share of its limit, and change of the acceleration
+/// over a tick from which a deformation must, as a share of what the jerk's limit allows: below, a
+/// sensor may repeat itself for as long as its step lasts.
+const MOVING: f64 = 0.05;
+/// Speed of a reading above the joint's limit that is a jump, not a motion: a link that swings against
+/// the motion is at most twice as fast as the motor side.
+const JUMP: f64 = 4.0;
+/// Seconds without a fault after which a sensor is believed again.
+const RECOVERY: f64 = 0.5;
+/// Weight of a new gap in the mean of the gaps.
+const RATE_WEIGHT: f64 = 0.02;
+
+/// What is wrong with a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The reading has not changed although the joint moves.
+    Stuck,
+    /// The reading is at the end of the sensor's scale.
+    Saturated,
+    /// The reading has gone further than the joint can have.
+    Jump,
+}
+
+impl Fault {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Stuck, Self::Saturated, Self::Jump];
+
+    /// Name in states and metrics.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stuck => "stuck",
+            Self::Saturated => "saturated",
+            Self::Jump => "jump",
+        }
+    }
+}
+
+/// What the guard knows of one sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorReport {
+    /// Samples taken and refused.
+    pub samples: u64,
+    /// Samples refused, in the order of [`Fault::ALL`].
+    pub refused: [u64; 3],
+    /// Present fault.
+    pub fault: Option<Fault>,
+    /// When the last sample came, s.
+    pub heard: f64,
+    /// Samples a second, over the last 50 or so, Hz.
+    pub rate: f64,
+}
+
+/// What the guard knows of the sensors of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GuardReport {
+    sensors: [SensorReport; QUANTITIES.len()],
+}
+
+impl GuardReport {
+    /// The sensors that have said anything.
+    pub fn sensors(&self) -> impl Iterator<Item = (Quantity, &SensorReport)> {
+        let all = QUANTITIES.into_iter().zip(&self.sensors);
+        all.filter(|(_, sensor)| sensor.samples > 0)
+    }
+
+    /// Whether any sensor is at fault.
+    pub fn is_at_fault(&self) -> bool {
+        self.sensors.iter().any(|sensor| sensor.fault.is_some())
+    }
+}
+
+/// What a joint's readings can be.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Limit of the velocity, rad/s.
+    pub velocity: f64,
+    /// Limit of the jerk, rad/s^3.
+    pub jerk: f64,
+    /// Distance of the tip from the axis, m; infinite where it is not known.
+    pub radius: f64,
+    /// Full scale of the sensor of the deformation, rad.
+    pub deformation: f64,
+    /// Step of the encoder, rad.
+    pub resolution: f64,
+}
+
+/// How a joint is commanded to move.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CommandedMotion {
+    /// Velocity, rad/s.
+    pub velocity: f64,
+    /// Change of the acceleration over the last tick, rad/s^3.
+    pub jerk: f64,
+}
+
+/// Watches the sensors of one joint. No allocation.
+#[derive(Clone, Debug)]
+pub struct Guard {
+    bounds: Bounds,
+    last: [Option<Measured>; QUANTITIES.len()],
+    equal: [u32; QUANTITIES.len()],
+    faulty_until: [f64; QUANTITIES.len()],
+    report: GuardReport,
+}
+
+impl Guard {
+    /// A guard that has seen nothing.
+    pub fn new(bounds: Bounds) -> Self {
+        Self {
+            bounds,
+            last: [None; QUANTITIES.len()],
+            equal: [0; QUANTITIES.len()],
+            faulty_until: [f64::NEG_INFINITY; QUANTITIES.len()],
+            report: GuardReport::default(),
+        }
+    }
+
+    /// What it knows.
+    pub fn report(&self) -> &GuardReport {
+        &self.report
+    }
+
+    /// Whether a sample may be used, while the joint is commanded to move as `motion` says.
+    pub fn admits(&mut self, measured: &Measured, motion: CommandedMotion) -> bool {
+        let Some(index) = QUANTITIES.iter().position(|&q| q == measured.quantity) else {
+            return false;
+        };
+        let last = self.last[index].replace(*measured);
+        let fault = self.fault(index, measured, last.as_ref(), motion);
+        let sensor = &mut self.report.sensors[index];
+        sensor.samples += 1;
+        sensor.heard = measured.received;
+        if let Some(last) = &last {
+            let gap = (measured.stamp - last.stamp).max(f64::MIN_POSITIVE);
+            let gaps = match sensor.rate {
+                0.0 => gap,
+                rate => 1.0 / rate + RATE_WEIGHT * (gap - 1.0 / rate),
+            };
+            sensor.rate = 1.0 / gaps;
+        }
+        if let Some(fault) = fault {
+            sensor.fault = Some(fault);
+            self.faulty_until[index] = measured.stamp + RECOVERY;
+        } else if measured.stamp >= self.faulty_until[index] {
+            sensor.fault = None;
+        }
+        if let Some(fault) = sensor.fault {
+            sensor.refused[fault as usize] += 1;
+        }
+        sensor.fault.is_none()
+    }
+
+    /// Forgets the last samples, as after the robot's clock has started anew.
+    pub fn restart(&mut self) {
+        self.last = [None; QUANTITIES.len()];
+        self.equal = [0; QUANTITIES.len()];
+        self.faulty_until = [f64::NEG_INFINITY; QUANTITIES.len()];
+    }
+
+    fn fault(
+        &mut self,
+        index: usize,
+        now: &Measured,
+        last: Option<&Measured>,
+        motion: CommandedMotion,
+    ) -> Option<Fault> {
+        if now.quantity == Quantity::Deformation && now.value[0].abs() >= self.bounds.deformation {
+            return Some(Fault::Saturated);
+        }
+        let last = last?;
+        let changes = match now.quantity {
+            Quantity::Deformation | Quantity::TipAcceleration => {
+                motion.jerk.abs() > MOVING * self.bounds.jerk
+            }
+            _ => motion.velocity.abs() > MOVING * self.bounds.velocity,
+        };
+        self.equal[index] = match now.value == last.value {
+            true => self.equal[index] + u32::from(changes),
+            false => 0,
+        };
+        if self.equal[index] >= STUCK {
+            return Some(Fault::Stuck);
+        }
+        let elapsed = now.stamp - last.stamp;
+        self.jumps(now, last, elapsed).then_some(Fault::Jump)
+    }
+
+    fn jumps(&self, now: &Measured, last: &Measured, elapsed: f64) -> bool {
+        let step: f64 = (0..3).map(|i| (now.value[i] - last.value[i]).powi(2)).sum();
+        let farthest = JUMP * self.bounds.velocity * elapsed;
+        match now.quantity {
+            Quantity::TipPosition => step.sqrt() > farthest * self.bounds.radius,
+            Quantity::TipAcceleration => false,
+            _ => step.sqrt() > farthest + 2.0 * self.bounds.resolution,
+        }
+    }
+}

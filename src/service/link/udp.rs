@@ -1,0 +1,179 @@
+//! UDP: a thread takes datagrams apart, the tick takes their numbers from a ring and sends by itself.
+
+mod receiver;
+
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use quell_shapers::Setpoint;
+use rtrb::{Consumer, RingBuffer};
+
+use super::datagram::write_setpoint;
+use super::{INBOX, LinkCounters, RobotLink};
+use crate::service::clock::ServiceClock;
+use crate::service::contract::Measured;
+use receiver::Receiver;
+
+/// What the receiving thread hands to the tick.
+pub(super) enum Received {
+    /// A measurement.
+    Measured(Measured),
+    /// The robot's address.
+    Peer(SocketAddr),
+}
+
+/// What the receiving thread counts; the names as in [`LinkCounters`].
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    received: AtomicU64,
+    lost: AtomicU64,
+    late: AtomicU64,
+    doubled: AtomicU64,
+    reordered: AtomicU64,
+    foreign: AtomicU64,
+    malformed: AtomicU64,
+    unknown_joint: AtomicU64,
+    overflowed: AtomicU64,
+    /// The clock's offset as bits of a number; not a number before it is known.
+    clock_offset: AtomicU64,
+}
+
+/// What the UDP link is told.
+#[derive(Clone, Debug)]
+pub struct UdpSettings {
+    /// Where it listens.
+    pub address: SocketAddr,
+    /// The robot's address; where absent, and on loopback only, that of its first datagram.
+    pub robot: Option<SocketAddr>,
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Silence after which the address of a robot may be taken anew, and delay from which on a
+    /// datagram counts as late.
+    pub watchdog: Duration,
+}
+
+/// The tick's end of the UDP link.
+pub struct UdpLink {
+    socket: UdpSocket,
+    joints: Vec<String>,
+    ring: Consumer<Received>,
+    counts: Arc<Counts>,
+    peer: Option<SocketAddr>,
+    sequence: u64,
+    sent: u64,
+    failures: u64,
+    buffer: [u8; 512],
+    ending: Arc<AtomicBool>,
+    receiver: Option<JoinHandle<()>>,
+}
+
+impl UdpLink {
+    /// Binds the socket and starts the receiving thread.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn start(settings: UdpSettings, clock: ServiceClock) -> io::Result<Self> {
+        let socket = UdpSocket::bind(settings.address)?;
+        socket.set_nonblocking(true)?;
+        let (producer, ring) = RingBuffer::new(8 * INBOX);
+        let counts = Arc::new(Counts {
+            clock_offset: AtomicU64::new(f64::NAN.to_bits()),
+            ..Counts::default()
+        });
+        let ending = Arc::new(AtomicBool::new(false));
+        let (joints, peer) = (settings.joints.clone(), settings.robot);
+        let receiver = Receiver::new(
+            socket.try_clone()?,
+            settings,
+            producer,
+            Arc::clone(&counts),
+            clock,
+        );
+        let stop = Arc::clone(&ending);
+        let receiver = std::thread::Builder::new()
+            .name("quell-udp".into())
+            .spawn(move || receiver.run(&stop))?;
+        Ok(Self {
+            socket,
+            joints,
+            ring,
+            counts,
+            peer,
+            sequence: 0,
+            sent: 0,
+            failures: 0,
+            buffer: [0; 512],
+            ending,
+            receiver: Some(receiver),
+        })
+    }
+
+    /// Where it listens.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn address(&self) -> io::Result<SocketAddr> {
+        self.socket.local_addr()
+    }
+}
+
+impl RobotLink for UdpLink {
+    fn receive(&mut self, _now: f64, inbox: &mut Vec<Measured>) {
+        while inbox.len() < inbox.capacity() {
+            match self.ring.pop() {
+                Ok(Received::Measured(measured)) => inbox.push(measured),
+                Ok(Received::Peer(peer)) => self.peer = Some(peer),
+                Err(_) => break,
+            }
+        }
+    }
+
+    fn send(&mut self, now: f64, joint: usize, setpoint: &Setpoint) {
+        let (Some(peer), Some(name)) = (self.peer, self.joints.get(joint)) else {
+            return;
+        };
+        self.sequence += 1;
+        let bytes = write_setpoint(&mut self.buffer, self.sequence, now, name, setpoint);
+        // A full buffer of the system loses this setpoint, as the network may; the next is a period
+        // away.
+        match bytes.map(|bytes| self.socket.send_to(bytes, peer)) {
+            Some(Ok(_)) => self.sent += 1,
+            _ => self.failures += 1,
+        }
+    }
+
+    fn counters(&self) -> LinkCounters {
+        let count = |counter: &AtomicU64| counter.load(Relaxed);
+        let counts = &self.counts;
+        let offset = f64::from_bits(count(&counts.clock_offset));
+        LinkCounters {
+            received: count(&counts.received),
+            sent: self.sent,
+            send_failures: self.failures,
+            lost: count(&counts.lost),
+            late: count(&counts.late),
+            doubled: count(&counts.doubled),
+            reordered: count(&counts.reordered),
+            foreign: count(&counts.foreign),
+            malformed: count(&counts.malformed),
+            unknown_joint: count(&counts.unknown_joint),
+            overflowed: count(&counts.overflowed),
+            peer: self.peer,
+            clock_offset: (!offset.is_nan()).then_some(offset),
+        }
+    }
+}
+
+impl Drop for UdpLink {
+    fn drop(&mut self) {
+        self.ending.store(true, Relaxed);
+        if let Some(receiver) = self.receiver.take() {
+            // It has nothing to say; if it panicked, that was reported when it did.
+            let _ = receiver.join();
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! What a move left of its mode: measured after its end, and what it would have left unshaped.
+
+use quell_shapers::Mode;
+
+/// Periods after the end of a command in which the amplitude is measured.
+const PERIODS: f64 = 2.0;
+/// Frequencies beside the believed one that are tried where it is not sure, and their ratio: the ends
+/// are half and twice the belief, and neighbours differ by less than what two periods resolve.
+const TRIED: i32 = 14;
+const RATIO: f64 = 1.05;
+/// Samples that a fit of four numbers needs so that noise is averaged.
+const FEWEST: usize = 12;
+
+/// Amplitude of a decaying oscillation at the first sample, in the samples' unit; `None` where there
+/// are too few samples, or fewer than one period of them.
+///
+/// Least squares of `exp(-xi w t) (a cos w_d t + b sin w_d t) + c` over the first two periods; the
+/// amplitude is `hypot(a, b)`. Where the mode is not `sure`, the frequency that fits best is taken.
+/// `samples` are (time in s, deformation), in order.
+pub fn amplitude(samples: &[(f64, f64)], mode: Mode, sure: bool) -> Option<f64> {
+    let range = if sure { 0..=0 } else { -TRIED..=TRIED };
+    let best = range
+        .filter_map(|step| {
+            let omega = mode.natural_frequency() * RATIO.powi(step);
+            fit(samples, Mode::new(omega, mode.damping_ratio()).ok()?)
+        })
+        .min_by(|a, b| a.variance.total_cmp(&b.variance))?;
+    Some(best.amplitude)
+}
+
+struct Fit {
+    amplitude: f64,
+    variance: f64,
+}
+
+fn fit(samples: &[(f64, f64)], mode: Mode) -> Option<Fit> {
+    let start = samples.first()?.0;
+    let window = PERIODS * mode.damped_period();
+    let inside = samples
+        .iter()
+        .take_while(|(time, _)| time - start <= window);
+    let used: Vec<_> = inside.map(|(time, value)| (time - start, *value)).collect();
+    if used.len() < FEWEST || used.last()?.0 < 0.5 * window {
+        return None;
+    }
+    let columns = |time: f64| {
+        let envelope = (-mode.decay_rate() * time).exp();
+        let (sine, cosine) = (mode.damped_frequency() * time).sin_cos();
+        [envelope * cosine, envelope * sine, 1.0]
+    };
+    let mut normal = nalgebra::Matrix3::zeros();
+    let mut right = nalgebra::Vector3::zeros();
+    for &(time, value) in &used {
+        let row = nalgebra::Vector3::from(columns(time));
+        normal += row * row.transpose();
+        right += row * value;
+    }
+    let solution = normal.cholesky()?.solve(&right);
+    let square = |&(time, value): &(f64, f64)| {
+        (value - nalgebra::Vector3::from(columns(time)).dot(&solution)).powi(2)
+    };
+    let variance = used.iter().map(square).sum::<f64>() / (used.len() - 3) as f64;
+    Some(Fit {
+        amplitude: solution[0].hypot(solution[1]),
+        variance,
+    })
+}
+
+/// Amplitude of the deformation that planned positions (one a tick of `period` s, from rest) leave in
+/// a mode at their last tick, were they sent as they are and followed exactly, in their unit.
+///
+/// `|sum du_k exp(lambda (t - t_k))|` with `lambda = -xi w + j w_d`: a step of the motor side leaves
+/// its own height.
+pub fn unshaped(planned: &[f64], period: f64, mode: Mode) -> f64 {
+    let (envelope, angle) = (
+        (-mode.decay_rate() * period).exp(),
+        mode.damped_frequency() * period,
+    );
+    let (turn_re, turn_im) = (envelope * angle.cos(), envelope * angle.sin());
+    let (mut re, mut im) = (0.0f64, 0.0f64);
+    for pair in planned.windows(2) {
+        (re, im) = (re * turn_re - im * turn_im, re * turn_im + im * turn_re);
+        re += pair[1] - pair[0];
+    }
+    re.hypot(im)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn val_amplitude_of_a_decay_known_in_closed_form() {
+        let mode = Mode::from_hertz(8.0, 0.05).expect("a mode");
+        let decay: Vec<_> = (0..400)
+            .map(|k| f64::from(k) * 0.003)
+            .map(|t| {
+                let swing = (mode.damped_frequency() * t + 0.4).cos();
+                (t, 2e-4 * (-mode.decay_rate() * t).exp() * swing + 1e-5)
+            })
+            .collect();
+        let wrong = Mode::from_hertz(10.0, 0.05).expect("a mode");
+        let known = amplitude(&decay, mode, true).expect("samples");
+        let searched = amplitude(&decay, wrong, false).expect("samples");
+        assert!((known / 2e-4 - 1.0).abs() < 1e-9, "{known:e}");
+        assert!((searched / 2e-4 - 1.0).abs() < 0.05, "{searched:e}");
+    }
+
+    #[test]
+    fn val_a_step_leaves_its_height_and_two_half_a_period_apart_cancel() {
+        let mode = Mode::from_hertz(10.0, 0.0).expect("a mode");
+        let step = [0.0, 1.0, 1.0, 1.0];
+        assert!((unshaped(&step, 0.001, mode) - 1.0).abs() < 1e-12);
+        let mut two = vec![0.5; 51];
+        two[0] = 0.0;
+        two.push(1.0);
+        assert!(unshaped(&two, 0.001, mode) < 1e-9);
+    }
+}

@@ -1,0 +1,307 @@
+//! Starting and ending the service.
+
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::JoinHandle;
+
+use nalgebra::{Isometry3, Unit, Vector3};
+use quell_shapers::{Mode, ShaperError};
+use quell_trajectories::{PlanError, Planner};
+use thiserror::Error;
+
+use super::clock::{ServiceClock, unix_time};
+use super::config::{Config, JointConfig, RobotKind};
+use super::contract::{Handle, Snapshot, channels};
+use super::engine::{Engine, EngineParts, Joint};
+use super::guard::Bounds;
+use super::link::{EmbeddedLink, RobotLink, UdpLink, UdpSettings};
+use super::state::{State, StateFile};
+use super::tick::{JointTick, Tick, TickThread, TickThreadSettings};
+use crate::closed_loop::{ClosedLoopError, commission};
+use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
+use crate::signal::{Clock, DeformationSensor, JointArc};
+
+/// Displacement of the embedded arm's commissioning move, rad: as `quell move`, 30 degrees or less.
+const COMMISSIONING: f64 = 0.25;
+
+/// Why the service does not start.
+#[derive(Debug, Error)]
+pub enum StartError {
+    /// A socket, a thread or the data folder.
+    #[error("{what}: {error}")]
+    System {
+        /// What was tried.
+        what: String,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// The embedded arm cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The embedded arm's tracker cannot be registered.
+    #[error(transparent)]
+    Commissioning(#[from] ClosedLoopError),
+    /// There is no planner.
+    #[error(transparent)]
+    Planner(#[from] PlanError),
+    /// A joint's belief cannot be shaped for at this rate.
+    #[error("{joint}: {reason}")]
+    Belief {
+        /// The joint.
+        joint: String,
+        /// Why.
+        reason: ShaperError,
+    },
+}
+
+/// A service that runs.
+pub struct Service {
+    handle: Handle,
+    udp: Option<SocketAddr>,
+    ending: Arc<AtomicBool>,
+    engine: Option<JoinHandle<()>>,
+}
+
+impl Service {
+    /// What the outside holds of it.
+    pub fn handle(&self) -> Handle {
+        self.handle.clone()
+    }
+
+    /// Where the UDP link listens, if there is one.
+    pub fn udp_address(&self) -> Option<SocketAddr> {
+        self.udp
+    }
+
+    /// Brings every joint to a jerk-limited stop, keeps the state, and ends.
+    pub fn stop(mut self) {
+        self.end();
+    }
+
+    fn end(&mut self) {
+        self.ending.store(true, Relaxed);
+        if let Some(engine) = self.engine.take() {
+            // If it panicked, that was reported when it did.
+            let _ = engine.join();
+        }
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Starts the service: links, tick, engine. No request is lost from here on.
+///
+/// # Errors
+/// [`StartError`] where something that the configuration asks for is not to be had.
+pub fn start(config: Config) -> Result<Service, StartError> {
+    let clock = ServiceClock::start();
+    let file = StateFile::within(&config.data);
+    let file = file.map_err(|error| system(config.data.display(), error))?;
+    let mut state = file.load();
+    state.starts += 1;
+    let robot = robot(&config, clock)?;
+    let joints: Vec<_> = config
+        .joints
+        .iter()
+        .map(|joint| made(joint, &config, &robot, &state))
+        .collect::<Result<_, _>>()?;
+    let timeout = config.watchdog.as_secs_f64();
+    let ticks = joints
+        .iter()
+        .enumerate()
+        .map(|(index, joint)| JointTick::new(index, bounds(joint), timeout, joint.adaptation));
+    let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
+    let (handle, ends) = channels(Snapshot {
+        version: env!("CARGO_PKG_VERSION"),
+        robot: config.robot.name(),
+        ..Snapshot::default()
+    });
+    let (saver, states) = channel();
+    let real_time = config.real_time;
+    let engine = Engine::new(EngineParts {
+        config,
+        clock,
+        ends,
+        rings,
+        joints,
+        arm: robot.arm,
+        state,
+        saver,
+        planner: Planner::new(1)?,
+    });
+    let settings = TickThreadSettings { real_time };
+    let tick = TickThread::start(tick, clock, settings);
+    let tick = tick.map_err(|error| system("the tick's thread", error))?;
+    let ending = Arc::new(AtomicBool::new(false));
+    let engine = run(engine, tick, (file, states), Arc::clone(&ending));
+    Ok(Service {
+        handle,
+        udp: robot.udp,
+        ending,
+        engine: Some(engine.map_err(|error| system("the engine's thread", error))?),
+    })
+}
+
+/// The engine's thread, which outlives neither tick nor keeper of states.
+fn run(
+    engine: Engine,
+    tick: TickThread,
+    (file, states): (StateFile, Receiver<State>),
+    ending: Arc<AtomicBool>,
+) -> io::Result<JoinHandle<()>> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .build()?;
+    let keeper = std::thread::Builder::new()
+        .name("quell-state".into())
+        .spawn(move || keep(&file, &states))?;
+    std::thread::Builder::new()
+        .name("quell-engine".into())
+        .spawn(move || {
+            runtime.block_on(engine.run(&ending));
+            drop(tick);
+            // The engine is gone, and with it the sender: the keeper has written the last state.
+            let _ = keeper.join();
+        })
+}
+
+/// Writes states down, always the newest.
+fn keep(file: &StateFile, states: &Receiver<State>) {
+    while let Ok(state) = states.recv() {
+        let newest = states.try_iter().last().unwrap_or(state);
+        if let Err(error) = file.save(&newest) {
+            tracing::warn!("the state cannot be kept: {error}");
+        }
+    }
+}
+
+/// The robot's link, and what goes with it.
+struct RobotParts {
+    link: Box<dyn RobotLink>,
+    udp: Option<SocketAddr>,
+    arm: Option<ArmSimulation>,
+    sensor: Option<DeformationSensor>,
+}
+
+fn robot(config: &Config, clock: ServiceClock) -> Result<RobotParts, StartError> {
+    match config.robot {
+        RobotKind::Embedded => embedded(config),
+        RobotKind::Udp => {
+            let settings = UdpSettings {
+                address: config.udp,
+                robot: config.udp_robot,
+                joints: config
+                    .joints
+                    .iter()
+                    .map(|joint| joint.name.clone())
+                    .collect(),
+                watchdog: config.watchdog,
+            };
+            let link = UdpLink::start(settings, clock);
+            let link = link.map_err(|error| system(config.udp, error))?;
+            Ok(RobotParts {
+                udp: link.address().ok(),
+                link: Box::new(link),
+                arm: None,
+                sensor: None,
+            })
+        }
+    }
+}
+
+/// The arm, its tracker registered by a slow move that takes no time.
+fn embedded(config: &Config) -> Result<RobotParts, StartError> {
+    let joint = &config.joints[0];
+    let options = SimulationOptions {
+        seed: 1,
+        ..SimulationOptions::default()
+    };
+    let mut arm = ArmSimulation::new(&config.description, joint.index, &options)?;
+    let registration = commission(&mut arm, COMMISSIONING, joint.limits)?;
+    let (frame, clock) = (registration.sensor_to_base, registration.clock);
+    Ok(RobotParts {
+        sensor: Some(DeformationSensor::new(*arm.arc(), frame, clock)),
+        link: Box::new(EmbeddedLink::new(arm.clone(), config.period)),
+        udp: None,
+        arm: Some(arm),
+    })
+}
+
+fn made(
+    joint: &JointConfig,
+    config: &Config,
+    robot: &RobotParts,
+    state: &State,
+) -> Result<Joint, StartError> {
+    let arc = joint.arc.unwrap_or_else(unit_arc);
+    let sensor = robot.sensor.clone();
+    let own = DeformationSensor::new(arc, Isometry3::identity(), Clock::REFERENCE);
+    let remembered = state
+        .joints
+        .get(&joint.name)
+        .and_then(|state| state.with_payload(0.0));
+    let learned = remembered.and_then(|learned| Mode::try_from(learned.mode).ok());
+    let designed = |mode: Mode| joint.shaper.on_grid(mode, config.period);
+    let usable = learned.filter(|mode| designed(*mode).is_ok());
+    let mode = usable.unwrap_or(joint.belief);
+    designed(mode).map_err(|reason| StartError::Belief {
+        joint: joint.name.clone(),
+        reason,
+    })?;
+    let since = match (usable, remembered) {
+        (Some(_), Some(remembered)) => remembered.unix_time_s,
+        _ => unix_time(),
+    };
+    Ok(Joint {
+        sensor: sensor.unwrap_or(own),
+        arc_known: joint.arc.is_some(),
+        shaper: joint.shaper,
+        shaping: joint.shaping,
+        adaptation: joint.adaptation,
+        mode,
+        wanted_mode: None,
+        mode_since: since,
+        train_due: false,
+        retunes: 0,
+        before: [0; 3],
+        report: None,
+        position: 0.0,
+        began: false,
+        stopped_by_watchdog: false,
+        running: None,
+        asked: None,
+        standstill: Default::default(),
+        motor: None,
+        config: joint.clone(),
+    })
+}
+
+/// An arc for a joint whose tip is not known: its lengths are never told.
+fn unit_arc() -> JointArc {
+    let axis = Unit::new_unchecked(Vector3::z());
+    JointArc::new(nalgebra::Point3::origin(), axis, Vector3::x())
+}
+
+fn bounds(joint: &Joint) -> Bounds {
+    Bounds {
+        velocity: joint.config.limits.velocity,
+        jerk: joint.config.limits.jerk,
+        radius: joint.config.arc.map_or(f64::INFINITY, |arc| arc.radius()),
+        deformation: joint.config.deformation_range,
+        resolution: joint.config.encoder_resolution,
+    }
+}
+
+fn system(what: impl std::fmt::Display, error: io::Error) -> StartError {
+    StartError::System {
+        what: what.to_string(),
+        error,
+    }
+}

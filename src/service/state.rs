@@ -1,0 +1,145 @@
+//! What outlives the process: the last good modes, and the last moves. One JSON file.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use tracing::warn;
+
+use super::contract::{ModeValue, MoveResult};
+
+/// Layout of the file; another one is set aside.
+const VERSION: u32 = 1;
+/// Payloads this close are the same, kg: a gram.
+const SAME_PAYLOAD: f64 = 1e-3;
+/// Payloads of a joint that are remembered; the longest unused goes.
+const PAYLOADS: usize = 32;
+
+/// Everything that is kept.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Layout of the file.
+    pub version: u32,
+    /// Number of the last move.
+    pub last_move: u64,
+    /// How often the service was started.
+    pub starts: u64,
+    /// What was learned of each joint, by name.
+    pub joints: BTreeMap<String, JointState>,
+    /// The last moves.
+    pub moves: Vec<MoveResult>,
+}
+
+/// What was learned of a joint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointState {
+    /// One mode for each payload, the one learned last at the end.
+    pub modes: Vec<LearnedMode>,
+    /// Changes of the train by an estimate, since ever.
+    pub retunes: u64,
+}
+
+/// A mode that was good enough to shape for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LearnedMode {
+    /// Payload of the embedded arm, kg; 0 for a robot that does not say.
+    pub payload_kg: f64,
+    /// The mode.
+    pub mode: ModeValue,
+    /// When, seconds since 1970.
+    pub unix_time_s: f64,
+}
+
+impl JointState {
+    /// The mode last learned with a payload.
+    pub fn with_payload(&self, payload: f64) -> Option<&LearnedMode> {
+        let same = |learned: &&LearnedMode| (learned.payload_kg - payload).abs() <= SAME_PAYLOAD;
+        self.modes.iter().find(same)
+    }
+
+    /// Remembers a mode.
+    pub fn learn(&mut self, learned: LearnedMode) {
+        let other = |old: &LearnedMode| (old.payload_kg - learned.payload_kg).abs() > SAME_PAYLOAD;
+        self.modes.retain(other);
+        self.modes.push(learned);
+        if self.modes.len() > PAYLOADS {
+            self.modes.remove(0);
+        }
+    }
+}
+
+/// The file.
+#[derive(Clone, Debug)]
+pub struct StateFile {
+    path: PathBuf,
+}
+
+impl StateFile {
+    /// The file within a folder, which is made if need be.
+    ///
+    /// # Errors
+    /// What the system says of the folder.
+    pub fn within(folder: &Path) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        Ok(Self {
+            path: folder.join("state.json"),
+        })
+    }
+
+    /// What was kept. A file that cannot be understood is set aside with a warning: the service is
+    /// worth more without its memory than not at all.
+    pub fn load(&self) -> State {
+        let text = match fs::read(&self.path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return State::default(),
+            Err(error) => {
+                warn!("{}: {error}; nothing is remembered", self.path.display());
+                return State::default();
+            }
+        };
+        match serde_json::from_slice::<State>(&text) {
+            Ok(state) if state.version == VERSION => state,
+            Ok(state) => self.set_aside(&format!("its version is {}", state.version)),
+            Err(error) => self.set_aside(&error.to_string()),
+        }
+    }
+
+    fn set_aside(&self, reason: &str) -> State {
+        let aside = self.path.with_extension("json.damaged");
+        let moved = fs::rename(&self.path, &aside);
+        let kept = match moved {
+            Ok(()) => format!("set aside as {}", aside.display()),
+            Err(error) => format!("it cannot be set aside: {error}"),
+        };
+        warn!(
+            "{}: {reason}; {kept}; nothing is remembered",
+            self.path.display()
+        );
+        State::default()
+    }
+
+    /// Keeps a state: whoever reads the file finds the one before or this one, whole, whatever
+    /// happens.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn save(&self, state: &State) -> io::Result<()> {
+        let state = State {
+            version: VERSION,
+            ..state.clone()
+        };
+        let text = serde_json::to_vec_pretty(&state)?;
+        let beside = self.path.with_extension("json.new");
+        let mut file = File::create(&beside)?;
+        file.write_all(&text)?;
+        file.sync_all()?;
+        fs::rename(&beside, &self.path)?;
+        match self.path.parent() {
+            // The new name is on the disk only once its folder is.
+            Some(folder) if !folder.as_os_str().is_empty() => File::open(folder)?.sync_all(),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! One joint at the tick: what it is told, what it measures, what it commands.
+
+use quell_shapers::Setpoint;
+
+use super::messages::{
+    AxisReport, Event, JointReport, NotTaken, Plan, Start, Taken, Train, TrainOrder,
+};
+use crate::controller::{AxisMeasurement, Controller};
+use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
+use crate::service::guard::{Bounds, CommandedMotion, Guard};
+use crate::service::link::INBOX;
+use crate::signal::{DeformationSensor, Measurement};
+
+/// A joint as the tick holds it. The controller has one axis, so that joints begin and end apart.
+pub struct JointTick {
+    index: usize,
+    controller: Option<Box<Controller>>,
+    guard: Guard,
+    inbox: Vec<AxisMeasurement>,
+    waiting: Option<Box<Plan>>,
+    sent: Setpoint,
+    motion: CommandedMotion,
+    adaptive: bool,
+    frozen: bool,
+    heard: f64,
+    timeout: f64,
+    move_id: u64,
+    runs: bool,
+}
+
+impl JointTick {
+    /// A joint that is not commanded yet; `timeout` (s) is the watchdog's.
+    pub fn new(index: usize, bounds: Bounds, timeout: f64, adaptive: bool) -> Self {
+        Self {
+            index,
+            controller: None,
+            guard: Guard::new(bounds),
+            inbox: Vec::with_capacity(INBOX),
+            waiting: None,
+            sent: Setpoint::default(),
+            motion: CommandedMotion::default(),
+            adaptive,
+            frozen: false,
+            heard: f64::NEG_INFINITY,
+            timeout,
+            move_id: 0,
+            runs: false,
+        }
+    }
+
+    /// From now on the joint is commanded; gives the controller before back.
+    pub fn begin(&mut self, controller: Box<Controller>) -> Option<Box<Controller>> {
+        self.sent = controller.planned().first().copied().unwrap_or_default();
+        self.runs = false;
+        self.guard.restart();
+        self.controller.replace(controller)
+    }
+
+    /// From now on the joint is not commanded.
+    pub fn cease(&mut self) -> Option<Box<Controller>> {
+        self.controller.take()
+    }
+
+    /// Whether the train follows the estimate from now on.
+    pub fn set_adaptive(&mut self, adaptive: bool) {
+        self.adaptive = adaptive;
+    }
+
+    /// Takes a sensor that is registered; gives the one before back.
+    pub fn take_sensor(&mut self, mut sensor: Box<DeformationSensor>) -> Option<Event> {
+        let controller = self.controller.as_deref_mut()?;
+        // Plain numbers: a copy does not allocate.
+        *sensor = controller.replace_sensor(0, (*sensor).clone())?;
+        Some(Event::Sensor(sensor))
+    }
+
+    /// Takes a plan that waits for its time; gives one that it replaces back.
+    pub fn expect(&mut self, plan: Box<Plan>) -> Option<Event> {
+        let replaced = self.waiting.replace(plan)?;
+        Some(Event::NotTaken(replaced, NotTaken::Replaced))
+    }
+
+    /// Takes a train, once the joint rests.
+    pub fn take_train(&mut self, order: Box<TrainOrder>) -> Event {
+        let taken = match self.controller.as_deref_mut() {
+            Some(controller) => put_in_force(&order.train, controller),
+            None => Err(NotTaken::Idle),
+        };
+        Event::Train(order, taken)
+    }
+
+    /// Takes a measurement; marks it where it is refused.
+    pub fn measure(&mut self, measured: &mut Measured) {
+        self.heard = measured.received;
+        measured.refused = !self.guard.admits(measured, self.motion);
+        let measurement = match measurement(measured) {
+            Some(measurement) if !measured.refused => measurement,
+            _ => return,
+        };
+        if self.inbox.len() < self.inbox.capacity() {
+            self.inbox.push(AxisMeasurement {
+                axis: 0,
+                measurement,
+            });
+        }
+    }
+
+    /// Begins the plan that waits, if its time has come.
+    pub fn take_plan(&mut self, tick: u64, time: f64) -> Option<Event> {
+        let mut plan = self.waiting.take()?;
+        let Some(controller) = self.controller.as_deref_mut() else {
+            return Some(Event::NotTaken(plan, NotTaken::Idle));
+        };
+        match ready(&plan, controller, tick) {
+            Ok(true) => {}
+            Ok(false) => {
+                self.waiting = Some(plan);
+                return None;
+            }
+            Err(why) => return Some(Event::NotTaken(plan, why)),
+        }
+        let samples = plan.samples.take()?;
+        let moving = controller.is_moving();
+        match controller.load(samples) {
+            Ok(old) => plan.samples = old,
+            Err((samples, error)) => {
+                plan.samples = Some(samples);
+                return Some(Event::NotTaken(plan, NotTaken::Refused(error)));
+            }
+        }
+        self.move_id = plan.id;
+        self.runs = true;
+        Some(Event::Taken(Taken {
+            plan,
+            tick,
+            first: usize::from(moving),
+            time,
+        }))
+    }
+
+    /// One control period: the setpoint to send, if the joint is commanded.
+    pub fn step(&mut self, now: f64, period: f64) -> Option<Setpoint> {
+        let silent = self.is_silent(now);
+        let controller = self.controller.as_deref_mut()?;
+        let frozen = silent || self.guard.report().is_at_fault();
+        if frozen && !self.frozen {
+            // What came before belongs to a fault, or to another stretch of time.
+            controller.restart_estimation(0);
+        }
+        self.frozen = frozen;
+        controller.set_adaptive(0, self.adaptive && !frozen);
+        let setpoint = controller.tick(&self.inbox).first().copied()?;
+        self.inbox.clear();
+        self.motion = CommandedMotion {
+            velocity: setpoint.velocity,
+            jerk: (setpoint.acceleration - self.sent.acceleration) / period,
+        };
+        self.sent = setpoint;
+        Some(setpoint)
+    }
+
+    /// Says so, once, when the command stands still after a plan.
+    pub fn take_settled(&mut self, time: f64) -> Option<Event> {
+        let settled = self.controller.as_ref().is_some_and(|c| c.is_settled());
+        if !(self.runs && settled) {
+            return None;
+        }
+        self.runs = false;
+        Some(Event::Settled(self.index, self.move_id, time))
+    }
+
+    /// The joint at this tick, for the stream.
+    pub fn row(&self, time: f64) -> Option<TickRow> {
+        let controller = self.controller.as_deref()?;
+        let status = controller.axes().first()?.status();
+        let deformation = status.deformation;
+        let estimate = status.estimate;
+        Some(TickRow {
+            time,
+            joint: self.index,
+            planned: controller.planned().first()?.position,
+            position: self.sent.position,
+            velocity: self.sent.velocity,
+            acceleration: self.sent.acceleration,
+            deformation: deformation.map_or(f64::NAN, |sample| sample.deformation),
+            deformation_time: deformation.map_or(f64::NAN, |sample| sample.time),
+            tip_deformation: deformation.map_or(f64::NAN, |sample| sample.tip_deformation),
+            natural_frequency: estimate.map_or(f64::NAN, |e| e.mode.natural_frequency()),
+            natural_frequency_std: estimate.map_or(f64::NAN, |e| e.natural_frequency_std),
+            damping_ratio: estimate.map_or(f64::NAN, |e| e.mode.damping_ratio()),
+            damping_ratio_std: estimate.map_or(f64::NAN, |e| e.damping_ratio_std),
+            converged: estimate.is_some_and(|e| e.converged),
+            move_id: self.move_id,
+        })
+    }
+
+    /// The joint now, for the state.
+    pub fn report(&self, now: f64) -> JointReport {
+        let axis = |controller: &Controller| {
+            let axis = controller.axes().first()?;
+            Some(AxisReport {
+                status: *axis.status(),
+                train: axis.train(),
+                planned: controller.planned().first().copied()?,
+                sent: self.sent,
+                settled: controller.is_settled(),
+                frozen: self.frozen,
+            })
+        };
+        JointReport {
+            joint: self.index,
+            axis: self.controller.as_deref().and_then(axis),
+            watchdog: match self.is_silent(now) {
+                true => WatchdogState::Silent,
+                false => WatchdogState::Fine,
+            },
+            guard: *self.guard.report(),
+        }
+    }
+
+    fn is_silent(&self, now: f64) -> bool {
+        now - self.heard > self.timeout
+    }
+}
+
+/// Whether a plan's time has come; installs the train that it needs.
+fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool, NotTaken> {
+    let train = match &plan.start {
+        Start::Tick(start) if *start < tick => return Err(NotTaken::Late),
+        Start::Tick(start) => return Ok(*start == tick),
+        Start::Rest(train) => train,
+    };
+    if !controller.is_settled() {
+        return Ok(false);
+    }
+    put_in_force(train, controller)?;
+    // A longer train takes over once the command has stood still for its length.
+    Ok(!controller.is_train_waiting(0))
+}
+
+/// Has a train take over once the joint rests, unless it is the next one already.
+fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTaken> {
+    let Some(axis) = controller.axes().first() else {
+        return Err(NotTaken::Idle);
+    };
+    if axis.status().retunes != train.retunes {
+        return Err(NotTaken::Outdated);
+    }
+    if *axis.next_train() == train.train && axis.status().mode == train.mode {
+        return Ok(());
+    }
+    let set = controller.set_train(0, train.shaper, train.mode, &train.train);
+    set.map_err(NotTaken::Train)
+}
+
+/// As the controller takes it; it has no use for an acceleration.
+fn measurement(measured: &Measured) -> Option<Measurement> {
+    let (time, value) = (measured.stamp, measured.value);
+    Some(match measured.quantity {
+        Quantity::MotorPosition => Measurement::MotorPosition {
+            time,
+            position: value[0],
+        },
+        Quantity::LinkPosition => Measurement::LinkPosition {
+            time,
+            position: value[0],
+        },
+        Quantity::Deformation => Measurement::Deformation {
+            time,
+            deformation: value[0],
+        },
+        Quantity::TipPosition => Measurement::TipPosition {
+            time,
+            position: value,
+        },
+        Quantity::TipAcceleration => return None,
+    })
+}

@@ -1,0 +1,178 @@
+//! What crosses the rings between the tick and the engine. What allocated comes back to be dropped.
+
+use quell_shapers::{GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError};
+use quell_trajectories::SampledTrajectory;
+
+use crate::controller::{AxisStatus, Controller, LoadError};
+use crate::plant::Load;
+use crate::service::contract::{Measured, TickRow, TickStatistics, WatchdogState};
+use crate::service::guard::GuardReport;
+use crate::service::link::LinkCounters;
+use crate::signal::DeformationSensor;
+
+/// Engine to tick. Joints are counted from 0.
+pub enum ToTick {
+    /// Begin to command a joint, by a controller of one axis.
+    Begin(usize, Box<Controller>),
+    /// Cease to command a joint.
+    Cease(usize),
+    /// Take a plan.
+    Plan(Box<Plan>),
+    /// Take a train, once the joint rests.
+    Train(Box<TrainOrder>),
+    /// Whether the train of a joint follows the estimate.
+    Adaptive(usize, bool),
+    /// Take a sensor that is registered.
+    Sensor(usize, Box<DeformationSensor>),
+    /// Take a payload up.
+    Carry(Load),
+}
+
+/// A train that a joint shall take.
+pub struct TrainOrder {
+    /// The joint.
+    pub joint: usize,
+    /// The train.
+    pub train: Train,
+}
+
+/// A plan and when it begins. Once it is taken it carries the one before it back.
+pub struct Plan {
+    /// The joint.
+    pub joint: usize,
+    /// Number of the move.
+    pub id: u64,
+    /// Number of this very plan: events say by it what they are about.
+    pub ticket: u64,
+    /// The plan at the control period.
+    pub samples: Option<SampledTrajectory>,
+    /// When it begins.
+    pub start: Start,
+}
+
+/// When a plan begins.
+pub enum Start {
+    /// As soon as the joint rests, with this train in force.
+    Rest(Train),
+    /// In motion, with exactly this tick.
+    Tick(u64),
+}
+
+/// A train and what it is for.
+#[derive(Clone)]
+pub struct Train {
+    /// The rule that designed it.
+    pub shaper: Option<&'static dyn Shaper>,
+    /// The mode that it is for.
+    pub mode: Mode,
+    /// The train.
+    pub train: GridTrain,
+    /// Changes of the train by an estimate when it was designed: with more by now it is out of date.
+    pub retunes: u32,
+}
+
+/// Why a plan was not taken.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NotTaken {
+    /// The joint is not commanded.
+    Idle,
+    /// The tick with which it should have begun was over.
+    Late,
+    /// An estimate has changed the train since.
+    Outdated,
+    /// The train does not fit.
+    Train(ShaperError),
+    /// The controller refused it.
+    Refused(LoadError),
+    /// Another plan came before this one could begin.
+    Replaced,
+}
+
+/// Tick to engine, for the stream.
+#[derive(Clone, Copy)]
+pub enum Record {
+    /// A joint at a tick.
+    Tick(TickRow),
+    /// A measurement.
+    Measured(Measured),
+}
+
+/// Tick to engine: what happened.
+pub enum Event {
+    /// A plan was taken. What it carries now is the plan before it.
+    Taken(Taken),
+    /// A plan was not taken, and why; nothing has changed.
+    NotTaken(Box<Plan>, NotTaken),
+    /// The command of a joint stands still after the move of this number, since this time (s).
+    Settled(usize, u64, f64),
+    /// A train was taken, or was out of date.
+    Train(Box<TrainOrder>, Result<(), NotTaken>),
+    /// To be dropped.
+    Controller(Box<Controller>),
+    /// To be dropped.
+    Sensor(Box<DeformationSensor>),
+}
+
+/// A plan that was taken.
+pub struct Taken {
+    /// The plan, and in it the one before.
+    pub plan: Box<Plan>,
+    /// Tick with which it began.
+    pub tick: u64,
+    /// Its sample that was sent with this tick.
+    pub first: usize,
+    /// Time of this tick, s.
+    pub time: f64,
+}
+
+/// Tick to engine, some 20 times a second: the state.
+#[derive(Clone)]
+pub enum Report {
+    /// One joint.
+    Joint(JointReport),
+    /// Tick and link; the last of a round.
+    Whole(WholeReport),
+}
+
+/// Tick and link.
+#[derive(Clone)]
+pub struct WholeReport {
+    /// Number of the next tick.
+    pub tick: u64,
+    /// Time of the last tick, s.
+    pub time: f64,
+    /// How well the tick is kept.
+    pub statistics: TickStatistics,
+    /// What came over the link.
+    pub link: LinkCounters,
+}
+
+/// One joint at the tick.
+#[derive(Clone)]
+pub struct JointReport {
+    /// The joint.
+    pub joint: usize,
+    /// What is commanded and believed; absent while the joint is not commanded.
+    pub axis: Option<AxisReport>,
+    /// The watchdog.
+    pub watchdog: WatchdogState,
+    /// What the guard of the sensors says.
+    pub guard: GuardReport,
+}
+
+/// What is commanded and believed of a joint.
+#[derive(Clone)]
+pub struct AxisReport {
+    /// What the axis believes and does.
+    pub status: AxisStatus,
+    /// The train in force.
+    pub train: ImpulseTrain,
+    /// Plan and command of the last tick.
+    pub planned: Setpoint,
+    /// Plan and command of the last tick.
+    pub sent: Setpoint,
+    /// Whether the command stands still.
+    pub settled: bool,
+    /// Whether the adaptation waits.
+    pub frozen: bool,
+}
