@@ -1,7 +1,9 @@
 //! The samples of one joint, gathered while it moves.
 
-use crate::recording::{Channel, Recording, Role};
-use crate::service::contract::{Batch, Quantity};
+use std::path::Path;
+
+use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role};
+use crate::service::contract::{Batch, Measured, Quantity};
 
 /// Rows that a channel may have: five minutes at 4 kHz. What comes later is left out.
 const MOST_ROWS: usize = 1_200_000;
@@ -11,16 +13,24 @@ const MOST_ROWS: usize = 1_200_000;
 pub struct Log {
     joint: usize,
     from: f64,
-    command: (Vec<f64>, Vec<f64>),
+    command: Command,
     sensors: Vec<Sensor>,
     /// Least of reception minus stamp, s: the sensors' clocks stand so far behind the service's, but
     /// for the delay of the fastest sample.
     behind: f64,
 }
 
+#[derive(Clone, Debug, Default)]
+struct Command {
+    time: Vec<f64>,
+    /// Position, velocity, acceleration.
+    state: Vec<[f64; 3]>,
+}
+
 #[derive(Clone, Debug)]
 struct Sensor {
     quantity: Quantity,
+    received: Vec<f64>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
 }
@@ -31,7 +41,7 @@ impl Log {
         Self {
             joint,
             from,
-            command: Default::default(),
+            command: Command::default(),
             sensors: Vec::new(),
             behind: f64::INFINITY,
         }
@@ -42,29 +52,29 @@ impl Log {
     pub fn take(&mut self, batch: &Batch) {
         let ticks = batch.ticks.iter();
         for row in ticks.filter(|row| row.joint == self.joint && row.time >= self.from) {
-            if follows(&self.command.0, row.time) && row.position.is_finite() {
-                self.command.0.push(row.time);
-                self.command.1.push(row.position);
+            let state = [row.position, row.velocity, row.acceleration];
+            if follows(&self.command.time, row.time) && state.iter().all(|value| value.is_finite())
+            {
+                self.command.time.push(row.time);
+                self.command.state.push(state);
             }
         }
         for one in &batch.measured {
             if one.joint == self.joint && !one.refused && one.received >= self.from {
                 self.behind = self.behind.min(one.received - one.stamp);
-                let count = role(one.quantity).1;
-                self.sensor(one.quantity)
-                    .push(one.stamp, &one.value[..count]);
+                self.sensor(one.quantity).push(one);
             }
         }
     }
 
     /// Whether it holds as much as it may.
     pub fn is_full(&self) -> bool {
-        self.command.0.len() >= MOST_ROWS
+        self.command.time.len() >= MOST_ROWS
     }
 
     /// From the first to the last command, s.
     pub fn duration(&self) -> f64 {
-        match (self.command.0.first(), self.command.0.last()) {
+        match (self.command.time.first(), self.command.time.last()) {
             (Some(first), Some(last)) => last - first,
             _ => 0.0,
         }
@@ -72,22 +82,23 @@ impl Log {
 
     /// The recording, its time counted from the first command. All sensors are shifted by one number,
     /// so that what their clocks say of one another stays.
-    pub fn into_recording(self, name: &str, payload: Option<f64>) -> Recording {
-        let origin = self.command.0.first().copied().unwrap_or(self.from);
+    pub fn recording(&self, name: &str, payload: Option<f64>) -> Recording {
+        let origin = self.origin();
+        let position = self.command.state.iter().map(|state| state[0]);
         let command = Channel {
             role: Role::CommandPosition,
             unit: "rad".into(),
-            time: self.command.0.iter().map(|time| time - origin).collect(),
-            columns: vec![self.command.1],
+            time: self.command.time.iter().map(|time| time - origin).collect(),
+            columns: vec![position.collect()],
         };
         let shift = self.behind - origin;
-        let sensors = self.sensors.into_iter().map(|sensor| {
+        let sensors = self.sensors.iter().map(|sensor| {
             let (role, _, unit) = role(sensor.quantity);
             Channel {
                 role,
                 unit: unit.into(),
                 time: sensor.time.iter().map(|stamp| stamp + shift).collect(),
-                columns: sensor.columns,
+                columns: sensor.columns.clone(),
             }
         });
         let mut channels: Vec<_> = [command].into_iter().chain(sensors).collect();
@@ -99,11 +110,44 @@ impl Log {
         }
     }
 
+    /// The same as an MCAP file, in the order in which it happened. `epoch` is the wall time at which
+    /// the service's clock was 0, seconds since 1970.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn write_mcap(&self, path: &Path, joint: &str, epoch: f64) -> Result<(), RecordingError> {
+        let origin = self.origin();
+        let wall = ((epoch + origin) * 1e9).round() as i64;
+        let mut file = McapWriter::create_at(path, &[joint], wall)?;
+        let mut next = vec![0; self.sensors.len()];
+        for (&time, &[position, velocity, acceleration]) in
+            self.command.time.iter().zip(&self.command.state)
+        {
+            for (sensor, next) in self.sensors.iter().zip(&mut next) {
+                while sensor
+                    .received
+                    .get(*next)
+                    .is_some_and(|&received| received <= time)
+                {
+                    sensor.write(*next, &mut file, joint, (origin, self.behind))?;
+                    *next += 1;
+                }
+            }
+            file.write_command(time - origin, joint, position, velocity, acceleration)?;
+        }
+        file.finish()
+    }
+
+    fn origin(&self) -> f64 {
+        self.command.time.first().copied().unwrap_or(self.from)
+    }
+
     fn sensor(&mut self, quantity: Quantity) -> &mut Sensor {
         let known = self.sensors.iter().position(|one| one.quantity == quantity);
         let index = known.unwrap_or_else(|| {
             self.sensors.push(Sensor {
                 quantity,
+                received: Vec::new(),
                 time: Vec::new(),
                 columns: vec![Vec::new(); role(quantity).1],
             });
@@ -114,13 +158,34 @@ impl Log {
 }
 
 impl Sensor {
-    fn push(&mut self, stamp: f64, values: &[f64]) {
-        let finite = stamp.is_finite() && values.iter().all(|value| value.is_finite());
-        if finite && follows(&self.time, stamp) {
-            self.time.push(stamp);
+    fn push(&mut self, one: &Measured) {
+        let values = &one.value[..self.columns.len()];
+        let finite = one.stamp.is_finite() && values.iter().all(|value| value.is_finite());
+        if finite && follows(&self.time, one.stamp) {
+            self.received.push(one.received);
+            self.time.push(one.stamp);
             let columns = self.columns.iter_mut().zip(values);
             columns.for_each(|(column, &value)| column.push(value));
         }
+    }
+
+    /// Writes a sample; times count from `origin`, and the sensors' clocks are so far `behind`.
+    fn write(
+        &self,
+        index: usize,
+        file: &mut McapWriter,
+        joint: &str,
+        (origin, behind): (f64, f64),
+    ) -> Result<(), RecordingError> {
+        let mut values = [0.0; 3];
+        let columns = values.iter_mut().zip(&self.columns);
+        columns.for_each(|(value, column)| *value = column[index]);
+        let (role, count, _) = role(self.quantity);
+        let (time, stamp) = (
+            self.received[index] - origin,
+            self.time[index] + behind - origin,
+        );
+        file.write_sample(time, joint, role, stamp, &values[..count])
     }
 }
 
@@ -143,7 +208,7 @@ fn role(quantity: Quantity) -> (Role, usize, &'static str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::contract::{Measured, TickRow};
+    use crate::service::contract::TickRow;
 
     #[test]
     fn clocks_of_sensors_keep_their_distance() {
@@ -173,7 +238,7 @@ mod tests {
         let mut log = Log::new(0, 10.0);
         log.take(&batch);
         assert_eq!(log.duration(), 1.0);
-        let recording = log.into_recording("a", Some(0.5));
+        let recording = log.recording("a", Some(0.5));
         let time = |role| recording.channel(role).unwrap().time.clone();
         assert_eq!(time(Role::CommandPosition), [0.0, 0.5, 1.0]);
         let (motor, tip) = (time(Role::MotorPosition), time(Role::TipPosition));

@@ -17,6 +17,8 @@ pub use shelf::{About, Bounds, Entry, Shelf, ShelfError};
 
 /// Rest before a move that is recorded with it, s: the noise is measured there.
 const BEFORE: f64 = 1.0;
+/// The whole as one file in the profile of ROS 2, beside manifest and CSV.
+const MCAP: &str = "recording.mcap";
 /// Requests that may wait.
 const REQUESTS: usize = 8;
 /// How often what is too old is looked for.
@@ -245,12 +247,17 @@ impl Task {
         running.about.mode = joint.and_then(|joint| joint.mode);
         running.about.payload_kg = snapshot.payload_kg;
         running.about.duration_s = running.log.duration();
-        let recording = running
-            .log
-            .into_recording(&running.name, snapshot.payload_kg);
-        let about = running.about;
-        self.on_disk(move |shelf| shelf.put(&recording, &about))
-            .await;
+        let Running {
+            name, about, log, ..
+        } = running;
+        let epoch = snapshot.unix_time_s - snapshot.time_s;
+        self.on_disk(move |shelf| {
+            shelf.put(&name, &about, |folder| {
+                log.recording(&name, about.payload_kg).write(folder, true)?;
+                log.write_mcap(&folder.join(MCAP), &about.joint, epoch)
+            })
+        })
+        .await;
     }
 
     async fn tidy(&self) {

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 use thiserror::Error;
 
-use crate::recording::{Recording, RecordingError};
+use crate::recording::RecordingError;
 use crate::service::contract::{ModeValue, MoveResult};
 
 /// The file that says what a recording is of, beside its manifest.
 const ABOUT: &str = "about.json";
 /// Beginning of what is not yet whole; no recording has such a name.
 const UNFINISHED: &str = ".unfinished-";
-/// The longest name, bytes: file systems take 255, and the unfinished one is longer.
+/// The longest name, bytes: file systems take 255, and some letters are put before and behind it.
 const LONGEST_NAME: usize = 128;
 
 /// Why a recording is not to be had.
@@ -25,14 +25,6 @@ pub enum ShelfError {
     Unknown {
         /// The name asked for.
         name: String,
-    },
-    /// A recording has that name already, or it is none.
-    #[error("\"{name}\" is no name for a recording: {reason}")]
-    Name {
-        /// The name.
-        name: String,
-        /// Why.
-        reason: &'static str,
     },
     /// The recording is not one.
     #[error(transparent)]
@@ -160,34 +152,37 @@ impl Shelf {
     }
 
     /// Puts a recording onto the shelf, whole or not at all, and removes the oldest where there are
-    /// too many.
+    /// too many. `write` fills its folder. Where the name is taken (by an earlier life of the service,
+    /// of which it knows nothing any more), a number is added to it.
     ///
     /// # Errors
-    /// [`ShelfError`] where the name is taken, the recording is none, or the disk refuses.
-    pub fn put(&self, recording: &Recording, about: &About) -> Result<(), ShelfError> {
-        let name = &recording.name;
-        let refuse = |reason| {
-            Err(ShelfError::Name {
-                name: name.clone(),
-                reason,
-            })
-        };
-        let path = self.folder.join(name);
-        if !is_name(name) {
-            return refuse("it may have letters, digits, -, _ and dots inside");
-        }
-        if path.exists() {
-            return refuse("it is taken");
-        }
+    /// [`ShelfError`] where it is no recording, or the disk refuses.
+    pub fn put(
+        &self,
+        name: &str,
+        about: &About,
+        write: impl FnOnce(&Path) -> Result<(), RecordingError>,
+    ) -> Result<(), ShelfError> {
+        let name = name_of(name);
         let unfinished = self.folder.join(format!("{UNFINISHED}{name}"));
-        let result = written(recording, about, &unfinished)
-            .and_then(|()| fs::rename(&unfinished, &path).map_err(|source| disk(&path, source)));
+        let result = write(&unfinished).map_err(ShelfError::from).and_then(|()| {
+            describe(about, &unfinished)?;
+            let path = self.free(&name);
+            fs::rename(&unfinished, &path).map_err(|source| disk(&path, source))
+        });
         if let Err(error) = result {
             // What is left of it would only take room; the error that matters is the first.
             let _ = fs::remove_dir_all(&unfinished);
             return Err(error);
         }
         self.tidy()
+    }
+
+    /// A folder of this name, or with a number behind it, that is not there yet.
+    fn free(&self, name: &str) -> PathBuf {
+        let numbered = (2..).map(|count: u32| self.folder.join(format!("{name}-{count}")));
+        let mut paths = [self.folder.join(name)].into_iter().chain(numbered);
+        paths.find(|path| !path.exists()).unwrap_or_default()
     }
 
     /// A recording as one file, a tar archive of its folder.
@@ -230,10 +225,10 @@ impl Shelf {
 /// A name made of any text: what a name may not have becomes `_`.
 pub fn name_of(text: &str) -> String {
     let fit = |c: char| if is_letter(c) { c } else { '_' };
-    let name: String = text.chars().map(fit).take(LONGEST_NAME).collect();
+    let name: String = text.chars().map(fit).take(LONGEST_NAME - 16).collect();
     match is_name(&name) {
         true => name,
-        false => format!("_{}", name.trim_start_matches('.')),
+        false => format!("_{name}"),
     }
 }
 
@@ -247,8 +242,7 @@ fn is_name(name: &str) -> bool {
         && !name.starts_with('.')
 }
 
-fn written(recording: &Recording, about: &About, folder: &Path) -> Result<(), ShelfError> {
-    recording.write(folder, true)?;
+fn describe(about: &About, folder: &Path) -> Result<(), ShelfError> {
     let path = folder.join(ABOUT);
     let text = serde_json::to_vec_pretty(about).map_err(|error| disk(&path, error.into()))?;
     fs::write(&path, text).map_err(|source| disk(&path, source))
