@@ -17,6 +17,7 @@ pub mod output;
 pub mod prove;
 pub mod robot_args;
 pub mod score;
+pub mod serve;
 pub mod shape;
 pub mod shaping;
 pub mod simulate;
@@ -55,6 +56,7 @@ enum Verb {
     Move(moves::Args),
     Prove(prove::Args),
     Score(score::Args),
+    Serve(serve::Args),
     Shape(shape::Args),
     Simulate(simulate::Args),
 }
@@ -69,6 +71,7 @@ impl Verb {
             Self::Move(args) => moves::run(args),
             Self::Prove(args) => prove::run(args),
             Self::Score(args) => score::run(args),
+            Self::Serve(args) => serve::run(args),
             Self::Shape(args) => shape::run(args),
             Self::Simulate(args) => simulate::run(args),
         }

@@ -107,6 +107,9 @@ pub fn start(config: Config) -> Result<Service, StartError> {
     let mut state = file.load();
     state.starts += 1;
     let robot = robot(&config, clock)?;
+    if config.robot != RobotKind::Embedded {
+        warn_of_limits(&config);
+    }
     let joints: Vec<_> = config
         .joints
         .iter()
@@ -179,6 +182,20 @@ fn keep(file: &StateFile, states: &Receiver<State>) {
         if let Err(error) = file.save(&newest) {
             tracing::warn!("the state cannot be kept: {error}");
         }
+    }
+}
+
+/// Limits of another robot than the one that is commanded would be no limits.
+fn warn_of_limits(config: &Config) {
+    for joint in &config.joints {
+        let limits = joint.limits;
+        tracing::info!(
+            joint = joint.name,
+            velocity_rad_s = limits.velocity,
+            acceleration_rad_s2 = limits.acceleration,
+            jerk_rad_s3 = limits.jerk,
+            "limits in force"
+        );
     }
 }
 
@@ -275,6 +292,7 @@ fn made(
         position: 0.0,
         began: false,
         stopped_by_watchdog: false,
+        stop_due: false,
         running: None,
         asked: None,
         standstill: Default::default(),

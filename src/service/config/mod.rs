@@ -184,6 +184,8 @@ fn checked(
         Some(file) => Robot::from_file(&folder.join(file))?,
         None => Robot::rx170(),
     };
+    // The embedded arm's own description says nothing of the geometry of another robot.
+    let describes = robot == RobotKind::Embedded || keys.service.description.is_some();
     let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
     let rate = check.within("tick.rate_hz", rate, RATES)?;
     let http = http(&keys, overrides, &check)?;
@@ -215,7 +217,7 @@ fn checked(
             max_age: Duration::from_secs_f64(days * 86_400.0),
         },
         data,
-        joints: joints(&keys.joint, &description, robot, &check)?,
+        joints: joints(&keys.joint, &description, robot, describes, &check)?,
         description,
     })
 }
@@ -253,6 +255,7 @@ fn joints(
     keys: &[JointKeys],
     description: &Robot,
     robot: RobotKind,
+    describes: bool,
     check: &Check,
 ) -> Result<Vec<JointConfig>, ConfigError> {
     let alone = [JointKeys {
@@ -281,7 +284,11 @@ fn joints(
         if joints.iter().any(|other| other.name == joint.name) {
             return Err(check.refuse(&format!("{at}.name"), &joint.name, "unlike every other"));
         }
-        joints.push(joint::checked(joint, &at, description, check)?);
+        let mut checked = joint::checked(joint, &at, description, check)?;
+        if !describes {
+            checked.arc = None;
+        }
+        joints.push(checked);
     }
     Ok(joints)
 }

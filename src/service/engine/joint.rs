@@ -48,6 +48,8 @@ pub struct Joint {
     pub began: bool,
     /// Whether the watchdog has stopped it.
     pub stopped_by_watchdog: bool,
+    /// Whether it shall stop and the tick has not taken a plan for it yet.
+    pub stop_due: bool,
     /// The move that runs, or rings out.
     pub running: Option<Running>,
     /// What the tick was told and has not taken yet.
@@ -74,6 +76,8 @@ pub struct Asked {
     pub shaper: Option<&'static dyn Shaper>,
     /// Ticks ahead for which it was planned, in motion.
     pub ahead: u64,
+    /// Share of the limits of acceleration and jerk that it uses, in motion.
+    pub effort: f64,
     /// After this time (s) it is given up.
     pub deadline: f64,
     /// Whether it has to be planned anew, the tick not having taken it.

@@ -3,7 +3,7 @@
 use quell_shapers::Setpoint;
 
 use super::joint::{Asked, Reply, What, name_of};
-use super::planning::{Planned, plan, standing_train};
+use super::planning::{Moment, Planned, plan, standing_train};
 use super::running::Running;
 use super::{Engine, controller};
 use crate::service::clock::unix_time;
@@ -15,19 +15,21 @@ use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick, TrainOrder};
 const AHEAD: f64 = 0.02;
 /// The furthest ahead, s.
 const FURTHEST: f64 = 0.32;
-/// How long a move is tried for, s: as long as a correction at 1 Hz lasts.
+/// Least share of the limits of acceleration and jerk with which a plan in motion is tried: a stop then
+/// takes up to four times as long.
+const LEAST_EFFORT: f64 = 0.25;
+/// How long a plan is tried for, s: as long as a correction at 1 Hz lasts.
 const TRIED: f64 = 3.0;
-/// How long a stop is tried for, s; there is no reason ever to give it up before the move has ended.
-const STOP_TRIED: f64 = 60.0;
 
 impl Engine {
     /// Plans and orders; whoever asked hears once the tick has taken it.
     pub(super) fn ask(&mut self, index: usize, what: What, reply: Option<Reply>) {
         let now = self.clock.now();
         let ahead = (AHEAD / self.config.period).ceil() as u64;
-        let planned = match self.planned(index, what, ahead) {
+        let planned = match self.planned(index, what, ahead, 1.0) {
             Ok(planned) => planned,
             Err(error) => {
+                tracing::debug!(joint = self.joints[index].config.name, "{error}");
                 if let Some(reply) = reply {
                     // Whoever asked may have gone.
                     let _ = reply.send(Err(error));
@@ -45,10 +47,6 @@ impl Engine {
                 .as_ref()
                 .map_or(0, |r| r.start.id),
         };
-        let tried = match what {
-            What::Move { .. } => TRIED,
-            What::Stop => STOP_TRIED,
-        };
         let asked = Asked {
             what,
             id,
@@ -57,7 +55,8 @@ impl Engine {
             speed: planned.speed,
             shaper: planned.shaper,
             ahead,
-            deadline: now + tried,
+            effort: 1.0,
+            deadline: now + TRIED,
             again: false,
             reply,
         };
@@ -82,6 +81,7 @@ impl Engine {
         if !joint.began {
             return 0.0;
         }
+        self.joints[index].stop_due = true;
         self.ask(index, What::Stop, None);
         let asked = self.joints[index].asked.as_ref();
         asked.map_or(0.0, |asked| {
@@ -89,8 +89,17 @@ impl Engine {
         })
     }
 
-    fn planned(&self, index: usize, what: What, ahead: u64) -> Result<Planned, ServiceError> {
-        let at = self.next_tick() + ahead;
+    fn planned(
+        &self,
+        index: usize,
+        what: What,
+        ahead: u64,
+        effort: f64,
+    ) -> Result<Planned, ServiceError> {
+        let at = Moment {
+            tick: self.next_tick() + ahead,
+            effort,
+        };
         plan(
             &self.joints[index],
             what,
@@ -123,6 +132,15 @@ impl Engine {
         self.joints[index].asked = Some(asked);
     }
 
+    /// Asks for a stop once more, as long as it is due: there is no reason to give it up.
+    pub(super) fn insist_on_stop(&mut self, index: usize) {
+        let joint = &mut self.joints[index];
+        joint.stop_due &= !joint.is_at_rest() || joint.asked.is_some();
+        if joint.stop_due && joint.asked.is_none() {
+            self.ask(index, What::Stop, None);
+        }
+    }
+
     /// Plans anew what the tick has not taken, as long as there is time.
     pub(super) fn retry(&mut self, now: f64) {
         for index in 0..self.joints.len() {
@@ -136,7 +154,7 @@ impl Engine {
                 Self::give_up(asked, ServiceError::NotTaken { joint, reason });
                 continue;
             }
-            match self.planned(index, asked.what, asked.ahead) {
+            match self.planned(index, asked.what, asked.ahead, asked.effort) {
                 Ok(planned) => self.order(index, asked, planned),
                 Err(error) => Self::give_up(asked, error),
             }
@@ -159,7 +177,9 @@ impl Engine {
         match why {
             NotTaken::Late => asked.ahead = (2 * asked.ahead).min(furthest),
             // What was believed of the plan's start is renewed with the next report.
-            NotTaken::Outdated | NotTaken::Refused(_) => {}
+            NotTaken::Outdated => {}
+            // A correction under way leaves less of the limits to a new plan.
+            NotTaken::Refused(_) => asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT),
             NotTaken::Idle | NotTaken::Train(_) | NotTaken::Replaced => {
                 if let Some(asked) = joint.asked.take() {
                     let joint = joint.config.name.clone();
@@ -189,6 +209,7 @@ impl Engine {
             .copied()
             .unwrap_or(joint.position);
         joint.position = target.unwrap_or(joint.position);
+        joint.stop_due &= !matches!(asked.what, What::Stop);
         let duration = (asked.samples.samples() - 1) as f64 * self.config.period;
         match (asked.what, &mut joint.running) {
             (What::Stop, Some(running)) => {

@@ -24,19 +24,27 @@ pub struct Planned {
     pub shaper: Option<&'static dyn Shaper>,
 }
 
-/// Plans for a joint; in motion, the plan begins with tick `at`.
+/// When and how hard a plan in motion begins.
+#[derive(Clone, Copy)]
+pub struct Moment {
+    /// The tick with which it begins.
+    pub tick: u64,
+    /// Share of the limits of acceleration and jerk that it uses.
+    pub effort: f64,
+}
+
+/// Plans for a joint; in motion, the plan begins `at` a moment.
 pub fn plan(
     joint: &Joint,
     what: What,
     planner: &Planner,
     period: f64,
-    at: u64,
+    at: Moment,
 ) -> Result<Planned, ServiceError> {
     match (&joint.running, what) {
         (Some(running), _) if !joint.is_at_rest() => {
-            let from = running.state_before(at);
-            let shaper = joint_shaper(joint);
-            in_motion(joint, what, planner, period, from, at, shaper)
+            let from = running.state_before(at.tick);
+            in_motion(joint, what, planner, period, from, at)
         }
         (_, What::Move { target, shaper }) => from_rest(
             joint,
@@ -103,9 +111,9 @@ fn in_motion(
     planner: &Planner,
     period: f64,
     from: AxisState,
-    at: u64,
-    shaper: Option<&'static dyn Shaper>,
+    at: Moment,
 ) -> Result<Planned, ServiceError> {
+    let shaper = joint_shaper(joint);
     // A train of negative impulses may exceed the limits by its gain, the sum of the magnitudes: a
     // plan below the limits by as much cannot.
     let gain = match shaper {
@@ -121,8 +129,8 @@ fn in_motion(
     } = joint.config.limits;
     let limits = [Limits {
         velocity: velocity / gain,
-        acceleration: acceleration / gain,
-        jerk: jerk / gain,
+        acceleration: at.effort * acceleration / gain,
+        jerk: at.effort * jerk / gain,
     }];
     let trajectory = match what {
         What::Stop => planner.plan_stop(&[from], &limits),
@@ -131,7 +139,7 @@ fn in_motion(
     let samples = trajectory.and_then(|plan| plan.sample(period));
     Ok(Planned {
         samples: samples.map_err(refused)?,
-        start: Start::Tick(at),
+        start: Start::Tick(at.tick),
         speed: 1.0 / gain,
         shaper,
     })

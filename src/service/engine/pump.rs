@@ -35,6 +35,7 @@ impl Engine {
         }
         for index in 0..self.joints.len() {
             self.look_after(index, now);
+            self.insist_on_stop(index);
         }
         if round {
             (0..self.joints.len()).for_each(|index| self.order_train(index));
@@ -87,11 +88,7 @@ impl Engine {
         let joint = &mut self.joints[index];
         if let Some(running) = joint.running.as_mut().filter(|move_| move_.start.id == id) {
             running.settled = Some(time);
-            let own = super::joint::name_of(joint.shaping.then_some(joint.shaper));
-            // A shaper for one move alone ends with it.
-            joint.train_due |= running.start.shaper != own;
         }
-        self.order_train(index);
     }
 
     fn believe(&mut self, report: JointReport) {
@@ -189,6 +186,10 @@ impl Engine {
         };
         running.interrupted |= running.settled.is_none();
         let settled = running.settled.is_some();
+        let own = super::joint::name_of(joint.shaping.then_some(joint.shaper));
+        // A shaper for one move alone ends with it, and not before it has rung out: what it has left
+        // would be cancelled.
+        joint.train_due |= running.start.shaper != own;
         let (mode, sure) = match joint
             .report
             .as_ref()

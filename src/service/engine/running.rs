@@ -84,6 +84,12 @@ impl Running {
         self.settled.is_some_and(|settled| now - settled > watch)
     }
 
+    /// Planned positions up to the end of the plan: what comes after it is the train's.
+    fn planned_motion(&self) -> &[f64] {
+        let end = self.planned.windows(2).rposition(|pair| pair[0] != pair[1]);
+        &self.planned[..end.map_or(0, |last| last + 2)]
+    }
+
     /// What it left. `mode` is the one that is known best, and `sure` says whether it was learned.
     pub fn result(&self, mode: Mode, sure: bool, period: f64, radius: Option<f64>) -> MoveResult {
         let samples: Vec<_> = self
@@ -93,7 +99,7 @@ impl Running {
             .collect();
         let residual = ringing::amplitude(&samples, mode, sure);
         let unshaped = match self.shaped {
-            true => Some(ringing::unshaped(&self.planned, period, mode)),
+            true => Some(ringing::unshaped(self.planned_motion(), period, mode)),
             false => residual,
         };
         let along_arc = |angle: Option<f64>| Some(angle? * radius?);

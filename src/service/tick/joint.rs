@@ -5,7 +5,8 @@ use quell_shapers::Setpoint;
 use super::messages::{
     AxisReport, Event, JointReport, NotTaken, Plan, Start, Taken, Train, TrainOrder,
 };
-use crate::controller::{AxisMeasurement, Controller};
+use crate::controller::{AxisMeasurement, AxisStatus, Controller};
+use crate::estimators::Estimate;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
 use crate::service::guard::{Bounds, CommandedMotion, Guard};
 use crate::service::link::INBOX;
@@ -26,6 +27,10 @@ pub struct JointTick {
     timeout: f64,
     move_id: u64,
     runs: bool,
+    /// Since when the command stands still, s; not at all before the first move.
+    settled: Option<f64>,
+    /// The last estimate while there was something to learn.
+    learned: Option<Estimate>,
 }
 
 impl JointTick {
@@ -45,11 +50,15 @@ impl JointTick {
             timeout,
             move_id: 0,
             runs: false,
+            settled: Some(f64::NEG_INFINITY),
+            learned: None,
         }
     }
 
-    /// From now on the joint is commanded; gives the controller before back.
-    pub fn begin(&mut self, controller: Box<Controller>) -> Option<Box<Controller>> {
+    /// From `now` (s) on the joint is commanded; gives the controller before back.
+    pub fn begin(&mut self, controller: Box<Controller>, now: f64) -> Option<Box<Controller>> {
+        self.heard = self.heard.max(now);
+        self.settled = Some(f64::NEG_INFINITY);
         self.sent = controller.planned().first().copied().unwrap_or_default();
         self.runs = false;
         self.guard.restart();
@@ -129,7 +138,7 @@ impl JointTick {
             }
         }
         self.move_id = plan.id;
-        self.runs = true;
+        (self.runs, self.settled) = (true, None);
         Some(Event::Taken(Taken {
             plan,
             tick,
@@ -148,8 +157,15 @@ impl JointTick {
             controller.restart_estimation(0);
         }
         self.frozen = frozen;
-        controller.set_adaptive(0, self.adaptive && !frozen);
+        let quiet = is_quiet(controller, self.settled, now);
+        controller.set_adaptive(0, self.adaptive && !frozen && !quiet);
         let setpoint = controller.tick(&self.inbox).first().copied()?;
+        if !quiet {
+            self.learned = controller
+                .axes()
+                .first()
+                .and_then(|axis| axis.status().estimate);
+        }
         self.inbox.clear();
         self.motion = CommandedMotion {
             velocity: setpoint.velocity,
@@ -165,7 +181,7 @@ impl JointTick {
         if !(self.runs && settled) {
             return None;
         }
-        self.runs = false;
+        (self.runs, self.settled) = (false, Some(time));
         Some(Event::Settled(self.index, self.move_id, time))
     }
 
@@ -174,7 +190,7 @@ impl JointTick {
         let controller = self.controller.as_deref()?;
         let status = controller.axes().first()?.status();
         let deformation = status.deformation;
-        let estimate = status.estimate;
+        let estimate = self.learned;
         Some(TickRow {
             time,
             joint: self.index,
@@ -199,7 +215,10 @@ impl JointTick {
         let axis = |controller: &Controller| {
             let axis = controller.axes().first()?;
             Some(AxisReport {
-                status: *axis.status(),
+                status: AxisStatus {
+                    estimate: self.learned,
+                    ..*axis.status()
+                },
                 train: axis.train(),
                 planned: controller.planned().first().copied()?,
                 sent: self.sent,
@@ -221,6 +240,18 @@ impl JointTick {
     fn is_silent(&self, now: f64) -> bool {
         now - self.heard > self.timeout
     }
+}
+
+/// Whether nothing moves and nothing rings any more, so that there is only noise to be heard: after
+/// five time constants less than 1 % of a vibration is left.
+fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
+    let (Some(settled), Some(axis)) = (settled, controller.axes().first()) else {
+        return false;
+    };
+    let mode = axis.status().mode;
+    // A mode without damping rings for as long as the estimator looks back, forty periods.
+    let rings = (5.0 / mode.decay_rate()).min(40.0 * mode.damped_period());
+    now - settled > rings
 }
 
 /// Whether a plan's time has come; installs the train that it needs.

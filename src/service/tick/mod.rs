@@ -108,7 +108,7 @@ impl Tick {
 
     /// One tick at `now` (s on the service's clock).
     pub fn run(&mut self, now: f64) {
-        self.take_orders();
+        self.take_orders(now);
         self.measure(now);
         for index in 0..self.joints.len() {
             self.command(index, now);
@@ -135,18 +135,18 @@ impl Tick {
         }));
     }
 
-    fn take_orders(&mut self) {
+    fn take_orders(&mut self, now: f64) {
         while let Ok(order) = self.rings.orders.pop() {
-            if let Some(event) = self.obey(order) {
+            if let Some(event) = self.obey(order, now) {
                 self.tell(event);
             }
         }
     }
 
-    fn obey(&mut self, order: ToTick) -> Option<Event> {
+    fn obey(&mut self, order: ToTick, now: f64) -> Option<Event> {
         match order {
             ToTick::Begin(joint, controller) => {
-                let before = self.joints.get_mut(joint)?.begin(controller);
+                let before = self.joints.get_mut(joint)?.begin(controller, now);
                 before.map(Event::Controller)
             }
             ToTick::Cease(joint) => {

@@ -1,0 +1,106 @@
+//! `quell serve`: commands a robot in real time, learns its modes, and keeps what it learned.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use tokio::signal::unix::{SignalKind, signal};
+
+use super::{CliError, output, values};
+use crate::service::config::{Config, Overrides, RobotKind};
+use crate::service::{self, StartError};
+
+/// Commands a robot in real time: targets in, shaped setpoints out, its modes learned on the way.
+///
+/// Without arguments: the embedded arm, at 1 kHz.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell serve
+  quell serve --robot udp --udp 127.0.0.1:7871 --rate 1000
+  quell serve --config quell.toml
+
+Ctrl-C or SIGTERM brings every joint to a jerk-limited stop first. What was learned is kept in the
+data folder and is in force again after the next start, however this one ended.")]
+pub struct Args {
+    /// The configuration, TOML; what is given here as an option overrides it.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Where page and interface listen [default: 127.0.0.1:7870].
+    #[arg(long, value_name = "ADDRESS")]
+    pub http: Option<SocketAddr>,
+    /// Where the UDP link listens [default: 127.0.0.1:7871].
+    #[arg(long, value_name = "ADDRESS")]
+    pub udp: Option<SocketAddr>,
+    /// Ticks a second, Hz, 250 to 4000 [default: 1000].
+    #[arg(long, value_name = "HZ", value_parser = values::positive)]
+    pub rate: Option<f64>,
+    /// The robot [default: embedded].
+    #[arg(long, value_parser = robots())]
+    pub robot: Option<RobotKind>,
+    /// Folder of state and recordings [default: quell-data].
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+fn robots() -> impl clap::builder::TypedValueParser<Value = RobotKind> {
+    use clap::builder::{PossibleValuesParser, TypedValueParser};
+    let names = RobotKind::ALL.iter().map(|kind| kind.name());
+    PossibleValuesParser::new(names).try_map(|name| {
+        let found = RobotKind::ALL.iter().find(|kind| kind.name() == name);
+        found.copied().ok_or("there is no such robot")
+    })
+}
+
+/// Runs the verb, until it is told to end.
+///
+/// # Errors
+/// [`CliError::Input`] where the configuration is refused; [`CliError::Failure`] where a socket, a
+/// thread or the data folder is not to be had.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let overrides = Overrides {
+        robot: args.robot,
+        data: args.data,
+        rate: args.rate,
+        http: args.http,
+        udp: args.udp,
+    };
+    let config = Config::load(args.config.as_deref(), &overrides).map_err(CliError::input)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .enable_all()
+        .build()
+        .map_err(CliError::failure)?;
+    runtime.block_on(serve(config))
+}
+
+async fn serve(config: Config) -> Result<(), CliError> {
+    // Before anything moves: a signal that comes meanwhile is not lost.
+    let mut terminated = signal(SignalKind::terminate())?;
+    let mut interrupted = signal(SignalKind::interrupt())?;
+    let (robot, rate) = (config.robot, 1.0 / config.period);
+    let service = service::start(config).map_err(refused)?;
+    let link = match service.udp_address() {
+        Some(address) => format!(", UDP at {address}"),
+        None => String::new(),
+    };
+    output::text(&format!(
+        "quell: robot {}, {rate:.0} Hz{link}\n",
+        robot.name()
+    ))?;
+    tokio::select! {
+        _ = terminated.recv() => {}
+        _ = interrupted.recv() => {}
+    }
+    output::text("quell: stopping\n")?;
+    // It waits for the robot to come to rest.
+    tokio::task::spawn_blocking(move || service.stop())
+        .await
+        .map_err(CliError::failure)
+}
+
+fn refused(error: StartError) -> CliError {
+    match error {
+        StartError::System { .. } | StartError::Planner(_) => CliError::failure(error),
+        _ => CliError::input(error),
+    }
+}

@@ -1,0 +1,282 @@
+//! The service as a whole: moves commanded, learned from, stopped, and remembered.
+
+mod robot;
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use quell::service::config::{Config, Overrides, RobotKind};
+use quell::service::contract::{
+    Accepted, Handle, ModeValue, MoveResult, Phase, Request, ServiceError, ShapingChange, Snapshot,
+    WatchdogState,
+};
+use quell::service::{Service, start};
+use quell_shapers::CORRECTION_OVERSHOOT;
+use robot::{Received, UdpRobot};
+
+const PERIOD: f64 = 0.001;
+/// Longest that anything here is waited for.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// What the service says, shown where a test fails.
+fn log() {
+    let log = tracing_subscriber::fmt().with_max_level(tracing::Level::DEBUG);
+    // The first test of the process starts it.
+    let _ = log.with_test_writer().try_init();
+}
+
+fn config(robot: RobotKind, data: &std::path::Path) -> Config {
+    log();
+    let overrides = Overrides {
+        robot: Some(robot),
+        data: Some(data.to_path_buf()),
+        udp: Some(SocketAddr::from(([127, 0, 0, 1], 0))),
+        ..Overrides::default()
+    };
+    let mut config = Config::load(None, &overrides).expect("defaults");
+    // The tests of a machine shall not starve it.
+    config.real_time = false;
+    config
+}
+
+fn ask(handle: &Handle, request: Request) -> Result<Accepted, ServiceError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().build();
+    runtime.expect("a runtime").block_on(handle.ask(request))
+}
+
+fn go(handle: &Handle, target: f64, shaper: Option<&str>) -> u64 {
+    let request = Request::Move {
+        joint: "joint_1".into(),
+        target,
+        shaper: shaper.map(Into::into),
+    };
+    match ask(handle, request).expect("the move is taken") {
+        Accepted::Move { id, .. } => id,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn wait(handle: &Handle, what: &str, holds: impl Fn(&Snapshot) -> bool) -> Arc<Snapshot> {
+    let since = Instant::now();
+    loop {
+        let snapshot = handle.snapshot();
+        if holds(&snapshot) {
+            return snapshot;
+        }
+        assert!(since.elapsed() < PATIENCE, "{what}: {snapshot:#?}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn phase_is(phase: Phase) -> impl Fn(&Snapshot) -> bool {
+    move |snapshot| {
+        snapshot
+            .joints
+            .first()
+            .is_some_and(|joint| joint.phase == phase)
+    }
+}
+
+fn result(handle: &Handle, id: u64) -> MoveResult {
+    let of = |snapshot: &Snapshot| snapshot.moves.iter().find(|m| m.id == id).cloned();
+    let snapshot = wait(handle, "the move ends", |snapshot| of(snapshot).is_some());
+    of(&snapshot).expect("it was just there")
+}
+
+/// No jump and no limit exceeded between any two setpoints that were sent one after the other.
+fn check(sent: &[Received], snapshot: &Snapshot) {
+    let [velocity, acceleration, jerk] = snapshot.joints[0].limits;
+    let allowed = CORRECTION_OVERSHOOT + 1e-9;
+    for pair in sent
+        .windows(2)
+        .filter(|pair| pair[1].seq == pair[0].seq + 1)
+    {
+        let [before, now] = [pair[0], pair[1]];
+        assert!(now.velocity.abs() <= velocity * allowed, "{pair:?}");
+        assert!(now.acceleration.abs() <= acceleration * allowed, "{pair:?}");
+        let change = (now.acceleration - before.acceleration) / PERIOD;
+        // Rounding of accelerations over a tick of 1 ms.
+        assert!(
+            change.abs() <= jerk * allowed + 1e-6,
+            "jerk {change}: {pair:?}"
+        );
+        let mean = 0.5 * (before.velocity + now.velocity);
+        let jump = now.position - before.position - PERIOD * mean;
+        let bound = allowed * jerk * PERIOD.powi(3) / 6.0 + 1e-14;
+        assert!(
+            jump.abs() <= bound,
+            "the position jumps by {jump}: {pair:?}"
+        );
+    }
+}
+
+fn udp(data: &std::path::Path) -> (Service, Handle, UdpRobot) {
+    let service = start(config(RobotKind::Udp, data)).expect("a service");
+    let address = service.udp_address().expect("a UDP link");
+    let robot = UdpRobot::start(address, PERIOD);
+    let handle = service.handle();
+    wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
+    (service, handle, robot)
+}
+
+#[test]
+fn the_embedded_arm_learns_and_the_next_start_remembers() {
+    let data = tempfile::tempdir().expect("a folder");
+    let service = start(config(RobotKind::Embedded, data.path())).expect("a service");
+    let handle = service.handle();
+    wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
+    let wrong = ModeValue {
+        frequency_hz: 10.15,
+        damping_ratio: 0.084,
+    };
+    let change = ShapingChange {
+        mode: Some(wrong),
+        ..ShapingChange::default()
+    };
+    assert_eq!(
+        ask(&handle, Request::Shaping(change)),
+        Ok(Accepted::Changed)
+    );
+    let unshaped = go(&handle, 0.5, Some("none"));
+    let unshaped = result(&handle, unshaped);
+    let learning = go(&handle, 0.0, None);
+    result(&handle, learning);
+    let next = go(&handle, 0.5, None);
+    let next = result(&handle, next);
+    assert!(!unshaped.shaped && next.shaped && next.adaptive);
+    let [all, left] = [&unshaped, &next].map(|m| m.residual_rad.expect("measured"));
+    assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
+    // What the plan would have left unshaped agrees with what such a move did leave; the servo (30 Hz)
+    // passes 8 Hz within a fifth.
+    let forecast = next.unshaped_rad.expect("a forecast");
+    assert!(
+        (forecast / all - 1.0).abs() < 0.2,
+        "{forecast:e} for {all:e}"
+    );
+    let learned = handle.snapshot().joints[0].mode.expect("a mode");
+    assert!(
+        (learned.frequency_hz / 8.12 - 1.0).abs() < 0.02,
+        "{learned:?}"
+    );
+
+    // As after a kill: the state is on disk before anybody asks for it.
+    let kept = tempfile::tempdir().expect("a folder");
+    std::fs::copy(
+        data.path().join("state.json"),
+        kept.path().join("state.json"),
+    )
+    .expect("state");
+    service.stop();
+    let again = start(config(RobotKind::Embedded, kept.path())).expect("a service");
+    let snapshot = wait(&again.handle(), "it runs", phase_is(Phase::Rest));
+    assert_eq!(snapshot.joints[0].mode, Some(learned));
+}
+
+#[test]
+fn a_robot_over_udp_is_commanded_without_a_jump() {
+    let data = tempfile::tempdir().expect("a folder");
+    let (service, handle, robot) = udp(data.path());
+    let unshaped = go(&handle, 0.5, Some("none"));
+    let all = result(&handle, unshaped).residual_rad.expect("measured");
+    for target in [0.0, 0.5] {
+        let id = go(&handle, target, None);
+        let moved = result(&handle, id);
+        assert_eq!(moved.target_rad, target);
+        assert_eq!(robot.last().map(|last| last.position), Some(target));
+    }
+    let last = handle.snapshot().moves.last().cloned().expect("a move");
+    let left = last.residual_rad.expect("measured");
+    assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
+
+    // Another target in mid-move, then a stop.
+    let interrupted = go(&handle, -0.5, None);
+    wait(&handle, "it moves", |snapshot| {
+        snapshot.joints[0].command_rad_s < -0.5
+    });
+    let next = go(&handle, 0.8, None);
+    assert!(result(&handle, interrupted).interrupted);
+    wait(&handle, "it moves on", |snapshot| {
+        snapshot.joints[0].command_rad_s > 0.5
+    });
+    let stopped = ask(&handle, Request::Stop).expect("a stop");
+    assert!(matches!(stopped, Accepted::Stop { duration_s } if duration_s > 0.0));
+    let next = result(&handle, next);
+    assert!(next.interrupted && next.target_rad != 0.8, "{next:?}");
+
+    let snapshot = handle.snapshot();
+    check(&robot.received.lock().expect("no panic"), &snapshot);
+    let link = &snapshot.link;
+    let counted = [
+        link.lost,
+        link.doubled,
+        link.reordered,
+        link.malformed,
+        link.unknown_joint,
+    ];
+    assert!(counted.iter().all(|count| *count > 0), "{link:?}");
+    assert!(snapshot.tick.ticks > 1000 && snapshot.tick.records_lost == 0);
+
+    // The end of the service in mid-move is a stop, too.
+    wait(&handle, "it rests", phase_is(Phase::Rest));
+    go(&handle, -0.8, None);
+    wait(&handle, "it moves", |snapshot| {
+        snapshot.joints[0].command_rad_s < -0.5
+    });
+    service.stop();
+    std::thread::sleep(Duration::from_millis(20));
+    let end = robot.last().expect("setpoints");
+    assert!(
+        end.velocity == 0.0 && end.acceleration == 0.0 && end.position > -0.8,
+        "{end:?}"
+    );
+    check(&robot.received.lock().expect("no panic"), &snapshot);
+}
+
+#[test]
+fn a_robot_that_falls_silent_is_stopped() {
+    let data = tempfile::tempdir().expect("a folder");
+    let (_service, handle, robot) = udp(data.path());
+    let id = go(&handle, 1.5, None);
+    std::thread::sleep(Duration::from_millis(100));
+    robot.be_silent(true);
+    let stopped = |snapshot: &Snapshot| snapshot.joints[0].watchdog == WatchdogState::Stopped;
+    let snapshot = wait(&handle, "the watchdog", stopped);
+    assert!(snapshot.joints[0].adaptation_frozen);
+    wait(&handle, "it rests", phase_is(Phase::Rest));
+    assert!(result(&handle, id).interrupted);
+    robot.be_silent(false);
+    wait(&handle, "it is heard again", |snapshot| {
+        snapshot.joints[0].watchdog == WatchdogState::Fine && !snapshot.joints[0].adaptation_frozen
+    });
+    check(
+        &robot.received.lock().expect("no panic"),
+        &handle.snapshot(),
+    );
+    let id = go(&handle, 0.0, None);
+    assert_eq!(result(&handle, id).target_rad, 0.0);
+}
+
+#[test]
+fn requests_that_make_no_sense_change_nothing() {
+    let data = tempfile::tempdir().expect("a folder");
+    let service = start(config(RobotKind::Embedded, data.path())).expect("a service");
+    let handle = service.handle();
+    wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
+    let to = |joint: &str, target: f64, shaper: Option<&str>| {
+        let request = Request::Move {
+            joint: joint.into(),
+            target,
+            shaper: shaper.map(Into::into),
+        };
+        ask(&handle, request).expect_err("refused").to_string()
+    };
+    assert!(to("elbow", 0.0, None).contains("joint_1"));
+    assert!(to("joint_1", f64::NAN, None).contains("NaN"));
+    assert!(to("joint_1", 7.0, None).contains('7'));
+    assert!(to("joint_1", 0.5, Some("zzz")).contains("zvd"));
+    let nothing = ask(&handle, Request::Shaping(ShapingChange::default()));
+    assert_eq!(nothing, Err(ServiceError::Nothing));
+    assert!(ask(&handle, Request::Payload { mass: -1.0 }).is_err());
+    assert_eq!(handle.snapshot().joints[0].move_id, 0);
+}
