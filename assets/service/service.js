@@ -140,7 +140,7 @@ function showControls(now) {
 }
 
 function showPayload() {
-  $("payload-value").textContent = `${Number($("payload").value).toFixed(2)} kg`;
+  $("payload-value").textContent = `${$("payload").value} kg`;
 }
 
 /** What is wrong now, or nothing. */
