@@ -3,6 +3,7 @@
 
 const WINDOW = 12; // s that are shown
 const DEG = 180 / Math.PI;
+const VAGUE = 0.1; // an estimate whose standard deviation is a larger share of it is none to show
 
 /** The last seconds of one joint, a column a quantity; what is not known is null. */
 class Trace {
@@ -19,7 +20,7 @@ class Trace {
     // The service has begun anew: its clock counts from zero.
     if (t.length && frame.time_s < t[t.length - 1]) this.clear();
     const { frequency_hz: frequency, frequency_std_hz: std } = frame;
-    const known = frequency !== null && std !== null;
+    const known = frequency !== null && std !== null && std < VAGUE * frequency;
     const row = {
       t: frame.time_s,
       planned: frame.planned_rad * DEG,
@@ -27,7 +28,7 @@ class Trace {
       motor: frame.motor_rad === null ? null : frame.motor_rad * DEG,
       angle: frame.deformation_rad === null ? null : frame.deformation_rad * 1e3,
       tip: frame.tip_deformation_m === null ? null : frame.tip_deformation_m * 1e3,
-      frequency,
+      frequency: known ? frequency : null,
       low: known ? frequency - 2 * std : null,
       high: known ? frequency + 2 * std : null,
     };
@@ -47,8 +48,8 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 
 /** A chart over the last seconds that follows its box and the colour scheme. */
 class Live {
-  constructor(box, series, { least = 0, bands = [], level = () => null } = {}) {
-    Object.assign(this, { box, series, least, bands, level, data: null });
+  constructor(box, series, { least = 0, bands = [], level = () => null, levelName = "" } = {}) {
+    Object.assign(this, { box, series, least, bands, level, levelName, data: null });
     new ResizeObserver(() => this.plot && this.plot.setSize(this.size())).observe(box);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.build());
     this.build();
@@ -91,6 +92,13 @@ class Live {
       entry.append(swatch, name);
       legend.append(entry);
     }
+    if (this.levelName) {
+      const entry = document.createElement("span");
+      const dash = document.createElement("span");
+      dash.className = "dash";
+      entry.append(dash, this.levelName);
+      legend.append(entry);
+    }
     return legend;
   }
 
@@ -124,6 +132,22 @@ class Live {
   }
 }
 
+/** The impulses of a train. Each is split over neighbouring ticks, which belong together here. */
+function impulses({ times_s, amplitudes }, period) {
+  const found = [];
+  times_s.forEach((t, k) => {
+    const last = found[found.length - 1];
+    if (last && t - last.end < 1.5 * period) {
+      last.moment += t * amplitudes[k];
+      last.amplitude += amplitudes[k];
+      last.end = t;
+    } else {
+      found.push({ moment: t * amplitudes[k], amplitude: amplitudes[k], end: t });
+    }
+  });
+  return found.map(({ moment, amplitude }) => ({ time: moment / amplitude, amplitude }));
+}
+
 /** The impulses as stems in a drawing that scales with its box. */
 function drawTrain(box, train) {
   const [width, height, pad] = [400, 170, 34];
@@ -133,16 +157,15 @@ function drawTrain(box, train) {
     element.textContent = text;
     return element;
   };
-  const last = Math.max(...train.times_s, 1e-3);
-  const most = Math.max(...train.amplitudes.map(Math.abs), 1e-9);
-  const floor = train.amplitudes.some((a) => a < 0) ? height / 2 : height - pad;
+  const last = Math.max(...train.map((one) => one.time), 1e-3);
+  const most = Math.max(...train.map((one) => Math.abs(one.amplitude)), 1e-9);
+  const floor = train.some((one) => one.amplitude < 0) ? height / 2 : height - pad;
   const x = (t) => pad + (t / last) * (width - 2 * pad);
   const y = (a) => floor - (a / most) * (floor - 20);
-  const words = train.times_s.map((t, k) => `${train.amplitudes[k].toFixed(3)} at ${(1e3 * t).toFixed(1)} ms`);
+  const words = train.map(({ time, amplitude }) => `${amplitude.toFixed(3)} at ${(1e3 * time).toFixed(1)} ms`);
   const svg = make("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `Impulses: ${words.join(", ")}` });
   svg.append(make("line", { class: "base", x1: 0, x2: width, y1: floor, y2: floor }));
-  train.times_s.forEach((t, k) => {
-    const a = train.amplitudes[k];
+  train.forEach(({ time: t, amplitude: a }) => {
     svg.append(
       make("line", { x1: x(t), x2: x(t), y1: floor, y2: y(a) }),
       make("circle", { cx: x(t), cy: y(a), r: 4 }),

@@ -23,8 +23,11 @@ function element(kind, text = "", attributes = {}) {
   return made;
 }
 
-/** Four significant digits at most. */
+/** A few significant digits; what is not known is a dash. */
 const number = (value, digits = 3) => (value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits))));
+
+/** An angle, rad, in degrees to a thousandth, so that rounding does not show. */
+const degrees = (angle) => String(Math.round(angle * DEG * 1e3) / 1e3 + 0);
 
 async function ask(path, body) {
   const headers = token.get() ? { Authorization: `Bearer ${token.get()}` } : {};
@@ -120,15 +123,14 @@ function showState() {
   const train = JSON.stringify(now.train);
   if ($("train").dataset.shown !== train && now.train.times_s.length) {
     $("train").dataset.shown = train;
-    drawTrain($("train"), now.train);
+    drawTrain($("train"), impulses(now.train, 1 / state.tick.rate_hz));
   }
   showHealth(now);
 }
 
 function showControls(now) {
   if (Date.now() - asked < STALE) return;
-  const degrees = now.range_rad.map((limit) => number(limit * DEG, 5));
-  $("range").textContent = `from ${degrees[0]} to ${degrees[1]}`;
+  $("range").textContent = `from ${now.range_rad.map(degrees).join(" to ")}`;
   $("shaping").checked = now.shaping;
   $("adaptation").checked = now.adaptation;
   if (document.activeElement !== $("shaper")) $("shaper").value = now.shaper;
@@ -170,10 +172,10 @@ function showFigures(now) {
   const last = state.moves.filter((move) => move.joint === now.name && move.unshaped_rad && move.residual_rad !== null).pop();
   const share = last && last.shaped ? number((100 * last.residual_rad) / last.unshaped_rad, 2) : null;
   $("figures").replaceChildren(
-    figure("position", number(now.command_rad * DEG, 4), "deg", `target ${number(now.target_rad * DEG, 4)} deg`),
+    figure("position", degrees(now.command_rad), "deg", `target ${degrees(now.target_rad)} deg`),
     figure("estimated frequency", estimate ? number(estimate.frequency_hz, 4) : "–", "Hz", [word, truth].filter(Boolean).join("; ")),
     figure("damping ratio", estimate ? number(estimate.damping_ratio) : "–", "", estimate ? `± ${number(estimate.damping_ratio_std, 2)}` : ""),
-    figure("shaped for", mode ? number(mode.frequency_hz, 4) : "–", "Hz", `${now.retunes} trains learned`),
+    figure("shaped for", mode ? number(mode.frequency_hz, 4) : "–", "Hz", `trains learned: ${now.retunes}`),
     figure("last move left", share ?? "–", "%", "of the vibration without shaping"),
   );
 }
@@ -191,14 +193,14 @@ function showBars(now) {
   const most = Math.max(...values.filter((value) => value !== null), 1e-12);
   $("bars").replaceChildren(...moves.flatMap((move) => {
     const words = [move.shaper === "none" ? "unshaped" : move.shaper.toUpperCase().replaceAll("_", " "), move.shaped && move.adaptive ? "adaptive" : "", move.payload_kg ? `${number(move.payload_kg)} kg` : "", move.interrupted ? "interrupted" : ""];
-    const name = element("div", `${number(move.from_rad * DEG)}° to ${number(move.target_rad * DEG)}°`, { class: "name" });
+    const name = element("div", `${degrees(move.from_rad)}° to ${degrees(move.target_rad)}°`, { class: "name" });
     name.append(element("small", words.filter(Boolean).join(", ")));
     const track = element("div", "", { class: "track" });
     const bar = (value, kind, note) => {
       const row = element("div", "", { class: "bar" });
       const colour = element("i", "", { class: kind });
       colour.style.width = `${(72 * (value ?? 0)) / most}%`;
-      row.append(colour, element("span", value === null ? "not measured" : `${number(1e3 * value)} ${unit}${note}`));
+      row.append(colour, element("span", value === null ? "not measured" : `${number(1e3 * value, 2)} ${unit}${note}`));
       track.append(row);
     };
     const [left, without] = [of(move, "residual"), of(move, "unshaped")];
@@ -226,6 +228,7 @@ const charts = {
     least: 0.5,
     bands: [[2, 3, "c3"]],
     level: () => state?.joints[joint]?.true_mode?.frequency_hz ?? null,
+    levelName: "truth, where the arm is simulated",
   }),
 };
 
@@ -245,11 +248,11 @@ function draw() {
 
 // --- what the service is asked for ---
 
-function move(degrees) {
+function move(target) {
   const name = state?.joints[joint]?.name;
   if (!name) return;
-  $("target").value = number(degrees, 6);
-  command("/api/move", { joint: name, target_deg: degrees }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
+  $("target").value = number(target, 6);
+  command("/api/move", { joint: name, target_deg: target }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
 }
 
 function stop() {
@@ -308,7 +311,7 @@ async function listRecordings() {
     const what = element("td", `${entry.joint}, ${new Date(1e3 * entry.unix_time_s).toLocaleString()}`);
     what.append(element("small", entry.name));
     const { result } = entry;
-    const left = result?.residual_m != null ? `${number(1e3 * result.residual_m)} mm` : result?.residual_rad != null ? `${number(1e3 * result.residual_rad)} mrad` : "–";
+    const left = result?.residual_m != null ? `${number(1e3 * result.residual_m, 2)} mm` : result?.residual_rad != null ? `${number(1e3 * result.residual_rad, 2)} mrad` : "–";
     const button = element("button", "Diagnose", { type: "button", "aria-label": `Diagnose ${entry.name}` });
     button.onclick = () => diagnose(entry.name);
     const link = element("a", "Download", { href: withToken(`/api/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });
@@ -346,7 +349,7 @@ function verdict(kind, text) {
   $("diagnosis").hidden = false;
   $("job").hidden = true;
   $("verdict").className = `verdict ${kind}`;
-  $("verdict").textContent = text;
+  $("verdict").replaceChildren(element("span", text));
   $("verdict").hidden = false;
 }
 
