@@ -23,7 +23,7 @@ impl Drop for Process {
 }
 
 /// The first word of the output that begins so.
-fn announced(output: impl std::io::Read, beginning: &str) -> String {
+fn announced(output: impl std::io::Read + Send + 'static, beginning: &str) -> String {
     let mut lines = BufReader::new(output).lines().map_while(Result::ok);
     let word = lines.find_map(|line| {
         let mut words = line.split_whitespace().map(String::from);

@@ -376,7 +376,7 @@ fn ten_thousand_mutated_bodies_are_each_answered() {
 /// A move of half a second from 2 s on, as the engine tells of it.
 fn a_move(id: u64) -> Vec<Batch> {
     let name = Some(format!("move-{id:06}"));
-    let times: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+    let times: Vec<f64> = (0..450).map(|k| 0.01 * f64::from(k)).collect();
     let batch = |(number, times): (usize, &[f64])| Batch {
         number: number as u64 + 1000 * id,
         ticks: times.iter().map(|&time| row(time)).collect(),
@@ -448,9 +448,9 @@ fn moves_are_recorded_whole_and_within_bounds() {
     let list = listed(&mut client, 1);
     assert_eq!(list[0]["name"], "move-000001");
     let recording = Recording::from_path(folder.path().join("move-000001")).unwrap();
-    // A second of rest before it, and what came until it ended.
+    // A second of rest before it and after it.
     let command = recording.channel(Role::CommandPosition).unwrap();
-    assert_eq!((command.time.len(), command.time[0]), (200, 0.0));
+    assert_eq!((command.time.len(), command.time[0]), (300, 0.0));
     let motor = recording.channel(Role::MotorPosition).unwrap();
     assert!(
         (motor.time[0]).abs() < 1e-9,

@@ -19,48 +19,27 @@ const CSS: &str = "text/css; charset=utf-8";
 const JS: &str = "text/javascript; charset=utf-8";
 const SVG: &str = "image/svg+xml";
 
+const PAGE: &str = include_str!("../../../assets/service/index.html");
+const STYLE: &str = include_str!("../../../assets/service/service.css");
+const SCRIPT: &str = include_str!("../../../assets/service/service.js");
+const CHARTS: &str = include_str!("../../../assets/service/charts.js");
+const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
+const ICON: &str = include_str!("../../../assets/service/icon.svg");
+const REPORT_STYLE: &str = include_str!("../../../assets/report.css");
+const UPLOT: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.iife.min.js");
+const UPLOT_STYLE: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.min.css");
+
 /// Path, type and text of each file.
-const FILES: [(&str, &str, &str); 8] = [
-    (
-        "/",
-        HTML,
-        include_str!("../../../assets/service/index.html"),
-    ),
-    (
-        "/service.css",
-        CSS,
-        include_str!("../../../assets/service/service.css"),
-    ),
-    (
-        "/service.js",
-        JS,
-        include_str!("../../../assets/service/service.js"),
-    ),
-    (
-        "/charts.js",
-        JS,
-        include_str!("../../../assets/service/charts.js"),
-    ),
-    (
-        "/icon.svg",
-        SVG,
-        include_str!("../../../assets/service/icon.svg"),
-    ),
-    (
-        "/report.css",
-        CSS,
-        include_str!("../../../assets/report.css"),
-    ),
-    (
-        "/uplot.js",
-        JS,
-        include_str!("../../../assets/uplot-1.6.32/uPlot.iife.min.js"),
-    ),
-    (
-        "/uplot.css",
-        CSS,
-        include_str!("../../../assets/uplot-1.6.32/uPlot.min.css"),
-    ),
+const FILES: [(&str, &str, &str); 9] = [
+    ("/", HTML, PAGE),
+    ("/service.css", CSS, STYLE),
+    ("/service.js", JS, SCRIPT),
+    ("/charts.js", JS, CHARTS),
+    ("/recordings.js", JS, RECORDINGS),
+    ("/icon.svg", SVG, ICON),
+    ("/report.css", CSS, REPORT_STYLE),
+    ("/uplot.js", JS, UPLOT),
+    ("/uplot.css", CSS, UPLOT_STYLE),
 ];
 
 /// Adds the page's files to the routes.

@@ -17,6 +17,8 @@ pub use shelf::{About, Bounds, Entry, Shelf, ShelfError};
 
 /// Rest before a move that is recorded with it, s: the noise is measured there.
 const BEFORE: f64 = 1.0;
+/// Rest after it, s: what still rings tells the damping. Another move ends it at once.
+const AFTER: f64 = 1.0;
 /// The whole as one file in the profile of ROS 2, beside manifest and CSV.
 const MCAP: &str = "recording.mcap";
 /// Requests that may wait.
@@ -106,6 +108,8 @@ struct Running {
     name: String,
     about: About,
     log: Log,
+    /// Time at which it is complete, s on the service's clock.
+    until: f64,
 }
 
 struct Task {
@@ -143,15 +147,18 @@ impl Task {
     async fn take(&mut self, batch: Arc<Batch>) {
         for event in &batch.events {
             if let Event::MoveStarted(start) = event {
+                self.ring_out(|one| one.about.joint == start.joint).await;
                 self.started(start);
             }
         }
         self.running.iter_mut().for_each(|one| one.log.take(&batch));
+        let now = last_time(&batch);
         for event in &batch.events {
             if let Event::MoveEnded(result) = event {
-                self.ended(result).await;
+                self.ended(result, now);
             }
         }
+        self.ring_out(|one| one.until <= now).await;
         let full = |one: &Running| one.id.is_none() && one.log.is_full();
         if self.running.iter().any(full) {
             tracing::warn!("a recording on demand has reached its longest and ends");
@@ -163,15 +170,20 @@ impl Task {
 
     /// Keeps the batch as long as a move could begin that wants it.
     fn remember(&mut self, batch: Arc<Batch>) {
-        let last = |batch: &Batch| batch.ticks.last().map_or(f64::NEG_INFINITY, |row| row.time);
-        let now = last(&batch);
+        let now = last_time(&batch);
         self.before.push_back(batch);
-        while self
-            .before
-            .front()
-            .is_some_and(|first| last(first) < now - BEFORE)
-        {
+        let old = |first: &Arc<Batch>| last_time(first) < now - BEFORE;
+        while self.before.front().is_some_and(old) {
             self.before.pop_front();
+        }
+    }
+
+    /// Keeps the recordings of moves that have ended and are no longer waited for.
+    async fn ring_out(&mut self, over: impl Fn(&Running) -> bool) {
+        let ended = |one: &Running| one.about.result.is_some() && over(one);
+        while let Some(index) = self.running.iter().position(ended) {
+            let running = self.running.remove(index);
+            self.put(running).await;
         }
     }
 
@@ -196,15 +208,16 @@ impl Task {
             name,
             about,
             log,
+            until: f64::INFINITY,
         });
     }
 
-    async fn ended(&mut self, result: &MoveResult) {
-        let ended = |one: &Running| one.id == Some(result.id);
-        if let Some(index) = self.running.iter().position(ended) {
-            let mut running = self.running.remove(index);
+    fn ended(&mut self, result: &MoveResult, now: f64) {
+        let ended = |one: &&mut Running| one.id == Some(result.id);
+        if let Some(running) = self.running.iter_mut().find(ended) {
             running.about.result = Some(result.clone());
-            self.put(running).await;
+            // What interrupted it has a recording of its own.
+            running.until = if result.interrupted { now } else { now + AFTER };
         }
     }
 
@@ -273,4 +286,9 @@ impl Task {
             Err(error) => tracing::error!(%error, "the recorder's work on the disk failed"),
         }
     }
+}
+
+fn last_time(batch: &Batch) -> f64 {
+    let last = batch.ticks.last();
+    last.map_or(f64::NEG_INFINITY, |row| row.time)
 }
