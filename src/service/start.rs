@@ -116,10 +116,10 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         .map(|joint| made(joint, &config, &robot, &state))
         .collect::<Result<_, _>>()?;
     let timeout = config.watchdog.as_secs_f64();
-    let ticks = joints
-        .iter()
-        .enumerate()
-        .map(|(index, joint)| JointTick::new(index, bounds(joint), timeout, joint.adaptation));
+    let ticks = joints.iter().enumerate().map(|(index, joint)| {
+        let registered = robot.sensor.is_some();
+        JointTick::new(index, bounds(joint), timeout, joint.adaptation, registered)
+    });
     let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
     let (handle, ends) = channels(Snapshot {
         version: env!("CARGO_PKG_VERSION"),

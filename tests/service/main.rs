@@ -1,6 +1,8 @@
 //! The service as a whole: moves commanded, learned from, stopped, and remembered.
 
+mod process;
 mod robot;
+mod tick;
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -140,6 +142,10 @@ fn the_embedded_arm_learns_and_the_next_start_remembers() {
     );
     let unshaped = go(&handle, 0.5, Some("none"));
     let unshaped = result(&handle, unshaped);
+    assert!(
+        !unshaped.interrupted && unshaped.target_rad == 0.5,
+        "{unshaped:?}"
+    );
     let learning = go(&handle, 0.0, None);
     result(&handle, learning);
     let next = go(&handle, 0.5, None);

@@ -320,6 +320,7 @@ impl Engine {
                 let start = Setpoint::at_rest(position);
                 let order = ToTick::Begin(index, Box::new(controller));
                 joint.began = self.rings.orders.push(order).is_ok();
+                joint.report = None;
                 (joint.position, joint.mode, joint.retunes) = (start.position, mode, 0);
                 tracing::info!(joint = joint.config.name, position, "commanded from here");
             }

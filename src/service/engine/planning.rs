@@ -99,7 +99,7 @@ fn from_rest(
     }
     Ok(Planned {
         samples: slowed.plan,
-        start: Start::Rest(train),
+        start: Start::Rest(Box::new(train)),
         speed: slowed.speed,
         shaper,
     })

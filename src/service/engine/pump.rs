@@ -6,7 +6,7 @@ use super::{BATCH, Engine, MOVES};
 use crate::service::clock::unix_time;
 use crate::service::contract::{Batch, Event as Told, Measured, Quantity, WatchdogState};
 use crate::service::state::LearnedMode;
-use crate::service::tick::{Event, JointReport, Record, Report};
+use crate::service::tick::{Event, JointReport, Record};
 
 /// Distance of the motor side from a command at rest from which, after a silence, it counts as moved by
 /// something else, rad: more than the static error of a servo, less than anybody would call a move.
@@ -24,14 +24,12 @@ impl Engine {
             self.hear(event);
         }
         let mut round = false;
-        while let Ok(report) = self.rings.reports.pop() {
-            match report {
-                Report::Joint(report) => self.believe(report),
-                Report::Whole(whole) => {
-                    self.whole = Some(whole);
-                    round = true;
-                }
-            }
+        while let Ok(report) = self.rings.joints.pop() {
+            self.believe(report);
+        }
+        while let Ok(whole) = self.rings.whole.pop() {
+            self.whole = Some(whole);
+            round = true;
         }
         for index in 0..self.joints.len() {
             self.look_after(index, now);
@@ -147,8 +145,9 @@ impl Engine {
             }
             return;
         }
-        let silent =
-            joint.report.as_ref().map(|report| report.watchdog) == Some(WatchdogState::Silent);
+        // A report from before the joint was commanded says nothing of how it is now.
+        let report = joint.report.as_ref().filter(|report| report.axis.is_some());
+        let silent = report.is_some_and(|report| report.watchdog == WatchdogState::Silent);
         if silent && self.config.watchdog_stops && !joint.stopped_by_watchdog {
             joint.stopped_by_watchdog = true;
             tracing::warn!(joint = joint.config.name, "no measurement: stopped");

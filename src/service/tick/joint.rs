@@ -22,6 +22,8 @@ pub struct JointTick {
     sent: Setpoint,
     motion: CommandedMotion,
     adaptive: bool,
+    /// Whether the frame of the sensor of the tip is known: until then it says nothing.
+    registered: bool,
     frozen: bool,
     heard: f64,
     timeout: f64,
@@ -34,8 +36,15 @@ pub struct JointTick {
 }
 
 impl JointTick {
-    /// A joint that is not commanded yet; `timeout` (s) is the watchdog's.
-    pub fn new(index: usize, bounds: Bounds, timeout: f64, adaptive: bool) -> Self {
+    /// A joint that is not commanded yet. `timeout` (s) is the watchdog's; `registered` says whether
+    /// the frame of the sensor of the tip is known.
+    pub fn new(
+        index: usize,
+        bounds: Bounds,
+        timeout: f64,
+        adaptive: bool,
+        registered: bool,
+    ) -> Self {
         Self {
             index,
             controller: None,
@@ -45,6 +54,7 @@ impl JointTick {
             sent: Setpoint::default(),
             motion: CommandedMotion::default(),
             adaptive,
+            registered,
             frozen: false,
             heard: f64::NEG_INFINITY,
             timeout,
@@ -80,6 +90,7 @@ impl JointTick {
         let controller = self.controller.as_deref_mut()?;
         // Plain numbers: a copy does not allocate.
         *sensor = controller.replace_sensor(0, (*sensor).clone())?;
+        self.registered = true;
         Some(Event::Sensor(sensor))
     }
 
@@ -106,6 +117,9 @@ impl JointTick {
             Some(measurement) if !measured.refused => measurement,
             _ => return,
         };
+        if measured.quantity == Quantity::TipPosition && !self.registered {
+            return;
+        }
         if self.inbox.len() < self.inbox.capacity() {
             self.inbox.push(AxisMeasurement {
                 axis: 0,

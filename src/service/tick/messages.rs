@@ -53,7 +53,7 @@ pub struct Plan {
 /// When a plan begins.
 pub enum Start {
     /// As soon as the joint rests, with this train in force.
-    Rest(Train),
+    Rest(Box<Train>),
     /// In motion, with exactly this tick.
     Tick(u64),
 }
@@ -125,16 +125,7 @@ pub struct Taken {
     pub time: f64,
 }
 
-/// Tick to engine, some 20 times a second: the state.
-#[derive(Clone)]
-pub enum Report {
-    /// One joint.
-    Joint(JointReport),
-    /// Tick and link; the last of a round.
-    Whole(WholeReport),
-}
-
-/// Tick and link.
+/// Tick to engine, some 20 times a second: tick and link.
 #[derive(Clone)]
 pub struct WholeReport {
     /// Number of the next tick.
@@ -147,7 +138,7 @@ pub struct WholeReport {
     pub link: LinkCounters,
 }
 
-/// One joint at the tick.
+/// Tick to engine, some 20 times a second: one joint.
 #[derive(Clone)]
 pub struct JointReport {
     /// The joint.

@@ -11,13 +11,13 @@
 mod joint;
 mod lateness;
 mod messages;
-mod real_time;
+pub mod real_time;
 mod thread;
 
 pub use joint::JointTick;
 pub use lateness::Histogram;
 pub use messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, Record, Report, Start, Taken, ToTick, Train,
+    AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Train,
     TrainOrder, WholeReport,
 };
 pub use thread::{TickThread, TickThreadSettings};
@@ -44,15 +44,18 @@ pub struct EngineRings {
     pub events: Consumer<Event>,
     /// What was commanded and measured.
     pub records: Consumer<Record>,
-    /// The state, now and then.
-    pub reports: Consumer<Report>,
+    /// The joints, now and then.
+    pub joints: Consumer<JointReport>,
+    /// Tick and link, after the joints of the same round.
+    pub whole: Consumer<WholeReport>,
 }
 
 struct TickRings {
     orders: Consumer<ToTick>,
     events: Producer<Event>,
     records: Producer<Record>,
-    reports: Producer<Report>,
+    joints: Producer<JointReport>,
+    whole: Producer<WholeReport>,
 }
 
 /// Everything that a tick does, without its clock.
@@ -77,7 +80,8 @@ impl Tick {
         let (orders, tick_orders) = RingBuffer::new(ORDERS);
         let (tick_events, events) = RingBuffer::new(2 * ORDERS);
         let (tick_records, records) = RingBuffer::new(records as usize);
-        let (tick_reports, reports) = RingBuffer::new(ROUNDS * (joints.len() + 1));
+        let (tick_reports, reports) = RingBuffer::new(ROUNDS * joints.len());
+        let (tick_whole, whole) = RingBuffer::new(ROUNDS);
         let tick = Self {
             joints,
             link,
@@ -86,7 +90,8 @@ impl Tick {
                 orders: tick_orders,
                 events: tick_events,
                 records: tick_records,
-                reports: tick_reports,
+                joints: tick_reports,
+                whole: tick_whole,
             },
             period,
             count: 0,
@@ -96,7 +101,8 @@ impl Tick {
             orders,
             events,
             records,
-            reports,
+            joints: reports,
+            whole,
         };
         (tick, engine)
     }
@@ -120,19 +126,19 @@ impl Tick {
     pub fn report(&mut self, now: f64, mut statistics: TickStatistics) {
         statistics.ticks = self.count;
         statistics.records_lost = self.records_lost;
-        if self.rings.reports.slots() <= self.joints.len() {
+        if self.rings.joints.slots() < self.joints.len() || self.rings.whole.is_full() {
             return;
         }
         for joint in &self.joints {
             // There is room: it was looked at above.
-            let _ = self.rings.reports.push(Report::Joint(joint.report(now)));
+            let _ = self.rings.joints.push(joint.report(now));
         }
-        let _ = self.rings.reports.push(Report::Whole(WholeReport {
+        let _ = self.rings.whole.push(WholeReport {
             tick: self.count,
             time: now,
             statistics,
             link: self.link.counters(),
-        }));
+        });
     }
 
     fn take_orders(&mut self, now: f64) {

@@ -1,0 +1,128 @@
+//! The body of the tick: no allocation, whatever is ordered and measured.
+
+use quell::adaptation::AdaptationSettings;
+use quell::controller::{AxisSettings, Controller, PathPolicy, RetunePolicy};
+use quell::estimators::{Settings, estimator};
+use quell::plant::{ArmSimulation, Robot, SimulationOptions};
+use quell::service::contract::TickStatistics;
+use quell::service::guard::Bounds;
+use quell::service::link::EmbeddedLink;
+use quell::service::tick::{
+    EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train, TrainOrder,
+};
+use quell::signal::RestRule;
+use quell_shapers::{Mode, Shaper, shaper_by_name};
+use quell_trajectories::{AxisState, Planner, SampledTrajectory};
+
+const PERIOD: f64 = 0.001;
+
+fn controller(robot: &Robot, shaper: &'static dyn Shaper, belief: Mode) -> Controller {
+    let settings = AxisSettings {
+        sample_time: PERIOD,
+        limits: robot.joints[0].limits,
+        shaper: Some(shaper),
+        belief,
+        adaptive: true,
+        retune: RetunePolicy::InMotion,
+        estimator: estimator("likelihood").expect("an estimator"),
+        estimation: Settings::around(belief, 0.003),
+        adaptation: AdaptationSettings::around(belief),
+        rest: RestRule::new(0.0, robot.encoder.resolution),
+        sensor: robot
+            .deformation_sensor(&robot.home(), 0)
+            .expect("a sensor"),
+        longest_train: 0.5,
+        longest_move: 20.0,
+    };
+    let controller = Controller::new(vec![settings], &[0.0], PathPolicy::Independent);
+    controller.expect("a controller")
+}
+
+fn plan(robot: &Robot, from: f64, to: f64) -> SampledTrajectory {
+    let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
+    let planner = Planner::new(1).expect("a planner");
+    let plan = planner.plan(&ends[..1], &ends[1..], &[robot.joints[0].limits]);
+    plan.expect("a plan").sample(PERIOD).expect("samples")
+}
+
+/// Empties the rings as the engine does; says how many plans were taken and refused.
+fn drain(rings: &mut EngineRings) -> [usize; 2] {
+    let mut counted = [0, 0];
+    while let Ok(event) = rings.events.pop() {
+        match event {
+            Event::Taken(_) => counted[0] += 1,
+            Event::NotTaken(..) => counted[1] += 1,
+            _ => {}
+        }
+    }
+    while rings.records.pop().is_ok() {}
+    while rings.joints.pop().is_ok() {}
+    while rings.whole.pop().is_ok() {}
+    counted
+}
+
+#[test]
+fn twenty_thousand_ticks_with_orders_do_not_allocate() {
+    let robot = Robot::rx170();
+    let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default()).expect("an arm");
+    let loads = [0.0, 40.0].map(|payload| arm.load(payload).expect("a load"));
+    let bounds = Bounds {
+        velocity: robot.joints[0].limits.velocity,
+        jerk: robot.joints[0].limits.jerk,
+        radius: arm.arc().radius(),
+        deformation: f64::MAX,
+        resolution: robot.encoder.resolution,
+    };
+    let joint = JointTick::new(0, bounds, 0.2, true, true);
+    let link = Box::new(EmbeddedLink::new(arm, PERIOD));
+    let (mut tick, mut rings) = Tick::new(vec![joint], link, PERIOD);
+    let zvd = shaper_by_name("zvd").expect("a shaper");
+    let belief = Mode::from_hertz(10.15, 0.084).expect("a mode");
+    let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, belief)));
+    assert!(rings.orders.push(begin).is_ok());
+    let (mut allocations, mut counted) = (0, [0, 0]);
+    for k in 0..20_000u64 {
+        // Each second: a load, a train that may be out of date, and a plan from where the last ended.
+        if k % 2000 == 500 {
+            let mode = Mode::from_hertz(9.0, 0.08).expect("a mode");
+            let train = Train {
+                shaper: Some(zvd),
+                mode,
+                train: zvd.on_grid(mode, PERIOD).expect("a train"),
+                retunes: 0,
+            };
+            let index = (k / 2000) as usize;
+            let order = Box::new(TrainOrder {
+                joint: 0,
+                train: train.clone(),
+            });
+            let from = if index.is_multiple_of(2) { 0.0 } else { 0.5 };
+            let plan = Plan {
+                joint: 0,
+                id: k,
+                ticket: k,
+                samples: Some(plan(&robot, from, 0.5 - from)),
+                start: Start::Rest(Box::new(train)),
+            };
+            let orders = [
+                ToTick::Carry(loads[index % 2].clone()),
+                ToTick::Train(order),
+                ToTick::Plan(Box::new(plan)),
+            ];
+            for order in orders {
+                assert!(rings.orders.push(order).is_ok());
+            }
+        }
+        let now = k as f64 * PERIOD;
+        let measured = allocation_counter::measure(|| {
+            tick.run(now);
+            tick.report(now, TickStatistics::default());
+        });
+        allocations += measured.count_total;
+        let [taken, refused] = drain(&mut rings);
+        counted = [counted[0] + taken, counted[1] + refused];
+    }
+    assert_eq!(allocations, 0);
+    // The first is taken; once an estimate has changed the train, those made before it are not.
+    assert!(counted[0] >= 1 && counted[1] >= 1, "{counted:?}");
+}
