@@ -21,7 +21,7 @@ pub fn page(file: &McapFile) -> String {
     };
     let rows: Vec<_> = joints.iter().flat_map(of).collect();
     let roles = match rows.is_empty() {
-        true => "No topic is known to have a role: name topics and fields in a manifest.\n".into(),
+        true => fields(file),
         false => output::table(["joint", "role", "topic", "field"], rows),
     };
     let remarks: String = file.remarks().iter().map(|r| format!("- {r}\n")).collect();
@@ -33,6 +33,13 @@ pub fn page(file: &McapFile) -> String {
         _ => String::new(),
     };
     format!("{topics}\n{roles}{several}{remarks}\n")
+}
+
+/// What a manifest can name, where no topic says its role.
+fn fields(file: &McapFile) -> String {
+    let line = |topic: &Topic| format!("  {}: {}\n", topic.name, topic.fields().join(", "));
+    let lines: String = file.topics().iter().map(line).collect();
+    format!("No topic is known to have a role. A manifest can name these fields:\n{lines}")
 }
 
 fn topic_row(topic: &Topic) -> [String; 4] {
@@ -55,6 +62,7 @@ pub fn document(file: &McapFile) -> Map<String, Value> {
             "messages": topic.messages,
             "rate_hz": topic.rate_hz(),
             "names": topic.names,
+            "fields": topic.fields(),
         })
     });
     let joints = file.joints().into_iter().map(|joint| {

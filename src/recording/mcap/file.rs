@@ -3,7 +3,7 @@
 use super::definition::Layout;
 use super::record::{Message, Record};
 use super::records::{Broken, Cut, visit};
-use super::series::{Series, series};
+use super::series::{Clock, Series, series};
 use super::value::Path as Field;
 use crate::recording::error::{Place, Problem, RecordingError};
 use crate::recording::table::from_io;
@@ -54,7 +54,7 @@ impl McapFile {
             return Err(Problem::Empty.in_file(path));
         }
         let mut index = Index::default();
-        let cut = visit(&bytes, |record, _| index.take(record));
+        let cut = visit(&bytes, |record| index.take(record));
         let cut = cut.map_err(|broken| at_byte(path, broken, None))?;
         let file = Self {
             path: path.into(),
@@ -124,13 +124,11 @@ impl McapFile {
             .iter()
             .map(|field| Field::parse(field, layout).map_err(|reason| refuse(Some(field), reason)));
         let paths: Vec<_> = paths.collect::<Result<_, _>>()?;
-        let found = series(self, topic, layout, &paths, time);
+        let clock = Clock::parse(time, layout).map_err(|reason| refuse(time, reason))?;
+        let found = series(self, topic, layout, &paths, &clock);
         found.map_err(|(broken, field)| {
-            at_byte(
-                &self.path,
-                broken,
-                Some((topic, field.map(|index| fields[index]))),
-            )
+            let field = field.map(|index| fields[index]);
+            at_byte(&self.path, broken, Some((topic, field)))
         })
     }
 
@@ -141,7 +139,7 @@ impl McapFile {
         mut take: impl FnMut(&Message) -> Result<(), String>,
     ) -> Result<(), Broken> {
         let mut ids = Vec::new();
-        let walk = visit(&self.bytes, |record, _| match record {
+        let walk = visit(&self.bytes, |record| match record {
             Record::Channel {
                 id, topic: name, ..
             } if name == topic => {
@@ -156,6 +154,13 @@ impl McapFile {
 }
 
 impl Topic {
+    /// Fields of its messages that hold numbers, `[]` where they hold many; empty where they cannot be read.
+    pub fn fields(&self) -> Vec<String> {
+        self.layout
+            .as_ref()
+            .map_or_else(|_| Vec::new(), Layout::numbers)
+    }
+
     /// Messages a second of log time.
     pub fn rate_hz(&self) -> Option<f64> {
         let [first, last] = self.logged?;

@@ -62,14 +62,14 @@ impl<'a> Iterator for Steps<'a> {
     }
 }
 
-/// Calls `visit` with every schema, channel and message and the byte where it stands: in a chunk, where the
-/// chunk begins. Tells where the file is cut, if it is.
+/// Calls `visit` with every schema, channel and message. Tells where the file is cut, if it is.
 ///
 /// # Errors
-/// [`Broken`] where the bytes are damaged, and what `visit` says.
+/// [`Broken`] where the bytes are damaged, and what `visit` says, with the byte of the record: in a chunk, where
+/// the chunk begins.
 pub(super) fn visit(
     file: &[u8],
-    mut visit: impl FnMut(Record, usize) -> Result<(), String>,
+    mut visit: impl FnMut(Record) -> Result<(), String>,
 ) -> Result<Option<Cut>, Broken> {
     let cut = |at| Cut {
         at,
@@ -108,7 +108,7 @@ fn chunk(
     body: &[u8],
     at: usize,
     is_cut: bool,
-    visit: &mut impl FnMut(Record, usize) -> Result<(), String>,
+    visit: &mut impl FnMut(Record) -> Result<(), String>,
 ) -> Result<(), Broken> {
     let Some(chunk) = Chunk::parse(body, is_cut) else {
         return match is_cut {
@@ -135,7 +135,7 @@ fn record(
     code: u8,
     body: &[u8],
     at: usize,
-    visit: &mut impl FnMut(Record, usize) -> Result<(), String>,
+    visit: &mut impl FnMut(Record) -> Result<(), String>,
 ) -> Result<(), Broken> {
     match code {
         0 => Err(broken(at, "there is no record")),
@@ -143,7 +143,7 @@ fn record(
             let record = Record::parse(code, body);
             let record =
                 record.ok_or_else(|| broken(at, "a record does not hold what it should"))?;
-            visit(record, at).map_err(|reason| broken(at, reason))
+            visit(record).map_err(|reason| broken(at, reason))
         }
         _ => Ok(()),
     }

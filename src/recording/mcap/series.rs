@@ -19,7 +19,8 @@ pub(super) struct Series {
 }
 
 /// What stamps a message.
-enum Clock {
+#[derive(Debug)]
+pub(super) enum Clock {
     /// Seconds and nanoseconds of a field.
     Field(Path, Path),
     Log,
@@ -28,7 +29,7 @@ enum Clock {
 
 impl Clock {
     /// `log_time`, `publish_time` or the name of a field; by default the header's stamp where there is one.
-    fn parse(time: Option<&str>, layout: &Layout) -> Result<Self, String> {
+    pub(super) fn parse(time: Option<&str>, layout: &Layout) -> Result<Self, String> {
         let field = |name: &str| -> Result<Self, String> {
             let path = |part| Path::parse(&format!("{name}.{part}"), layout);
             Ok(Self::Field(path("sec")?, path("nanosec")?))
@@ -71,10 +72,8 @@ pub(super) fn series(
     topic: &str,
     layout: &Layout,
     fields: &[Path],
-    time: Option<&str>,
+    clock: &Clock,
 ) -> Result<Series, Unread> {
-    let whole = |reason| (Broken { byte: 0, reason }, None);
-    let clock = Clock::parse(time, layout).map_err(whole)?;
     let mut wanted: Vec<_> = fields.iter().flat_map(Path::roots).collect();
     wanted.extend(clock.roots());
     let mut series = Series {
@@ -83,20 +82,12 @@ pub(super) fn series(
     };
     let (mut logs, mut at_field) = (Vec::new(), None);
     let walk = file.messages(topic, |message| {
+        at_field = None;
         let value = value::message(layout, message.data, &wanted);
         let value = value.map_err(|d| format!("byte {} of a message: {}", d.offset, d.what))?;
-        let mut row = Vec::with_capacity(fields.len());
-        for (index, field) in fields.iter().enumerate() {
-            at_field = Some(index);
-            match field.pick(&value)? {
-                Some(number) if !number.is_finite() => {
-                    return Err(format!("{number} is not a finite number"));
-                }
-                Some(number) => row.push(number),
-                None => return Ok(()),
-            }
-        }
-        at_field = None;
+        let Some(row) = row(fields, &value, &mut at_field)? else {
+            return Ok(());
+        };
         series.stamps.push(clock.stamp(message, &value)?);
         logs.push(i64::try_from(message.log_time).unwrap_or(i64::MAX));
         for (column, number) in series.columns.iter_mut().zip(row) {
@@ -107,6 +98,29 @@ pub(super) fn series(
     walk.map_err(|broken| (broken, at_field))?;
     series.onto_the_files_clock(topic, &logs);
     Ok(series)
+}
+
+/// The numbers of a message, none where it does not have an element of that name; `at_field` is the field in
+/// which something is wrong.
+fn row(
+    fields: &[Path],
+    value: &Value,
+    at_field: &mut Option<usize>,
+) -> Result<Option<Vec<f64>>, String> {
+    let mut row = Vec::with_capacity(fields.len());
+    for (index, field) in fields.iter().enumerate() {
+        *at_field = Some(index);
+        match field.pick(value)? {
+            Some(number) if number.is_finite() => row.push(number),
+            Some(number) => return Err(format!("{number} is not a finite number")),
+            None => {
+                *at_field = None;
+                return Ok(None);
+            }
+        }
+    }
+    *at_field = None;
+    Ok(Some(row))
 }
 
 impl Series {

@@ -1,0 +1,149 @@
+//! Files that are cut, changed, or never finished.
+
+use super::{ORIGIN, save, whole, write};
+use proptest::prelude::*;
+use quell::recording::health::{health, remarks};
+use quell::recording::{McapFile, McapWriter, Recording, Role};
+use std::sync::OnceLock;
+use tempfile::TempDir;
+
+#[test]
+fn a_file_that_is_cut_is_read_up_to_the_cut() {
+    let folder = TempDir::new().unwrap();
+    let all = Recording::from_path(save(&folder, whole())).unwrap();
+    let full = &all.channel(Role::CommandPosition).unwrap().time;
+    let mut state = 1_u64;
+    for _ in 0..50 {
+        // A step of Knuth's MMIX generator.
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        let cut = (state >> 33) as usize % whole().len();
+        let path = save(&folder, &whole()[..cut]);
+        // What is lost is one chunk, of a quarter of a second.
+        let least = cut as f64 / whole().len() as f64 * 3.0 - 0.3;
+        let part = match Recording::from_path(&path) {
+            Ok(part) => part,
+            Err(error) => {
+                assert!(least < 0.0, "{cut}: {error}");
+                continue;
+            }
+        };
+        let part = &part.channel(Role::CommandPosition).unwrap().time;
+        assert_eq!(part[..], full[..part.len()], "{cut}");
+        assert!(
+            part[part.len() - 1] >= least,
+            "{cut}: {} s",
+            part[part.len() - 1]
+        );
+        // A cut in the index behind the messages costs nothing, and need not be known.
+        if part.len() < full.len() {
+            let file = McapFile::open(&path).unwrap();
+            assert_eq!(file.cut().unwrap().length, cut);
+        }
+    }
+}
+
+#[test]
+fn a_writer_that_is_killed_leaves_what_it_flushed() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("live.mcap");
+    let mut writer = McapWriter::create_at(&path, &["hip"], ORIGIN).unwrap();
+    write(&mut writer, 1500).unwrap();
+    // What another process finds on the disk, nothing finished.
+    let seen = save(&folder, &std::fs::read(&path).unwrap());
+    let time = &Recording::from_path(&seen).unwrap().channels[0].time;
+    assert!(time[time.len() - 1] >= 1.2, "{}", time[time.len() - 1]);
+    writer.flush().unwrap();
+    let seen = save(&folder, &std::fs::read(&path).unwrap());
+    assert_eq!(
+        Recording::from_path(&seen).unwrap().channels[0].time.len(),
+        1500
+    );
+}
+
+#[test]
+fn a_length_that_lies_takes_no_memory() {
+    for place in (8..bare().len().min(6000) - 8).step_by(11) {
+        for lie in [u64::MAX, 0x7fff_ffff, 0x7fff_ffff_7fff_ffff] {
+            let mut bytes = bare().to_vec();
+            bytes[place..place + 8].copy_from_slice(&lie.to_le_bytes());
+            let used = allocation_counter::measure(|| look(&bytes));
+            // A few copies of the file, its numbers and the text of an error.
+            let most = 64 * bytes.len() as u64;
+            assert!(
+                used.bytes_max < most,
+                "byte {place}: {} of {most}",
+                used.bytes_max
+            );
+        }
+    }
+}
+
+/// A file without compression and sums, so that changed bytes reach definitions and messages.
+fn bare() -> &'static [u8] {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    BYTES.get_or_init(|| {
+        let options = mcap::WriteOptions::new()
+            .compression(None)
+            .calculate_chunk_crcs(false)
+            .chunk_size(Some(2048));
+        let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
+        for message in mcap::MessageStream::new(whole()).unwrap().take(60) {
+            out.write(&message.unwrap()).unwrap();
+        }
+        out.finish().unwrap();
+        out.into_inner().into_inner()
+    })
+}
+
+/// Reads a file as a recording and looks at it as `quell inspect` does.
+fn look(bytes: &[u8]) {
+    let folder = TempDir::new().unwrap();
+    let path = save(&folder, bytes);
+    let Ok(file) = McapFile::open(&path) else {
+        return;
+    };
+    for joint in file.joints() {
+        if let Ok(recording) = file.recording(Some(&joint)) {
+            for channel in &recording.channels {
+                assert!(channel.time.windows(2).all(|pair| pair[0] < pair[1]));
+                remarks(channel, &health(channel));
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn no_bytes_make_it_panic(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        length in (any::<prop::sample::Index>(), any::<u64>()),
+        cut in any::<prop::sample::Index>(),
+        is_cut: bool,
+        is_bare: bool,
+        noise in proptest::collection::vec(any::<u8>(), 0..99),
+    ) {
+        let mut bytes = match is_bare {
+            true => bare().to_vec(),
+            false => whole()[..20_000.min(whole().len())].to_vec(),
+        };
+        for (place, byte) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = byte;
+        }
+        // A length that is far beyond what is there.
+        let place = length.0.index(bytes.len() - 8);
+        if length.1 % 2 == 0 {
+            bytes[place..place + 8].copy_from_slice(&(u64::MAX >> (length.1 % 33)).to_le_bytes());
+        }
+        if is_cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        look(&bytes);
+        look(&noise);
+        look(&[mcap::MAGIC, &noise].concat());
+    }
+}
