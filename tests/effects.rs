@@ -583,7 +583,7 @@ fn val_forces_by_hand() {
         ("bilinear_stiffness", vec![0.5, 0.3, 0.0], -0.5, 0.0, -0.1),
         ("bilinear_stiffness", vec![0.5, 0.3, 1.0], 0.5, 0.0, 0.2),
         ("bilinear_stiffness", vec![0.5, 0.3, 1.0], -0.5, 0.0, 0.0),
-        ("stiffness_drift", vec![0.1], 0.5, 0.0, 0.1),
+        ("stiffness_drift", vec![0.1, 0.0], 0.5, 0.0, 0.1),
         ("gravity_load", vec![2.0, 0.0], 0.0, 0.0, 2.0),
         ("end_stop", vec![10.0, 1.0, 0.1, 1.0], 0.9, 5.0, 0.0),
         ("end_stop", vec![10.0, 1.0, 0.1, 1.0], 1.5, 1.0, 6.0),
@@ -719,7 +719,10 @@ fn val_sensors_by_hand() {
     for (name, parameters, expected) in [
         ("sensor_gain", vec![0.1], 1.65),
         ("deformation_gain", vec![0.1], 1.55),
-        ("sensor_drift", vec![0.1], 1.7),
+        ("sensor_drift", vec![0.1, 0.0, 0.0], 1.7),
+        ("sensor_drift", vec![0.0, 0.1, 0.0], 1.8),
+        // (1 - exp(-1)) / 0.5 instead of 2.
+        ("sensor_drift", vec![0.1, 0.0, 0.5], 1.626_424_111_765_711_5),
         ("quantisation", vec![0.4], 1.6),
         (
             "misalignment",

@@ -433,6 +433,7 @@ fn scales() -> Scales {
         suspect_frequencies: vec![2.5],
         suspect_orders: vec![30.0],
         forced: false,
+        tracked: false,
         rigid: false,
     }
 }

@@ -262,6 +262,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
         forced: linear.motor == MotorSide::Fixed && !linear.link_is_input,
+        tracked: output.channel == Role::TipPosition,
         rigid: linear.link.is_none(),
     }
 }

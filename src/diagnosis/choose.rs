@@ -1,9 +1,13 @@
 //! Which of explanations that are nearly equal is told, and which are told beside it.
 
 use super::explanation::Explanation;
-use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, Search, Trial, ratio};
+use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
 use crate::effects::{contains, parts};
 use crate::model::Term;
+use crate::recording::Role;
+
+/// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
+const CHANCE: f64 = 6.0;
 
 impl Search<'_> {
     /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
@@ -15,7 +19,22 @@ impl Search<'_> {
                 .filter(|trial| trial.passed)
                 .map(|trial| &trial.explanation)
         };
-        let best = sound().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))?;
+        let lowest =
+            |a: &&Explanation, b: &&Explanation| self.criterion(a).total_cmp(&self.criterion(b));
+        let first = sound().min_by(lowest)?;
+        // A law that must be stretched to the end of what is plausible stands in for another one.
+        let unit = self.unit(first);
+        let level = self.criterion(first) + EQUAL * unit;
+        let within =
+            || sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
+        let mut best = within().min_by(lowest).unwrap_or(first);
+        if self.is_more_of_a_position(best) {
+            // More deformation than there should be is mostly a further mode far above the motion (residual
+            // flexibility: Ewins, Modal Testing (2000), chapter 5), told where the data lean to it at all.
+            let lean = best.fitted.cost - CHANCE * unit;
+            let leaning = within().filter(|other| other.fitted.cost < lean);
+            best = leaning.min_by(lowest).unwrap_or(best);
+        }
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
         let simpler = sound().find(|other| {
             let names = (best.effects(), other.effects());
@@ -26,6 +45,32 @@ impl Search<'_> {
             limit && other.train <= best.train + reach
         });
         Some(simpler.unwrap_or(best).clone())
+    }
+
+    /// Whether a parameter of an effect that was added lies within a thousandth of its range of a bound,
+    /// other than the value at which it does nothing.
+    fn is_stretched(&self, explanation: &Explanation) -> bool {
+        let point = &explanation.fitted.point;
+        point.terms[point.given_terms..].iter().any(|term| {
+            let parameters = term.effect.parameters.iter().zip(&term.values);
+            let mut ends = parameters.map(|(parameter, value)| {
+                let (low, high) = (parameter.bounds)(&self.problem.scales);
+                let near = |bound: f64| (value - bound).abs() < 1e-3 * (high - low);
+                [low, high]
+                    .into_iter()
+                    .any(|bound| bound != parameter.neutral && near(bound))
+            });
+            ends.any(|at_end| at_end)
+        })
+    }
+
+    /// Whether a sensor of positions in space is said to see another share of the deformation.
+    fn is_more_of_a_position(&self, explanation: &Explanation) -> bool {
+        let outputs = &self.problem.experiments[0].outputs;
+        let absolute = outputs
+            .iter()
+            .all(|output| output.role != Role::Deformation);
+        absolute && matches!(explanation.effects()[..], [("deformation_gain", _)])
     }
 
     /// Explanations with as many effects as the best that are within reach of it.
@@ -41,10 +86,10 @@ impl Search<'_> {
                 ([theirs], [own]) => contains(theirs.0, own.0),
                 _ => false,
             };
-            // A law that contains the best one fits as well by itself: it is listed if it predicts better, or
-            // if what it adds is worth its price (it was left out for being within reach of a law's shape).
+            // A law that contains the best one always fits as well: it is listed if what it adds is more than
+            // chance makes.
             let close = match limit {
-                true => worse < EQUAL * unit && held < GATE || worse < 0.0 && held < alike,
+                true => best.fitted.cost - explanation.fitted.cost > CHANCE * unit && held < alike,
                 false => worse < EQUAL * unit && held < alike,
             };
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
@@ -54,6 +99,37 @@ impl Search<'_> {
             }
         }
         equals
+    }
+
+    /// A pair that leaves more than noise, its effects chosen anew: the first was chosen without the second.
+    /// Each turn drops the one that was chosen longest ago; a turn that brings nothing is the last.
+    pub(super) fn exchanged(
+        &self,
+        baseline: &Explanation,
+        mut best: Explanation,
+        pool: &mut Vec<Trial>,
+    ) -> Explanation {
+        for _ in 0..MOST_EFFECTS {
+            let point = &best.fitted.point;
+            if point.terms.len() - point.given_terms < 2 || self.explains(baseline, &best) {
+                break;
+            }
+            let kept = self.refitted(&point.without(point.given_terms));
+            let trials = self.extend(&kept);
+            let next = trials.iter().find(|trial| trial.passed);
+            let next = next.map(|trial| trial.explanation.clone());
+            pool.extend(trials);
+            match next {
+                Some(next)
+                    if self.criterion(&next)
+                        < self.criterion(&best) - STRONG * self.unit(&next) =>
+                {
+                    best = next
+                }
+                _ => break,
+            }
+        }
+        best
     }
 
     /// An explanation whose law acts as two simpler ones together is told as these, where they do as well.

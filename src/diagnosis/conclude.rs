@@ -52,6 +52,7 @@ pub fn conclude(
         candidates: found.trials.iter().filter_map(candidate).collect(),
         remarks,
     };
+    super::scale::tell(search, &mut diagnosis);
     diagnosis.summary = super::summary::summary(&diagnosis, search.judge.data.judged_by);
     diagnosis
 }

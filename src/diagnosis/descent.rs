@@ -79,6 +79,26 @@ impl<'a> Descent<'a> {
         }
     }
 
+    /// The same, given up where a rival is ahead and two steps in a row came nearer to it by so little that
+    /// all that are left would not reach it.
+    pub fn race(&mut self, iterations: usize, rival: f64) {
+        let mut slow = 0;
+        for left in (0..iterations).rev() {
+            let before = self.linear.cost;
+            self.step();
+            let fall = before - self.linear.cost;
+            let behind = self.linear.cost - rival;
+            slow = if fall * left as f64 <= behind {
+                slow + 1
+            } else {
+                0
+            };
+            if self.is_little(fall) || slow == 2 {
+                return;
+            }
+        }
+    }
+
     /// Where it ended.
     pub fn end(self) -> Fitted {
         Fitted {

@@ -22,6 +22,7 @@ mod problem;
 mod quality;
 mod remarks;
 mod run;
+mod scale;
 mod score;
 mod screen;
 mod search;

@@ -10,7 +10,7 @@ use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
 use super::problem::Problem;
 use super::remarks::recorded;
-use super::search::{Found, LONG, Search, Trial, ratio};
+use super::search::{EQUAL, Found, LONG, Search, Trial, ratio};
 use super::traces::Traces;
 use super::weights::{measure_noise, measured_again};
 use crate::model::{Experiment, Model, simulate_windows};
@@ -205,16 +205,18 @@ fn investigate(
     let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, progress);
     let search = search(&problem, &projector, &judge, progress);
     let found = search.run(baseline, trials);
-    if !is_second && data.apart.is_empty() && surprised(&judge, &found) {
+    if !is_second && data.apart.is_empty() && surprised(&search, &found) {
         return Ending::Surprised(problem.scales.period());
     }
     remarks.extend(super::remarks::remarks(&problem, &found));
     let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
-    diagnosis.next_move = next_move(&search, &found, diagnosis.verdict);
-    let told = reported(diagnosis.verdict, &found);
+    let verdict = diagnosis.verdict;
+    diagnosis.next_move =
+        next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));
+    let told = reported(verdict, &found);
     let traces = draw(&search, &found.baseline, told, &located);
     Ending::Told(Box::new(Outcome {
-        model: better_model(model, told),
+        model: super::scale::corrected(better_model(model, told), &diagnosis),
         diagnosis,
         traces,
     }))
@@ -257,7 +259,19 @@ fn search<'a>(
     }
 }
 
-fn surprised(judge: &Judge, found: &Found) -> bool {
+/// Whether what is held out is unlike what was fitted; or what explains the latter best, by far, fails on
+/// the former, as a law of time does that ends or levels off.
+fn surprised(search: &Search, found: &Found) -> bool {
+    let judge = search.judge;
+    let criterion = |trial: &Trial| search.criterion(&trial.explanation);
+    let passed = found.trials.iter().filter(|trial| trial.passed);
+    let believed = passed
+        .map(criterion)
+        .fold(search.criterion(&found.baseline), f64::min);
+    let failed = found.trials.first().map_or(f64::INFINITY, criterion);
+    if failed < believed - EQUAL * found.unit && !search.explains(&found.baseline, &found.best) {
+        return judge.held_out_rows > 0;
+    }
     let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
     let held = per_row(found.best.held_out, judge.held_out_rows);
     let fitted = per_row(found.best.train, judge.train_rows);

@@ -45,6 +45,8 @@ pub const SHAPE: f64 = 0.01;
 const MOST: f64 = 0.5;
 /// Explanations that are carried on.
 const BEAM: usize = 2;
+/// Two predictions whose sums of squares differ by less, fitted and held out, are taken for one.
+const ALIKE: f64 = 0.005;
 
 /// A candidate that was fitted, against the model without it.
 #[derive(Clone)]
@@ -109,10 +111,9 @@ impl Search<'_> {
 
     /// Searches on from the refitted model and the single effects that it may lack.
     pub fn run(&self, baseline: Explanation, mut trials: Vec<Trial>) -> Found {
-        if self.at_floor(&baseline) {
-            trials
-                .iter_mut()
-                .for_each(|trial| trial.passed &= trial.held_out_ratio < WEAK);
+        let plain = |trial: &Trial| trial.passed && trial.held_out_ratio < WEAK;
+        if self.at_floor(&baseline) && !trials.iter().any(plain) {
+            trials.iter_mut().for_each(|trial| trial.passed = false);
         }
         let mut frontier: Vec<Explanation> = passed(&trials, BEAM);
         let mut best = self
@@ -146,6 +147,7 @@ impl Search<'_> {
             }
             pool.extend(further);
         }
+        best = self.exchanged(&baseline, best, &mut pool);
         best = self.taken_apart(best);
         let unit = self.unit(&best);
         for trial in trials.iter_mut().chain(&mut pool) {
@@ -171,9 +173,17 @@ impl Search<'_> {
         let (problem, projector) = (self.problem, self.projector);
         let linear = problem.linearise(&from.fitted.point, projector);
         let starts = screen(problem, &from.fitted.point, &linear, projector, SIZES);
-        let mut trials: Vec<Trial> = chosen(starts)
+        let begun: Vec<Descent> = chosen(starts)
             .into_par_iter()
-            .filter_map(|starts| self.fit(from, &linear, &starts))
+            .filter_map(|starts| self.begin(from, &linear, &starts))
+            .collect();
+        let ahead = begun
+            .iter()
+            .map(Descent::cost)
+            .fold(f64::INFINITY, f64::min);
+        let mut trials: Vec<Trial> = begun
+            .into_par_iter()
+            .map(|descent| self.finish(descent, ahead))
             .collect();
         self.rank(from, &mut trials);
         trials
@@ -197,8 +207,13 @@ impl Search<'_> {
         sort(trials);
     }
 
-    /// The best of a candidate's starts, fitted to its end.
-    fn fit(&self, from: &Explanation, linear: &Linearised, starts: &[Start]) -> Option<Trial> {
+    /// The best of a candidate's starts, on its way.
+    fn begin(
+        &self,
+        from: &Explanation,
+        linear: &Linearised,
+        starts: &[Start],
+    ) -> Option<Descent<'_>> {
         let (problem, projector) = (self.problem, self.projector);
         // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
         let mut believed = from.fitted.point.clone();
@@ -219,19 +234,19 @@ impl Search<'_> {
         descents.truncate(SECOND);
         descents.iter_mut().for_each(|descent| descent.run(SHORT));
         let best = descents.into_iter();
-        let mut best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
-        if best.cost() > from.fitted.cost {
-            return None;
-        }
-        best.run(LONG);
-        let fitted = best.end();
-        let explanation = self.judge.judge(problem, fitted);
-        Some(Trial {
-            explanation,
+        let best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+        (best.cost() <= from.fitted.cost).then_some(best)
+    }
+
+    /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
+    fn finish(&self, mut descent: Descent, ahead: f64) -> Trial {
+        descent.race(LONG, ahead);
+        Trial {
+            explanation: self.judge.judge(self.problem, descent.end()),
             delta_bic: 0.0,
             held_out_ratio: 1.0,
             passed: false,
-        })
+        }
     }
 
     /// A structure, fitted from a point on and judged.
@@ -360,12 +375,20 @@ fn chosen(starts: Vec<Start>) -> Vec<Vec<Start>> {
     groups
 }
 
+/// The best that passed and predict differently: what predicts the same leaves the same to a further effect.
 fn passed(trials: &[Trial], count: usize) -> Vec<Explanation> {
-    let passed = trials.iter().filter(|trial| trial.passed);
+    let mut passed: Vec<Explanation> = Vec::new();
+    for trial in trials.iter().filter(|trial| trial.passed) {
+        let own = &trial.explanation;
+        let alike = |other: &Explanation| {
+            (own.train / other.train - 1.0).abs() < ALIKE
+                && (ratio(own.held_out, other.held_out) - 1.0).abs() < ALIKE
+        };
+        if passed.len() < count && !passed.iter().any(alike) {
+            passed.push(own.clone());
+        }
+    }
     passed
-        .take(count)
-        .map(|trial| trial.explanation.clone())
-        .collect()
 }
 
 fn sort(trials: &mut [Trial]) {

@@ -16,6 +16,9 @@ pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
         times(before.held_out_over_noise),
         times(after.held_out_over_noise)
     );
+    if let Some(sentence) = super::scale::sentence(diagnosis) {
+        return sentence;
+    }
     match diagnosis.verdict {
         Verdict::NoMismatch => format!(
             "Nothing is missing: with its parameters refitted the model explains the recording down to \

@@ -27,6 +27,7 @@ mod gravity_load;
 mod grid;
 mod hysteretic_stiffness;
 mod law;
+mod levelling;
 mod misalignment;
 mod parameter;
 mod payload_change;

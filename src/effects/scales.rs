@@ -36,6 +36,8 @@ pub struct Scales {
     pub suspect_orders: Vec<f64>,
     /// Whether a force drives the link, and not the motion of the motor side.
     pub forced: bool,
+    /// Whether the output is the angle of a tip that a tracker sees: its scale shows in the radius alone.
+    pub tracked: bool,
     /// Whether nothing bends: an axis without a spring.
     pub rigid: bool,
 }

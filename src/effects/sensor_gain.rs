@@ -29,6 +29,9 @@ pub const SENSOR_GAIN: Effect = Effect {
     }],
     law: |p| Law::Sensor(Box::new(Gain { error: p[0] })),
     starts: |scales| {
+        if scales.tracked {
+            return Vec::new();
+        }
         let unit = (scales.deformation / reach(scales)).min(1.0);
         sizes(unit, [-0.1, 0.1])
     },

@@ -1,38 +1,58 @@
 //! Stiffness that changes with time.
 
-use super::grid::sizes;
+use super::grid::product;
+use super::levelling::{levelling, settling_bounds};
 use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
 
 struct Drift {
     rate: f64,
+    settling: f64,
 }
 
 impl Force for Drift {
     fn force(&self, motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
-        motion.stiffness * self.rate * motion.time * x
+        motion.stiffness * self.rate * levelling(motion.time, self.settling) * x
     }
 }
 
-/// Stiffness that rises or falls steadily: `F = k (1 + a t) x`.
+/// Stiffness that rises or falls, steadily or levelling off: `F = k (1 + a (1 - exp(-s t)) / s) x`.
 pub const STIFFNESS_DRIFT: Effect = Effect {
     name: "stiffness_drift",
     places: &[Place::Transmission],
     physics: "The stiffness is k (1 + a t): a gear that warms up, a clamp that works loose, a belt that \
-        loses tension. The frequency drifts by a / 2 for each second. Source: Farrar and Worden, \
-        Structural Health Monitoring (2013), chapter 12.",
-    parameters: &[Parameter {
-        name: "rate",
-        quantity: Quantity::FREQUENCY,
-        // The spring keeps a positive stiffness: 1 + a t > 0.
-        bounds: |scales| {
-            let latest = latest(scales.span);
-            (-0.9 / latest, 5.0 / latest)
+        loses tension. The frequency drifts by a / 2 for each second. With s > 0 it levels off, as what \
+        warms up does: k (1 + a (1 - exp(-s t)) / s). Source: Farrar and Worden, Structural Health \
+        Monitoring (2013), chapter 12.",
+    parameters: &[
+        Parameter {
+            name: "rate",
+            quantity: Quantity::FREQUENCY,
+            // The spring keeps a positive stiffness: 1 + a t > 0.
+            bounds: |scales| {
+                let latest = latest(scales.span);
+                (-0.9 / latest, 5.0 / latest)
+            },
+            neutral: 0.0,
+            typical: |scales| 0.1 / latest(scales.span),
         },
-        neutral: 0.0,
-        typical: |scales| 0.1 / latest(scales.span),
-    }],
-    law: |p| Law::Force(Box::new(Drift { rate: p[0] })),
-    starts: |scales| sizes(1.0 / latest(scales.span), [-0.1, 0.1]),
+        Parameter {
+            name: "settling_rate",
+            quantity: Quantity::FREQUENCY,
+            bounds: |scales| settling_bounds(scales.duration()),
+            neutral: 0.0,
+            typical: |_| 0.0,
+        },
+    ],
+    law: |p| {
+        Law::Force(Box::new(Drift {
+            rate: p[0],
+            settling: p[1],
+        }))
+    },
+    starts: |scales| {
+        let rates = [-0.1, 0.1].map(|size| size / latest(scales.span));
+        product(&[&rates, &[0.0, 4.0 / scales.duration()]])
+    },
 };
 
 /// The instant farthest from 0.

@@ -1,6 +1,7 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
 use super::chain::MotorSide;
+use super::circle::Radius;
 use super::piecewise::{Grid, Hold};
 use super::windows::Window;
 use super::{ExperimentError, Model};
@@ -22,6 +23,8 @@ pub struct Output {
     /// What other coordinates of the sensor say about these coefficients: rows `(weights, value)` of a
     /// least-squares problem in units of one standard deviation.
     pub witness: Vec<(Vec<f64>, f64)>,
+    /// Radius of the circle on which a tracker saw the tip, where the arc tells it.
+    pub radius: Option<Radius>,
     /// Errors are told as residual times this, in `unit`.
     pub scale: f64,
     /// Unit in which errors are told.
@@ -103,7 +106,8 @@ impl Experiment {
         for channel in &recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);
             if wanted && channel.role != input.role {
-                let output = super::output::output(model, &experiment, channel)?;
+                let mut output = super::output::output(model, &experiment, channel)?;
+                output.keep_within(experiment.span());
                 experiment.outputs.push(output);
             }
         }

@@ -293,6 +293,7 @@ fn signs(parameter: &Parameter) -> (f64, f64) {
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
         forced: false,
+        tracked: false,
         rigid: false,
     });
     (

@@ -5,6 +5,7 @@
 pub mod believed;
 mod bodies;
 pub mod chain;
+mod circle;
 mod experiment;
 mod file;
 mod flexible_joint;
@@ -23,6 +24,7 @@ mod trace;
 mod two_mass;
 mod windows;
 
+pub use circle::Radius;
 pub use experiment::{Experiment, Output};
 pub use file::ModelError;
 pub use integrate::{Kick, Restart, Timed, integrate};

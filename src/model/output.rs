@@ -1,12 +1,16 @@
 //! From a channel to an output of the model; a tip position becomes the angle about the joint's axis.
 
+use super::circle::{Circle, frame_columns};
 use super::experiment::{Experiment, Output};
 use super::{ExperimentError, Model};
 use crate::recording::{Channel, Role};
 use crate::signal::{CubicSpline, End, JointArc, register_arc};
-use nalgebra::{Matrix2, Point3, Vector2};
+use nalgebra::Point3;
 use quell_shapers::Mode;
 use std::f64::consts::{PI, TAU};
+
+/// Fewest samples of an output that are worth looking at.
+const FEWEST: usize = 10;
 
 /// The channel as an output.
 pub(super) fn output(
@@ -43,6 +47,7 @@ pub(super) fn output(
         channel: channel.role,
         columns,
         witness: Vec::new(),
+        radius: None,
         time: channel.time.clone(),
         values,
         scale,
@@ -57,7 +62,7 @@ pub(super) fn output(
 ///
 /// Plane, circle and angle come from [`register_arc`]. What is uncertain of the circle's centre shows
 /// along the arc as `sin` and `cos` of the angle: these are free, held by what the radial coordinate
-/// says of them, whatever the circle's radius is.
+/// says of them ([`Circle`]).
 fn tip(
     model: &Model,
     experiment: &Experiment,
@@ -98,12 +103,14 @@ fn tip(
     }
     let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
     angle.iter_mut().for_each(|a| *a += turn);
+    let circle = Circle::new(&angle, &radius, arm);
     Ok(Output {
         role: Role::LinkPosition,
         channel: Role::TipPosition,
         time: channel.time.clone(),
-        witness: centre(&angle, &radius, arm),
-        columns: circle(&angle),
+        witness: circle.as_ref().map_or_else(Vec::new, Circle::witness),
+        radius: circle.map(|circle| circle.radius),
+        columns: frame_columns(&angle),
         values: angle,
         scale: arm,
         unit: "m".into(),
@@ -113,18 +120,27 @@ fn tip(
     })
 }
 
-/// What is unknown of the frame along the arc: the angle of its zero, and the circle's centre.
-fn circle(angle: &[f64]) -> Vec<Vec<f64>> {
-    let sine = angle.iter().map(|a| -a.sin()).collect();
-    let cosine = angle.iter().map(|a| a.cos()).collect();
-    vec![vec![1.0; angle.len()], sine, cosine]
-}
-
 impl Output {
+    /// Drops what was measured while nobody knows what drove the axis, unless that is nearly all.
+    pub(super) fn keep_within(&mut self, (first, last): (f64, f64)) {
+        let at = |instant: f64| instant + self.clock_offset;
+        let from = self.time.partition_point(|stamp| *stamp < at(first));
+        let to = self.time.partition_point(|stamp| *stamp <= at(last));
+        if to.saturating_sub(from) < FEWEST.min(self.time.len()) {
+            return;
+        }
+        let cut = |values: &mut Vec<f64>| {
+            values.truncate(to);
+            values.drain(..from);
+        };
+        [&mut self.time, &mut self.values].into_iter().for_each(cut);
+        self.columns.iter_mut().for_each(cut);
+    }
+
     /// The same sensor with other values, which need no correction of its frame or offset.
     pub fn showing(&self, time: Vec<f64>, values: Vec<f64>) -> Self {
         let columns = match self.channel {
-            Role::TipPosition => circle(&values),
+            Role::TipPosition => frame_columns(&values),
             _ => vec![vec![1.0; values.len()]; self.columns.len()],
         };
         let witness = self.witness.iter();
@@ -137,37 +153,4 @@ impl Output {
             ..*self
         }
     }
-}
-
-/// What the radial coordinate says of the centre: `r_i = R + c_x cos + c_y sin + noise`, `R` free, as
-/// rows for the coefficients (offset, `c_x / R`, `c_y / R`).
-fn centre(angle: &[f64], radius: &[f64], arm: f64) -> Vec<(Vec<f64>, f64)> {
-    let n = angle.len() as f64;
-    let mean = |f: &dyn Fn(usize) -> f64| (0..angle.len()).map(f).sum::<f64>() / n;
-    let (mc, ms) = (mean(&|k| angle[k].cos()), mean(&|k| angle[k].sin()));
-    let mr = mean(&|k| radius[k]);
-    let (mut normal, mut right, mut square) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
-    for k in 0..angle.len() {
-        let row = Vector2::new(angle[k].cos() - mc, angle[k].sin() - ms);
-        let value = (radius[k] - mr) / arm;
-        normal += row * row.transpose();
-        right += row * value;
-        square += value * value;
-    }
-    let Some(inverse) = normal.try_inverse() else {
-        return Vec::new();
-    };
-    let centre = inverse * right;
-    let variance = ((square - right.dot(&centre)) / (n - 3.0)).max(0.0);
-    let Some(root) = (normal / variance.max(f64::MIN_POSITIVE)).cholesky() else {
-        return Vec::new();
-    };
-    let l = root.l().transpose();
-    (0..2)
-        .map(|i| {
-            let row = vec![0.0, l[(i, 0)], l[(i, 1)]];
-            let value = l[(i, 0)] * centre.x + l[(i, 1)] * centre.y;
-            (row, value)
-        })
-        .collect()
 }

@@ -4,7 +4,7 @@ use super::Channel;
 use super::joint::Joint;
 use super::programme::Programme;
 use super::sensors::{Arm, Faults};
-use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
 /// Iterations of Gauss and Newton; five reach the floor from 5 % of frequency.
 const ITERATIONS: usize = 6;
@@ -12,8 +12,19 @@ const ITERATIONS: usize = 6;
 /// Rms of what frequency, damping, clock offset, output offset and the sensor's frame cannot explain of
 /// noise-free readings, in the channel's unit (m along the arc for a tip sensor).
 pub fn leftover(arm: &Arm, programme: &Programme, stamps: &[f64], columns: &[Vec<f64>]) -> f64 {
+    leftover_beside(arm, programme, stamps, columns, &|_, _| ())
+}
+
+/// The same, where another law is fitted, too: `grow` puts it into an arm at a multiple of a size.
+pub fn leftover_beside(
+    arm: &Arm,
+    programme: &Programme,
+    stamps: &[f64],
+    columns: &[Vec<f64>],
+    grow: &dyn Fn(&mut Arm, f64),
+) -> f64 {
     let angles = angles(arm, columns);
-    let mut plain = Arm {
+    let plain = Arm {
         joint: Joint {
             inertia: arm.joint.inertia,
             stiffness: arm.joint.stiffness,
@@ -28,18 +39,23 @@ pub fn leftover(arm: &Arm, programme: &Programme, stamps: &[f64], columns: &[Vec
         ..arm.clone()
     };
     let step = 0.1 / (plain.joint.stiffness / plain.joint.inertia).sqrt();
-    let predict = |arm: &Arm| arm.read(programme, stamps, step).swap_remove(0);
-    let mut best = predict(&plain);
+    let mut fit = Fit {
+        plain,
+        size: 1.0,
+        grow,
+    };
+    let predict = |fit: &Fit| fit.arm().read(programme, stamps, step).swap_remove(0);
+    let mut best = predict(&fit);
     let mut left = centred_rms(&angles, &best);
     for _ in 0..ITERATIONS {
-        let trial = improved(&plain, &angles, &best, predict);
+        let trial = improved(&fit, &angles, &best, predict);
         let predicted = predict(&trial);
         let now = centred_rms(&angles, &predicted);
         // A clone that did not get better ends the search; not a number does, too.
         if now.is_nan() || now >= left * (1.0 - 1e-4) {
             break;
         }
-        (plain, best, left) = (trial, predicted, now);
+        (fit, best, left) = (trial, predicted, now);
     }
     match arm.channel {
         Channel::Tip => {
@@ -70,59 +86,73 @@ fn centred_rms(measured: &[f64], predicted: &[f64]) -> f64 {
     (left.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// One step in log frequency, log damping, clock offset and output offset.
-fn improved(
-    plain: &Arm,
+/// A nominal arm, and the size of the other law in it.
+#[derive(Clone)]
+struct Fit<'a> {
+    plain: Arm,
+    size: f64,
+    grow: &'a dyn Fn(&mut Arm, f64),
+}
+
+impl Fit<'_> {
+    fn arm(&self) -> Arm {
+        let mut arm = self.plain.clone();
+        (self.grow)(&mut arm, self.size);
+        arm
+    }
+
+    /// Changed in log frequency, log damping, clock offset and log size.
+    fn changed(&self, [frequency, damping, clock, size]: [f64; 4]) -> Self {
+        let mut fit = self.clone();
+        fit.plain.joint.stiffness *= (2.0 * frequency).exp();
+        fit.plain.joint.damping *= (frequency + damping).exp();
+        fit.plain.clock_offset += clock;
+        fit.size *= size.exp();
+        fit
+    }
+}
+
+/// One step of Gauss and Newton, an output offset among the unknowns.
+fn improved<'a>(
+    fit: &Fit<'a>,
     measured: &[f64],
     predicted: &[f64],
-    predict: impl Fn(&Arm) -> Vec<f64>,
-) -> Arm {
-    const SMALL: [f64; 3] = [1e-3, 1e-2, 1e-5];
-    let columns: Vec<Vec<f64>> = (0..3)
-        .map(|index| {
-            let mut step = [0.0; 3];
-            step[index] = SMALL[index];
-            let moved = predict(&changed(plain, step));
-            let difference = moved.iter().zip(predicted);
-            difference.map(|(a, b)| (a - b) / SMALL[index]).collect()
-        })
-        .collect();
+    predict: impl Fn(&Fit) -> Vec<f64>,
+) -> Fit<'a> {
+    const SMALL: [f64; 4] = [1e-3, 1e-2, 1e-5, 1e-2];
+    const MOST: [f64; 4] = [0.1, 1.0, 0.01, 1.0];
+    let columns = [0, 1, 2, 3].map(|index| {
+        let mut step = [0.0; 4];
+        step[index] = SMALL[index];
+        let moved = predict(&fit.changed(step));
+        let difference = moved.iter().zip(predicted);
+        difference.map(|(a, b)| (a - b) / SMALL[index]).collect()
+    });
     let left: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
     match solved(&columns, &left) {
-        Some(step) => changed(
-            plain,
-            [
-                step[0].clamp(-0.1, 0.1),
-                step[1].clamp(-1.0, 1.0),
-                step[2].clamp(-0.01, 0.01),
-            ],
-        ),
-        None => plain.clone(),
+        Some(step) => fit.changed([0, 1, 2, 3].map(|i| step[i].clamp(-MOST[i], MOST[i]))),
+        None => fit.clone(),
     }
 }
 
-/// Least squares with three columns and a constant, each scaled to length 1.
-fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<Vector4<f64>> {
-    let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
-    for (sample, left) in left.iter().enumerate() {
-        let [a, b, c] = [0, 1, 2].map(|index| columns[index][sample]);
-        let row = Vector4::new(a, b, c, 1.0);
-        normal += row * row.transpose();
-        right += row * *left;
-    }
+/// Least squares with columns and a constant, each scaled to length 1; what does nothing stays.
+fn solved(columns: &[Vec<f64>; 4], left: &[f64]) -> Option<DVector<f64>> {
+    let ones = vec![1.0; left.len()];
+    let all: Vec<DVector<f64>> = columns
+        .iter()
+        .chain([&ones])
+        .map(|column| DVector::from_column_slice(column))
+        .collect();
+    let matrix = DMatrix::from_columns(&all);
+    let normal = matrix.tr_mul(&matrix);
+    let right = matrix.tr_mul(&DVector::from_column_slice(left));
     let scale = normal.diagonal().map(|d| 1.0 / d.sqrt().max(1e-300));
-    let scaled =
-        Matrix4::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]) + Matrix4::identity() * 1e-9;
+    let count = scale.len();
+    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] * scale[i] * scale[j])
+        + DMatrix::identity(count, count) * 1e-9;
     let step = scaled.try_inverse()? * right.component_mul(&scale);
-    Some(step.component_mul(&scale))
-}
-
-fn changed(plain: &Arm, [frequency, damping, clock]: [f64; 3]) -> Arm {
-    let mut arm = plain.clone();
-    arm.joint.stiffness *= (2.0 * frequency).exp();
-    arm.joint.damping *= (frequency + damping).exp();
-    arm.clock_offset += clock;
-    arm
+    let step = step.component_mul(&scale);
+    step.iter().all(|x| x.is_finite()).then_some(step)
 }
 
 /// Rms distance of readings from predicted tips after the best rigid fit of the frame.

@@ -4,7 +4,7 @@ use super::Channel;
 use super::hidden::{Entry, Parameters, Scales};
 use super::programme::Programme;
 use super::random::Draw;
-use super::refit::leftover;
+use super::refit::{leftover, leftover_beside};
 use super::sensors::Arm;
 
 /// Least and greatest share of the deformation that an effect leaves.
@@ -91,6 +91,9 @@ impl<'a> Bench<'a> {
         let mut start = entry.sizes[0];
         loop {
             let found = self.size(entry, shape, target, start)?;
+            if !self.shows_as_itself(&found) {
+                return None;
+            }
             let least = if nearly_hidden { HIDDEN } else { PLAIN };
             if found.residual >= least {
                 return Some(found);
@@ -134,6 +137,21 @@ impl<'a> Bench<'a> {
             bracket = bracket.next(share, target)?;
         }
         None
+    }
+
+    /// Whether a law that it contains leaves something of it: what cannot be known is not asked for.
+    fn shows_as_itself(&self, concealed: &Concealed) -> bool {
+        let Some(simpler) = concealed.entry.contains else {
+            return true;
+        };
+        let mut arm = self.arm.clone();
+        (concealed.entry.hide)(&mut arm, self.scales, concealed.shape, concealed.size);
+        let columns = self.read(&arm);
+        let grow = |arm: &mut Arm, times: f64| {
+            simpler(arm, self.scales, concealed.shape, concealed.size * times);
+        };
+        let left = leftover_beside(&arm, self.programme, &self.stamps, &columns, &grow);
+        (left / self.noise).hypot(1.0) >= HIDDEN
     }
 
     fn share(&self, columns: &[Vec<f64>]) -> f64 {

@@ -47,6 +47,8 @@ pub struct Entry {
     pub channels: &'static [Channel],
     /// Whether one move does not show it.
     pub needs_programme: bool,
+    /// A law that this one contains: it is hidden only where it shows as more than that.
+    pub contains: Option<fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters>,
     /// First size to try, and the greatest one that makes sense.
     pub sizes: [f64; 2],
     /// Puts it into the arm and tells its parameters.
@@ -82,6 +84,7 @@ const fn entry(
         in_catalogue: true,
         channels: ANY,
         needs_programme: false,
+        contains: None,
         sizes,
         hide,
     }
@@ -95,6 +98,14 @@ impl Entry {
 
     const fn in_a_programme(mut self) -> Self {
         self.needs_programme = true;
+        self
+    }
+
+    const fn more_than(
+        mut self,
+        simpler: fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters,
+    ) -> Self {
+        self.contains = Some(simpler);
         self
     }
 

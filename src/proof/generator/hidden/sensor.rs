@@ -9,7 +9,7 @@ const PLACE: &str = "sensor";
 
 pub(super) const ENTRIES: &[Entry] = &[
     entry("sensor_lag", PLACE, [0.05, 0.8], lag),
-    entry("sensor_lag_second_order", PLACE, [0.05, 0.8], second_order),
+    entry("sensor_lag_second_order", PLACE, [0.05, 0.8], second_order).more_than(lag),
     entry("sensor_gain", PLACE, [0.1, 1.0], gain).seen_by(OUTER),
     entry("deformation_gain", PLACE, [0.05, 0.4], deformation_gain),
     entry("misalignment", PLACE, [0.1, 1.0], misalignment).seen_by(&[Channel::Link]),

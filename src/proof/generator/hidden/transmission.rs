@@ -8,9 +8,9 @@ const PLACE: &str = "transmission";
 
 pub(super) const ENTRIES: &[Entry] = &[
     entry("coulomb_friction", PLACE, [0.05, 0.8], coulomb),
-    entry("stribeck_friction", PLACE, [0.05, 0.6], stribeck),
-    entry("asymmetric_friction", PLACE, [0.05, 0.6], asymmetric),
-    entry("presliding_hysteresis", PLACE, [0.05, 0.8], presliding),
+    entry("stribeck_friction", PLACE, [0.05, 0.6], stribeck).more_than(coulomb),
+    entry("asymmetric_friction", PLACE, [0.05, 0.6], asymmetric).more_than(coulomb),
+    entry("presliding_hysteresis", PLACE, [0.05, 0.8], presliding).more_than(coulomb),
     entry("hysteretic_stiffness", PLACE, [0.1, 0.5], bouc_wen),
     entry("backlash", PLACE, [0.05, 0.8], backlash),
     entry("cubic_stiffness", PLACE, [0.1, 3.0], cubic),
