@@ -23,18 +23,11 @@ impl Search<'_> {
             |a: &&Explanation, b: &&Explanation| self.criterion(a).total_cmp(&self.criterion(b));
         let first = sound().min_by(lowest)?;
         // A law that must be stretched to the end of what is plausible stands in for another one.
-        let unit = self.unit(first);
-        let level = self.criterion(first) + EQUAL * unit;
+        let level = self.criterion(first) + EQUAL * self.unit(first);
         let within =
-            || sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
-        let mut best = within().min_by(lowest).unwrap_or(first);
-        if self.is_more_of_a_position(best) {
-            // More deformation than there should be is mostly a further mode far above the motion (residual
-            // flexibility: Ewins, Modal Testing (2000), chapter 5), told where the data lean to it at all.
-            let lean = best.fitted.cost - CHANCE * unit;
-            let leaning = within().filter(|other| other.fitted.cost < lean);
-            best = leaning.min_by(lowest).unwrap_or(best);
-        }
+            sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
+        let best = within.min_by(lowest).unwrap_or(first);
+        let best = self.flexibility(best, trials).unwrap_or(best);
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
         let simpler = sound().find(|other| {
             let names = (best.effects(), other.effects());
@@ -64,13 +57,37 @@ impl Search<'_> {
         })
     }
 
-    /// Whether a sensor of positions in space is said to see another share of the deformation.
-    fn is_more_of_a_position(&self, explanation: &Explanation) -> bool {
+    /// What is told instead of a sensor of positions in space that sees too much of the deformation: that is
+    /// mostly a further mode far above the motion (residual flexibility: Ewins, Modal Testing (2000), chapter
+    /// 5), told where the data lean to it at all.
+    pub(super) fn flexibility<'t>(
+        &self,
+        best: &Explanation,
+        pool: &'t [Trial],
+    ) -> Option<&'t Explanation> {
         let outputs = &self.problem.experiments[0].outputs;
         let absolute = outputs
             .iter()
             .all(|output| output.role != Role::Deformation);
-        absolute && matches!(explanation.effects()[..], [("deformation_gain", _)])
+        let own = best.effects();
+        let gain = own
+            .iter()
+            .position(|effect| effect.0 == "deformation_gain")?;
+        let unit = self.unit(best);
+        let instead = |other: &&Explanation| {
+            let theirs = other.effects();
+            let beside = own.iter().enumerate().filter(|(index, _)| *index != gain);
+            theirs.len() == own.len()
+                && beside
+                    .into_iter()
+                    .all(|(_, effect)| theirs.contains(effect))
+                && self.criterion(other) < self.criterion(best) + EQUAL * unit
+                && other.fitted.cost < best.fitted.cost - CHANCE * unit
+                && !self.is_stretched(other)
+        };
+        let sound = pool.iter().filter(|trial| absolute && trial.passed);
+        let others = sound.map(|trial| &trial.explanation).filter(instead);
+        others.min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
     }
 
     /// Explanations with as many effects as the best that are within reach of it.

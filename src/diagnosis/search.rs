@@ -132,6 +132,7 @@ impl Search<'_> {
             pool.extend(further);
         }
         best = self.exchanged(&baseline, best, &mut pool);
+        best = self.flexibility(&best, &pool).cloned().unwrap_or(best);
         best = self.taken_apart(best);
         let unit = self.unit(&best);
         for trial in trials.iter_mut().chain(&mut pool) {
