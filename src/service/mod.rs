@@ -1,13 +1,17 @@
 //! The service: commands a real robot in real time, learns its modes, and tells what it does.
 //!
-//! [`contract`] is all that the outside (HTTP, page, files) sees of the engine.
+//! [`contract`] is all that the outside sees of the engine: [`http`] with the page, the [`recorder`],
+//! and the [`jobs`] that diagnose what was recorded.
 
 pub mod clock;
 pub mod config;
 pub mod contract;
 mod engine;
 pub mod guard;
+pub mod http;
+pub mod jobs;
 pub mod link;
+pub mod recorder;
 pub mod ringing;
 mod start;
 pub mod state;
