@@ -82,6 +82,9 @@ class Playback:
     def take(self, arrived, stamp, position, velocity, acceleration):
         # The datagram of least delay tells how the clocks lie; both may drift by 100 ppm.
         way = arrived - stamp
+        if self.times and stamp < self.times[-1] - 1.0:
+            # Whoever commands has started anew, and its clock with it.
+            self.times, self.points, self.least = [], [], None
         if self.least is not None:
             self.least += 1e-4 * (arrived - self.since)
         self.least = way if self.least is None else min(self.least, way)
