@@ -11,7 +11,7 @@ use super::{Counts, Received, UdpSettings};
 use crate::service::clock::ServiceClock;
 use crate::service::contract::{Measured, Quantity};
 use crate::service::link::datagram::{FromRobot, LONGEST};
-use crate::service::link::{ClockOffset, Order, Sequence};
+use crate::service::link::{ClockOffset, Order, Replay, Sequence};
 
 /// How long it waits at a time, so that it sees that it shall end.
 const WAIT: Timespec = Timespec {
@@ -32,6 +32,7 @@ pub(super) struct Receiver {
     /// One for each joint and quantity.
     sequences: Vec<[Sequence; QUANTITIES]>,
     offset: ClockOffset,
+    replay: Replay,
 }
 
 impl Receiver {
@@ -52,6 +53,7 @@ impl Receiver {
             clock,
             last_heard: 0.0,
             offset: ClockOffset::default(),
+            replay: Replay::default(),
         }
     }
 
@@ -76,6 +78,11 @@ impl Receiver {
             count(&self.counts.foreign, 1);
             return;
         }
+        let key = self.settings.key.as_ref();
+        if key.is_some_and(|key| !key.has_signed(bytes)) {
+            count(&self.counts.unsigned, 1);
+            return;
+        }
         let datagram = match bytes.len() {
             length if length > LONGEST => None,
             _ => FromRobot::parse(bytes),
@@ -84,6 +91,13 @@ impl Receiver {
             count(&self.counts.malformed, 1);
             return;
         };
+        if self.settings.key.is_some() {
+            match datagram.seq.map(|number| self.replay.admits(number)) {
+                Some(true) => {}
+                Some(false) => return count(&self.counts.replayed, 1),
+                None => return count(&self.counts.malformed, 1),
+            }
+        }
         let names = &self.settings.joints;
         let Some(joint) = names.iter().position(|name| *name == datagram.joint) else {
             count(&self.counts.unknown_joint, 1);
