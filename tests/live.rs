@@ -12,7 +12,10 @@ fn campaign(options: &[&str]) {
     }
     let output = Command::new("python3")
         .arg("-B")
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/robots/campaign.py"))
+        .arg(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/tests/robots/campaign.py"
+        ))
         .arg(assert_cmd::cargo::cargo_bin!("quell"))
         .args(options)
         .output()

@@ -54,6 +54,26 @@ encoder_resolution_deg = 0.0006
 # One joint about z with the tip at 0.8 m, for a tracker that sees the tip.
 DESCRIPTION = """
 name = "One joint, tip at 0.8 m"
+[move]
+joint = 1
+target_deg = 30.0
+[controller]
+rate_hz = 1000.0
+[servo]
+bandwidth_hz = 30.0
+damping_ratio = 1.0
+velocity_feed_forward = 1.0
+[encoder]
+rate_hz = 1000.0
+resolution_rad = 1.0e-5
+# Not where the tracker stands: the service does not know that.
+[tracker]
+rate_hz = 500.0
+noise_um = 5.0
+position_m = [0.0, 0.0, 0.0]
+rpy_deg = [0.0, 0.0, 0.0]
+clock_offset_s = 0.0
+clock_skew_ppm = 0.0
 [[joint]]
 dh = {{ a_m = {radius}, alpha_deg = 0.0, d_m = 0.0, theta_deg = 0.0 }}
 limits = {{ velocity_deg_s = 100.0, acceleration_deg_s2 = 600.0, jerk_deg_s3 = 12000.0 }}

@@ -5,7 +5,7 @@ mod receiver;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -165,11 +165,13 @@ impl RobotLink for UdpLink {
     }
 
     fn counters(&self) -> LinkCounters {
-        let count = |counter: &AtomicU64| counter.load(Relaxed);
         let counts = &self.counts;
+        // First: what became of these has been counted.
+        let received = counts.received.load(Acquire);
+        let count = |counter: &AtomicU64| counter.load(Relaxed);
         let offset = f64::from_bits(count(&counts.clock_offset));
         LinkCounters {
-            received: count(&counts.received),
+            received,
             sent: self.sent,
             send_failures: self.failures,
             lost: count(&counts.lost),

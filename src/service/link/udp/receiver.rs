@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed, Ordering::Release};
 
 use rtrb::Producer;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -67,13 +67,14 @@ impl Receiver {
             let _ = poll(&mut waiting, Some(&WAIT));
             while let Ok((length, from)) = self.socket.recv_from(&mut buffer) {
                 self.take(&buffer[..length], from);
+                // Last, so that whoever sees it counted sees what became of it, too.
+                self.counts.received.fetch_add(1, Release);
             }
         }
     }
 
     fn take(&mut self, bytes: &[u8], from: SocketAddr) {
         let now = self.clock.now();
-        count(&self.counts.received, 1);
         if !self.is_from_robot(from, now) {
             count(&self.counts.foreign, 1);
             return;
