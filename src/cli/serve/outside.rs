@@ -45,7 +45,7 @@ impl Outside {
             None
         };
         let arcs = config.joints.iter().filter_map(|joint| {
-            let arc = joint.arc.clone()?;
+            let arc = joint.arc?;
             Some((joint.name.clone(), arc))
         });
         let settings = Settings {

@@ -52,11 +52,7 @@ pub async fn accept(
                     Ok(place) => {
                         open.spawn(serve(stream, router.clone(), place, ending.clone()));
                     }
-                    Err(_) => {
-                        add(&counters.connections_refused);
-                        // It is lost anyway; the words are a courtesy.
-                        let _ = stream.try_write(TOO_MANY);
-                    }
+                    Err(_) => turned_away(&stream, counters),
                 },
                 Err(error) => {
                     tracing::warn!(%error, "no connection can be taken");
@@ -74,6 +70,17 @@ pub async fn accept(
     drop(listener);
     // Nobody may listen.
     let _ = end.send(());
+    farewell(open).await;
+}
+
+fn turned_away(stream: &TcpStream, counters: &Counters) {
+    add(&counters.connections_refused);
+    // It is lost anyway; the words are a courtesy.
+    let _ = stream.try_write(TOO_MANY);
+}
+
+/// Waits for answers that have begun, but not for ever.
+async fn farewell(mut open: JoinSet<()>) {
     let all = async { while open.join_next().await.is_some() {} };
     if tokio::time::timeout(FAREWELL, all).await.is_err() {
         tracing::info!("connections that did not end in time are cut");

@@ -1,5 +1,7 @@
 //! `GET /metrics`: Prometheus text, format 0.0.4.
 
+mod joint;
+
 use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -10,9 +12,8 @@ use axum::response::{IntoResponse, Response};
 
 use super::App;
 use super::counters::Counters;
-use crate::service::contract::{
-    JointSnapshot, LinkHealth, Snapshot, TickStatistics, WatchdogState,
-};
+use crate::service::contract::{JointSnapshot, LinkHealth, Snapshot, TickStatistics};
+use joint::{JOINT, flag};
 
 /// `GET /metrics`.
 pub async fn metrics(State(app): State<Arc<App>>) -> Response {
@@ -20,7 +21,9 @@ pub async fn metrics(State(app): State<Arc<App>>) -> Response {
     let mut text = Text::default();
     tick(&mut text, &snapshot.tick);
     link(&mut text, &snapshot.link);
-    joints(&mut text, &snapshot.joints);
+    for (name, help, value) in JOINT {
+        text.each(&snapshot.joints, name, help, value);
+    }
     sensors(&mut text, &snapshot.joints);
     moves(&mut text, &snapshot);
     http(&mut text, &app.counters);
@@ -94,10 +97,6 @@ fn escaped(label: &str) -> String {
     label.replace('\n', "\\n")
 }
 
-fn flag(value: bool) -> f64 {
-    f64::from(u8::from(value))
-}
-
 fn tick(text: &mut Text, tick: &TickStatistics) {
     text.one("tick_rate_hertz", "Ticks asked for a second.", tick.rate_hz);
     text.count("ticks_total", "Ticks run.", tick.ticks);
@@ -151,71 +150,6 @@ fn link(text: &mut Text, link: &LinkHealth) {
     let samples = [([], link.clock_offset_s)];
     let help = "The robot's clock minus the service's.";
     text.metric("link_clock_offset_seconds", help, samples);
-}
-
-fn joints(text: &mut Text, joints: &[JointSnapshot]) {
-    let estimate = |value: fn(&crate::service::contract::EstimateView) -> f64| {
-        move |joint: &JointSnapshot| joint.estimate.as_ref().map(value)
-    };
-    let mut each = |name: &str, help: &str, value: &dyn Fn(&JointSnapshot) -> Option<f64>| {
-        text.each(joints, name, help, value);
-    };
-    each("command_radians", "Commanded position.", &|j| {
-        Some(j.command_rad)
-    });
-    each("motor_radians", "Last motor position.", &|j| j.motor_rad);
-    each("deformation_radians", "Last deformation.", &|j| {
-        j.deformation_rad
-    });
-    let help = "Estimated natural frequency.";
-    each(
-        "estimate_frequency_hertz",
-        help,
-        &estimate(|e| e.frequency_hz),
-    );
-    let help = "One standard deviation of the natural frequency.";
-    each(
-        "estimate_frequency_std_hertz",
-        help,
-        &estimate(|e| e.frequency_std_hz),
-    );
-    each(
-        "estimate_damping_ratio",
-        "Estimated damping ratio.",
-        &estimate(|e| e.damping_ratio),
-    );
-    let help = "Whether the estimate has settled.";
-    each("estimate_converged", help, &estimate(|e| flag(e.converged)));
-    let help = "Natural frequency that is shaped for.";
-    each("mode_frequency_hertz", help, &|j| {
-        Some(j.mode?.frequency_hz)
-    });
-    each("shaping", "Whether plans are shaped.", &|j| {
-        Some(flag(j.shaping))
-    });
-    each(
-        "adaptation",
-        "Whether the train follows the estimate.",
-        &|j| Some(flag(j.adaptation && !j.adaptation_frozen)),
-    );
-    let help = "Trains changed because of an estimate.";
-    each("retunes_total", help, &|j| Some(j.retunes as f64));
-    each("corrections_total", "Corrections in motion.", &|j| {
-        Some(j.corrections as f64)
-    });
-    let help = "Corrections refused since none kept the limits.";
-    each("corrections_refused_total", help, &|j| {
-        Some(j.corrections_refused as f64)
-    });
-    let help =
-        "Whether measurements come (0), are missing (1), or missing and the joint stopped (2).";
-    each("watchdog", help, &|j| {
-        Some(match j.watchdog {
-            WatchdogState::Fine => 0.0,
-            WatchdogState::Silent => 1.0,
-            WatchdogState::Stopped => 2.0,
-        })
-    });
 }
 
 fn sensors(text: &mut Text, joints: &[JointSnapshot]) {

@@ -67,13 +67,16 @@ impl Feed {
     /// Starts to make messages of the stream, while somebody listens.
     pub fn start(handle: &Handle) -> Self {
         let (sender, _) = broadcast::channel(BEHIND);
-        tokio::spawn(make(handle.clone(), sender.clone()));
+        tokio::spawn(make(handle.clone(), handle.stream(), sender.clone()));
         Self(sender)
     }
 }
 
-async fn make(handle: Handle, sender: broadcast::Sender<News>) {
-    let mut stream = handle.stream();
+async fn make(
+    handle: Handle,
+    mut stream: broadcast::Receiver<Arc<Batch>>,
+    sender: broadcast::Sender<News>,
+) {
     let mut state = tokio::time::interval(STATE);
     loop {
         let news = tokio::select! {

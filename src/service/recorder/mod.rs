@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{broadcast, mpsc, oneshot};
 
 use super::contract::{Batch, Event, Handle, MoveResult, MoveStart};
 use log::Log;
@@ -68,7 +68,8 @@ impl Recorder {
             before: VecDeque::new(),
             running: Vec::new(),
         };
-        tokio::spawn(task.run(requested));
+        // From here on nothing is missed, whenever the task begins.
+        tokio::spawn(task.run(handle.stream(), requested));
         Self { shelf, requests }
     }
 
@@ -121,8 +122,11 @@ struct Task {
 }
 
 impl Task {
-    async fn run(mut self, mut requests: mpsc::Receiver<Demand>) {
-        let mut stream = self.handle.stream();
+    async fn run(
+        mut self,
+        mut stream: broadcast::Receiver<Arc<Batch>>,
+        mut requests: mpsc::Receiver<Demand>,
+    ) {
         let mut tidy = tokio::time::interval(TIDY);
         loop {
             tokio::select! {
