@@ -12,12 +12,16 @@ use thiserror::Error;
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
 
+use super::link::Key;
 use crate::plant::{Robot, RobotError};
 
 /// The rates at which the tick is made to run, Hz.
 const RATES: [f64; 2] = [250.0, 4000.0];
 /// The longest name of a joint, bytes: a datagram holds it, and it names metrics.
 const LONGEST_NAME: usize = 64;
+
+/// The shortest key of datagrams, characters: 128 bits where they are random bytes.
+const SHORTEST_KEY: usize = 16;
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -111,6 +115,8 @@ pub struct Config {
     pub udp: SocketAddr,
     /// The robot's address, if it is not taken from its first datagram.
     pub udp_robot: Option<SocketAddr>,
+    /// Signs datagrams both ways.
+    pub udp_key: Option<Key>,
     /// Silence after which the adaptation waits.
     pub watchdog: Duration,
     /// Whether a joint without measurements is stopped.
@@ -189,6 +195,7 @@ fn checked(
     let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
     let rate = check.within("tick.rate_hz", rate, RATES)?;
     let http = http(&keys, overrides, &check)?;
+    let udp_key = udp_key(keys.udp.key.as_deref(), &check)?;
     let data = overrides.data.clone().unwrap_or(keys.service.data);
     let days = check.within(
         "recording.max_age_days",
@@ -208,6 +215,7 @@ fn checked(
         http,
         udp: overrides.udp.unwrap_or(keys.udp.address),
         udp_robot: keys.udp.robot,
+        udp_key,
         watchdog: Duration::from_secs_f64(timeout),
         watchdog_stops: keys.watchdog.stop,
         recording: RecordingConfig {
@@ -251,6 +259,22 @@ fn http(keys: &Keys, overrides: &Overrides, check: &Check) -> Result<HttpConfig,
     })
 }
 
+fn udp_key(secret: Option<&str>, check: &Check) -> Result<Option<Key>, ConfigError> {
+    let Some(secret) = secret else {
+        return Ok(None);
+    };
+    if secret.len() < SHORTEST_KEY {
+        // A key is not shown, not even one that is of no use.
+        let given = format!("({} characters)", secret.len());
+        return Err(check.refuse(
+            "udp.key",
+            given,
+            format!("at least {SHORTEST_KEY} characters"),
+        ));
+    }
+    Ok(Key::new(secret))
+}
+
 fn joints(
     keys: &[JointKeys],
     description: &Robot,
@@ -287,6 +311,12 @@ fn joints(
         let mut checked = joint::checked(joint, &at, description, check)?;
         if !describes {
             checked.arc = None;
+            let limits = [
+                joint.velocity_deg_s,
+                joint.acceleration_deg_s2,
+                joint.jerk_deg_s3,
+            ];
+            checked.limits_assumed = limits.contains(&None);
         }
         joints.push(checked);
     }

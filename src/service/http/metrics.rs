@@ -138,6 +138,7 @@ fn link(text: &mut Text, link: &LinkHealth) {
         ("malformed", link.malformed),
         ("unknown_joint", link.unknown_joint),
         ("unsigned", link.unsigned),
+        ("replayed", link.replayed),
         ("overflowed", link.overflowed),
     ];
     let samples = counts.map(|(what, count)| ([("kind", what)], Some(count as f64)));

@@ -4,11 +4,13 @@ mod clock_offset;
 pub mod datagram;
 mod embedded;
 mod sequence;
+mod signature;
 mod udp;
 
 pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
 pub use sequence::{Order, Sequence};
+pub use signature::{Key, Replay};
 pub use udp::{UdpLink, UdpSettings};
 
 use std::net::SocketAddr;
@@ -61,6 +63,10 @@ pub struct LinkCounters {
     pub malformed: u64,
     /// Datagrams for a joint that there is not.
     pub unknown_joint: u64,
+    /// Datagrams whose signature is wrong or missing.
+    pub unsigned: u64,
+    /// Signed datagrams that had come before.
+    pub replayed: u64,
     /// Measurements for which the tick had no room.
     pub overflowed: u64,
     /// The robot's address.

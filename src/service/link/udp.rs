@@ -5,7 +5,7 @@ mod receiver;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -13,8 +13,8 @@ use quell_shapers::Setpoint;
 use rtrb::{Consumer, RingBuffer};
 
 use super::datagram::write_setpoint;
-use super::{INBOX, LinkCounters, RobotLink};
-use crate::service::clock::ServiceClock;
+use super::{INBOX, Key, LinkCounters, RobotLink};
+use crate::service::clock::{ServiceClock, unix_time};
 use crate::service::contract::Measured;
 use receiver::Receiver;
 
@@ -37,6 +37,8 @@ pub(super) struct Counts {
     foreign: AtomicU64,
     malformed: AtomicU64,
     unknown_joint: AtomicU64,
+    unsigned: AtomicU64,
+    replayed: AtomicU64,
     overflowed: AtomicU64,
     /// The clock's offset as bits of a number; not a number before it is known.
     clock_offset: AtomicU64,
@@ -54,12 +56,15 @@ pub struct UdpSettings {
     /// Silence after which the address of a robot may be taken anew, and delay from which on a
     /// datagram counts as late.
     pub watchdog: Duration,
+    /// Signs what goes out; what comes in must be signed by it.
+    pub key: Option<Key>,
 }
 
 /// The tick's end of the UDP link.
 pub struct UdpLink {
     socket: UdpSocket,
     joints: Vec<String>,
+    key: Option<Key>,
     ring: Consumer<Received>,
     counts: Arc<Counts>,
     peer: Option<SocketAddr>,
@@ -86,6 +91,13 @@ impl UdpLink {
         });
         let ending = Arc::new(AtomicBool::new(false));
         let (joints, peer) = (settings.joints.clone(), settings.robot);
+        let key = settings.key.clone();
+        // A number under a key is used once, also after the next start: there are fewer setpoints than
+        // microseconds, and JSON's readers hold these to the last digit.
+        let sequence = match &key {
+            Some(_) => (1e6 * unix_time()) as u64,
+            None => 0,
+        };
         let receiver = Receiver::new(
             socket.try_clone()?,
             settings,
@@ -100,10 +112,11 @@ impl UdpLink {
         Ok(Self {
             socket,
             joints,
+            key,
             ring,
             counts,
             peer,
-            sequence: 0,
+            sequence,
             sent: 0,
             failures: 0,
             buffer: [0; 512],
@@ -137,7 +150,12 @@ impl RobotLink for UdpLink {
             return;
         };
         self.sequence += 1;
-        let bytes = write_setpoint(&mut self.buffer, self.sequence, now, name, setpoint);
+        let written = write_setpoint(&mut self.buffer, self.sequence, now, name, setpoint);
+        let length = match (&self.key, written.map(<[u8]>::len)) {
+            (Some(key), Some(length)) => key.sign(&mut self.buffer, length),
+            (_, length) => length,
+        };
+        let bytes = length.and_then(|length| self.buffer.get(..length));
         // A full buffer of the system loses this setpoint, as the network may; the next is a period
         // away.
         match bytes.map(|bytes| self.socket.send_to(bytes, peer)) {
@@ -147,11 +165,13 @@ impl RobotLink for UdpLink {
     }
 
     fn counters(&self) -> LinkCounters {
-        let count = |counter: &AtomicU64| counter.load(Relaxed);
         let counts = &self.counts;
+        // First: what became of these has been counted.
+        let received = counts.received.load(Acquire);
+        let count = |counter: &AtomicU64| counter.load(Relaxed);
         let offset = f64::from_bits(count(&counts.clock_offset));
         LinkCounters {
-            received: count(&counts.received),
+            received,
             sent: self.sent,
             send_failures: self.failures,
             lost: count(&counts.lost),
@@ -161,6 +181,8 @@ impl RobotLink for UdpLink {
             foreign: count(&counts.foreign),
             malformed: count(&counts.malformed),
             unknown_joint: count(&counts.unknown_joint),
+            unsigned: count(&counts.unsigned),
+            replayed: count(&counts.replayed),
             overflowed: count(&counts.overflowed),
             peer: self.peer,
             clock_offset: (!offset.is_nan()).then_some(offset),

@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed, Ordering::Release};
 
 use rtrb::Producer;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -11,7 +11,7 @@ use super::{Counts, Received, UdpSettings};
 use crate::service::clock::ServiceClock;
 use crate::service::contract::{Measured, Quantity};
 use crate::service::link::datagram::{FromRobot, LONGEST};
-use crate::service::link::{ClockOffset, Order, Sequence};
+use crate::service::link::{ClockOffset, Order, Replay, Sequence};
 
 /// How long it waits at a time, so that it sees that it shall end.
 const WAIT: Timespec = Timespec {
@@ -32,6 +32,7 @@ pub(super) struct Receiver {
     /// One for each joint and quantity.
     sequences: Vec<[Sequence; QUANTITIES]>,
     offset: ClockOffset,
+    replay: Replay,
 }
 
 impl Receiver {
@@ -52,6 +53,7 @@ impl Receiver {
             clock,
             last_heard: 0.0,
             offset: ClockOffset::default(),
+            replay: Replay::default(),
         }
     }
 
@@ -65,15 +67,21 @@ impl Receiver {
             let _ = poll(&mut waiting, Some(&WAIT));
             while let Ok((length, from)) = self.socket.recv_from(&mut buffer) {
                 self.take(&buffer[..length], from);
+                // Last, so that whoever sees it counted sees what became of it, too.
+                self.counts.received.fetch_add(1, Release);
             }
         }
     }
 
     fn take(&mut self, bytes: &[u8], from: SocketAddr) {
         let now = self.clock.now();
-        count(&self.counts.received, 1);
         if !self.is_from_robot(from, now) {
             count(&self.counts.foreign, 1);
+            return;
+        }
+        let key = self.settings.key.as_ref();
+        if key.is_some_and(|key| !key.has_signed(bytes)) {
+            count(&self.counts.unsigned, 1);
             return;
         }
         let datagram = match bytes.len() {
@@ -84,6 +92,13 @@ impl Receiver {
             count(&self.counts.malformed, 1);
             return;
         };
+        if self.settings.key.is_some() {
+            match datagram.seq.map(|number| self.replay.admits(number)) {
+                Some(true) => {}
+                Some(false) => return count(&self.counts.replayed, 1),
+                None => return count(&self.counts.malformed, 1),
+            }
+        }
         let names = &self.settings.joints;
         let Some(joint) = names.iter().position(|name| *name == datagram.joint) else {
             count(&self.counts.unknown_joint, 1);
