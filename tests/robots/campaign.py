@@ -227,7 +227,7 @@ class Verdict:
 
 def moves(service, robot, options):
     """The moves, as the arm saw them: shaped or not, residual, and when the mode jumped."""
-    done, memory = [], []
+    done, memory, skipped = [], [], 0
     jump = options.moves // 2 if options.change else None
     for number in range(options.moves):
         if number == jump:
@@ -237,7 +237,9 @@ def moves(service, robot, options):
         plain &= jump is None or not jump <= number < jump + 2
         told = service.move(TARGETS[number % 2], "none" if plain else None)
         true = robot.moves.get(timeout=20)
-        done.append({**true, "shaped": not plain, "told": told})
+        before, skipped = skipped, service.state()["tick"]["skipped"]
+        disturbed = skipped > before
+        done.append({**true, "shaped": not plain, "told": told, "disturbed": disturbed})
         # What rings is not to be met by the next move: seven time constants of 8 Hz at 5 %.
         time.sleep(2.8 if plain else 0.3)
         memory.append(service.memory())
@@ -254,14 +256,18 @@ def judge_residuals(verdict, done, jump):
     share = statistics.median(shaped) / plain
     worst = max(shaped) / plain
     text = f"adaptive residual {share:.2%} of unshaped {plain:.2e} rad in the median"
-    verdict.says(share <= 0.03, f"{text} of {len(shaped)} moves, at most {worst:.1%}")
+    calm = max((m["residual"] for m in done if m["shaped"] and not m["disturbed"]), default=0.0)
+    text += f" of {len(shaped)} moves, at most {worst:.1%}, {calm / plain:.1%} where no tick was skipped"
+    verdict.says(share <= 0.03, text)
     if jump is not None:
-        after = [m for m in done[jump:] if m["shaped"]][:4]
+        # A tick that the machine skips stops the command for a moment, and that rings: such a move
+        # says nothing of what was learned.
+        after = [m for m in done[jump:] if m["shaped"] and not m["disturbed"]][:4]
         later = [m["residual"] for m in done[jump:] if not m["shaped"]]
         reference = statistics.median(later or [plain])
         shares = [m["residual"] / reference for m in after]
         text = ", ".join(f"{share:.1%}" for share in shares)
-        verdict.says(shares[1] <= 0.03, f"after 20 % in frequency the moves leave {text}")
+        verdict.says(len(shares) > 1 and shares[1] <= 0.03, f"after 20 % in frequency the moves leave {text}")
 
 
 def judge_setpoints(verdict, log, limits):
