@@ -5,7 +5,7 @@ mod receiver;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -13,34 +13,11 @@ use quell_shapers::Setpoint;
 use rtrb::{Consumer, RingBuffer};
 
 use super::datagram::write_setpoint;
+use super::intake::{Counts, Intake, Received};
 use super::{INBOX, LinkCounters, RobotLink};
 use crate::service::clock::ServiceClock;
 use crate::service::contract::Measured;
 use receiver::Receiver;
-
-/// What the receiving thread hands to the tick.
-pub(super) enum Received {
-    /// A measurement.
-    Measured(Measured),
-    /// The robot's address.
-    Peer(SocketAddr),
-}
-
-/// What the receiving thread counts; the names as in [`LinkCounters`].
-#[derive(Debug, Default)]
-pub(super) struct Counts {
-    received: AtomicU64,
-    lost: AtomicU64,
-    late: AtomicU64,
-    doubled: AtomicU64,
-    reordered: AtomicU64,
-    foreign: AtomicU64,
-    malformed: AtomicU64,
-    unknown_joint: AtomicU64,
-    overflowed: AtomicU64,
-    /// The clock's offset as bits of a number; not a number before it is known.
-    clock_offset: AtomicU64,
-}
 
 /// What the UDP link is told.
 #[derive(Clone, Debug)]
@@ -80,19 +57,16 @@ impl UdpLink {
         let socket = UdpSocket::bind(settings.address)?;
         socket.set_nonblocking(true)?;
         let (producer, ring) = RingBuffer::new(8 * INBOX);
-        let counts = Arc::new(Counts {
-            clock_offset: AtomicU64::new(f64::NAN.to_bits()),
-            ..Counts::default()
-        });
+        let counts = Arc::new(Counts::default());
         let ending = Arc::new(AtomicBool::new(false));
         let (joints, peer) = (settings.joints.clone(), settings.robot);
-        let receiver = Receiver::new(
-            socket.try_clone()?,
-            settings,
+        let intake = Intake::new(
+            joints.len(),
+            settings.watchdog,
             producer,
             Arc::clone(&counts),
-            clock,
         );
+        let receiver = Receiver::new(socket.try_clone()?, settings, intake, clock);
         let stop = Arc::clone(&ending);
         let receiver = std::thread::Builder::new()
             .name("quell-udp".into())
@@ -147,23 +121,11 @@ impl RobotLink for UdpLink {
     }
 
     fn counters(&self) -> LinkCounters {
-        let count = |counter: &AtomicU64| counter.load(Relaxed);
-        let counts = &self.counts;
-        let offset = f64::from_bits(count(&counts.clock_offset));
         LinkCounters {
-            received: count(&counts.received),
             sent: self.sent,
             send_failures: self.failures,
-            lost: count(&counts.lost),
-            late: count(&counts.late),
-            doubled: count(&counts.doubled),
-            reordered: count(&counts.reordered),
-            foreign: count(&counts.foreign),
-            malformed: count(&counts.malformed),
-            unknown_joint: count(&counts.unknown_joint),
-            overflowed: count(&counts.overflowed),
             peer: self.peer,
-            clock_offset: (!offset.is_nan()).then_some(offset),
+            ..self.counts.counters()
         }
     }
 }
