@@ -80,6 +80,7 @@ impl ZenohLink {
             origin: ((unix_time() - clock.now()) * 1e9) as i64,
             clock,
         });
+        let subscriptions = subscriptions(node, &config.zenoh, &ears)?;
         let publisher = node.publisher(
             &config.zenoh.commands,
             &FLOAT64_MULTI_ARRAY,
@@ -94,7 +95,7 @@ impl ZenohLink {
         Ok(Self {
             ring,
             counts,
-            _subscriptions: subscriptions(node, &config.zenoh, &ears)?,
+            _subscriptions: subscriptions,
             latest: [None; MOST_JOINTS],
             joints,
             is_due: false,
