@@ -52,6 +52,7 @@ fn scales() -> Scales {
         suspect_frequencies: vec![TAU * 20.0],
         suspect_orders: vec![30.0],
         forced: false,
+        tracked: false,
         rigid: false,
     }
 }

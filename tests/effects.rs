@@ -99,6 +99,7 @@ prop_compose! {
             suspect_frequencies: suspects[..found].iter().map(|s| 50.0 * s * natural_frequency).collect(),
             suspect_orders: suspects[..found].iter().map(|s| 500.0 * s / travel).collect(),
             forced: false,
+            tracked: false,
             rigid: false,
         }
     }
@@ -379,12 +380,13 @@ proptest! {
     fn hysteresis_and_creep_do_not_depend_on_the_steps(
         distance in 0.05..3.0f64,
         shape in 0.0..3.0f64,
+        sharpness in 0.0..=1.0f64,
         turns in prop::collection::vec(-2.0..2.0f64, 1..6),
         steps in 2..9usize,
     ) {
         for (name, parameters) in [
             ("presliding_hysteresis", vec![1.0, distance]),
-            ("hysteretic_stiffness", vec![0.5, distance, shape]),
+            ("hysteretic_stiffness", vec![0.5, distance, shape, sharpness]),
             ("viscoelastic_creep", vec![0.5, distance]),
         ] {
             let law = force(name, &parameters);
@@ -402,11 +404,12 @@ proptest! {
     fn a_closed_loop_never_gives_energy(
         distance in 0.02..3.0f64,
         shape in 0.0..3.0f64,
+        sharpness in 0.0..=1.0f64,
         inner in -1.0..1.0f64,
     ) {
         for (name, parameters) in [
             ("presliding_hysteresis", vec![1.0, distance]),
-            ("hysteretic_stiffness", vec![0.5, distance, shape]),
+            ("hysteretic_stiffness", vec![0.5, distance, shape, sharpness]),
         ] {
             let law = force(name, &parameters);
             // Until the loop closes, then once round, with a smaller loop within.
@@ -428,8 +431,9 @@ proptest! {
                 }
             }
             // The trapezoidal rule at 400 steps a branch of length up to 2: h^2 / 12 F'' x, with
-            // F'' up to (1 + shape) / distance of a unit force.
-            let rule = 8.0 * (2.0f64 / 400.0).powi(2) / 12.0 * (1.0 + shape).powi(2) / distance;
+            // F'' up to (1 + sharpness) (1 + shape) / distance of a unit force.
+            let steep = (1.0 + sharpness) * (1.0 + shape).powi(2) / distance;
+            let rule = 8.0 * (2.0f64 / 400.0).powi(2) / 12.0 * steep;
             prop_assert!(energy > -rule - 1e-9, "{name}: {energy}");
         }
     }
@@ -454,26 +458,34 @@ proptest! {
 #[test]
 fn val_bouc_wen_against_fine_integration() {
     let (share, yields, unloading) = (0.4, 0.3, 0.35);
-    let law = force("hysteretic_stiffness", &[share, yields, unloading]);
-    let (beta, gamma) = (
-        0.5 * (1.0 + unloading) / yields,
-        0.5 * (1.0 - unloading) / yields,
-    );
-    let (mut memory, mut z, mut x) = (Memory::default(), 0.0f64, 0.0f64);
-    for turn in [0.8, 0.1, 0.5, -0.9, -0.6, 0.2, -0.1] {
-        let steps = 20_000;
-        let h = (turn - x) / f64::from(steps);
-        let rate = |z: f64| 1.0 - (beta * h.signum() + gamma * z.signum()) * z;
-        for _ in 0..steps {
-            let middle = z + 0.5 * h * rate(z);
-            z += h * rate(middle);
+    for sharpness in [0.0, 0.5, 1.0] {
+        let law = force(
+            "hysteretic_stiffness",
+            &[share, yields, unloading, sharpness],
+        );
+        let mut memory = Memory::default();
+        let (mut z, mut x) = (0.0f64, 0.0f64);
+        for turn in [0.8, 0.1, 0.5, -0.9, -0.6, 0.2, -0.1] {
+            let steps = 20_000;
+            let h = (turn - x) / f64::from(steps);
+            // Wen's law for the exponents 1 and 2: beta sign(x') z |z|^(n - 1) + gamma |z|^n.
+            let power = |z: f64, n: i32| {
+                let (beta, gamma) = (0.5 * (1.0 + unloading), 0.5 * (1.0 - unloading));
+                let own = (z / yields).abs().powi(n);
+                beta * h.signum() * z.signum() * own + gamma * own
+            };
+            let rate = |z: f64| 1.0 - (1.0 - sharpness) * power(z, 1) - sharpness * power(z, 2);
+            for _ in 0..steps {
+                let middle = z + 0.5 * h * rate(z);
+                z += h * rate(middle);
+            }
+            x = turn;
+            let force = law.force(&motion(), x, 0.0, &memory);
+            memory = walk(&*law, memory, &[x], 0.0);
+            // Second order at steps of 1e-4 and rates of 4: 1e-8 and less.
+            assert_near(memory.state, z, 2e-8, "hysteretic part");
+            assert_near(force, share * (z - x), 2e-8, "force");
         }
-        x = turn;
-        let force = law.force(&motion(), x, 0.0, &memory);
-        memory = walk(&*law, memory, &[x], 0.0);
-        // Second order at steps of 1e-4 and rates of 4: 1e-8 and less.
-        assert_near(memory.state, z, 1e-8, "hysteretic part");
-        assert_near(force, share * (z - x), 1e-8, "force");
     }
 }
 
@@ -720,7 +732,7 @@ fn val_sensors_by_hand() {
         ("sensor_gain", vec![0.1], 1.65),
         ("deformation_gain", vec![0.1], 1.55),
         ("sensor_drift", vec![0.1, 0.0, 0.0], 1.7),
-        ("sensor_drift", vec![0.0, 0.1, 0.0], 1.8),
+        ("sensor_drift", vec![0.1, 0.5, 0.0], 1.85),
         // (1 - exp(-1)) / 0.5 instead of 2.
         ("sensor_drift", vec![0.1, 0.0, 0.5], 1.626_424_111_765_711_5),
         ("quantisation", vec![0.4], 1.6),

@@ -129,6 +129,7 @@ fn scales(base: &Trace) -> Scales {
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
         forced: false,
+        tracked: false,
         rigid: false,
     }
 }

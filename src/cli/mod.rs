@@ -12,7 +12,6 @@ pub mod error;
 pub mod identify;
 pub mod inspect;
 pub mod log;
-pub mod model_file;
 pub mod moves;
 pub mod output;
 pub mod prove;

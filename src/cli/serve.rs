@@ -1,5 +1,7 @@
 //! `quell serve`: commands a robot in real time, learns its modes, and keeps what it learned.
 
+mod outside;
+
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -8,6 +10,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use super::{CliError, output, values};
 use crate::service::config::{Config, Overrides, RobotKind};
 use crate::service::{self, StartError};
+use outside::Outside;
 
 /// Commands a robot in real time: targets in, shaped setpoints out, its modes learned on the way.
 ///
@@ -78,13 +81,16 @@ async fn serve(config: Config) -> Result<(), CliError> {
     let mut terminated = signal(SignalKind::terminate())?;
     let mut interrupted = signal(SignalKind::interrupt())?;
     let (robot, rate) = (config.robot, 1.0 / config.period);
-    let service = service::start(config).map_err(refused)?;
+    let listener = outside::listen(&config).await?;
+    let page = listener.local_addr()?;
+    let service = service::start(config.clone()).map_err(refused)?;
+    let outside = Outside::start(listener, &config, service.handle())?;
     let link = match service.udp_address() {
         Some(address) => format!(", UDP at {address}"),
         None => String::new(),
     };
     output::text(&format!(
-        "quell: robot {}, {rate:.0} Hz{link}\n",
+        "quell: robot {}, {rate:.0} Hz{link}, page at http://{page}/\n",
         robot.name()
     ))?;
     tokio::select! {
@@ -95,7 +101,8 @@ async fn serve(config: Config) -> Result<(), CliError> {
     // It waits for the robot to come to rest.
     tokio::task::spawn_blocking(move || service.stop())
         .await
-        .map_err(CliError::failure)
+        .map_err(CliError::failure)?;
+    outside.end().await
 }
 
 fn refused(error: StartError) -> CliError {

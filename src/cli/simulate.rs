@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 use quell_shapers::{Mode, Shaper};
 
 use super::robot_args::{RobotArgs, SimulationArgs};
-use super::{CliError, choices, model_file, output, values};
+use super::{CliError, choices, output, values};
+use crate::model::believed;
 use crate::plant::ArmSimulation;
 use setup::Setup;
 use trace::Trace;
@@ -177,7 +178,7 @@ fn write(
     let mut files = vec![args.out.join(crate::recording::MANIFEST)];
     if let Some(&belief) = setup.belief.first() {
         let file = args.out.join("model.toml");
-        output::file(&file, model_file::flexible_joint(belief, arm.arc()))?;
+        output::file(&file, believed::flexible_joint(belief, Some(arm.arc())))?;
         files.push(file);
     }
     Ok(files)

@@ -4,6 +4,7 @@ use super::explanation::Explanation;
 use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
 use crate::effects::{contains, parts};
 use crate::model::Term;
+use crate::recording::Role;
 
 /// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
 const CHANCE: f64 = 6.0;
@@ -18,14 +19,15 @@ impl Search<'_> {
                 .filter(|trial| trial.passed)
                 .map(|trial| &trial.explanation)
         };
-        let first = sound().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))?;
+        let lowest =
+            |a: &&Explanation, b: &&Explanation| self.criterion(a).total_cmp(&self.criterion(b));
+        let first = sound().min_by(lowest)?;
         // A law that must be stretched to the end of what is plausible stands in for another one.
         let level = self.criterion(first) + EQUAL * self.unit(first);
         let within =
             sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
-        let best = within
-            .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
-            .unwrap_or(first);
+        let best = within.min_by(lowest).unwrap_or(first);
+        let best = self.flexibility(best, trials).unwrap_or(best);
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
         let simpler = sound().find(|other| {
             let names = (best.effects(), other.effects());
@@ -55,6 +57,39 @@ impl Search<'_> {
         })
     }
 
+    /// What is told instead of a sensor of positions in space that sees too much of the deformation: that is
+    /// mostly a further mode far above the motion (residual flexibility: Ewins, Modal Testing (2000), chapter
+    /// 5), told where the data lean to it at all.
+    pub(super) fn flexibility<'t>(
+        &self,
+        best: &Explanation,
+        pool: &'t [Trial],
+    ) -> Option<&'t Explanation> {
+        let outputs = &self.problem.experiments[0].outputs;
+        let absolute = outputs
+            .iter()
+            .all(|output| output.role != Role::Deformation);
+        let own = best.effects();
+        let gain = own
+            .iter()
+            .position(|effect| effect.0 == "deformation_gain")?;
+        let unit = self.unit(best);
+        let instead = |other: &&Explanation| {
+            let theirs = other.effects();
+            let beside = own.iter().enumerate().filter(|(index, _)| *index != gain);
+            theirs.len() == own.len()
+                && beside
+                    .into_iter()
+                    .all(|(_, effect)| theirs.contains(effect))
+                && self.criterion(other) < self.criterion(best) + EQUAL * unit
+                && other.fitted.cost < best.fitted.cost - CHANCE * unit
+                && !self.is_stretched(other)
+        };
+        let sound = pool.iter().filter(|trial| absolute && trial.passed);
+        let others = sound.map(|trial| &trial.explanation).filter(instead);
+        others.min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
+    }
+
     /// Explanations with as many effects as the best that are within reach of it.
     pub(super) fn equals(&self, best: &Explanation, pool: &[Trial], unit: f64) -> Vec<Trial> {
         let mut equals: Vec<Trial> = Vec::new();
@@ -69,10 +104,12 @@ impl Search<'_> {
                 _ => false,
             };
             // A law that contains the best one always fits as well: it is listed if what it adds is more than
-            // chance makes.
+            // chance makes, or if it predicts better.
+            let more = best.fitted.cost - explanation.fitted.cost > CHANCE * unit && held < alike;
+            let near = worse < EQUAL * unit;
             let close = match limit {
-                true => best.fitted.cost - explanation.fitted.cost > CHANCE * unit && held < alike,
-                false => worse < EQUAL * unit && held < alike,
+                true => more || near && held < GATE,
+                false => near && held < alike,
             };
             let same = |other: &Trial| other.explanation.effects() == explanation.effects();
             let new = explanation.effects() != best.effects() && !equals.iter().any(same);

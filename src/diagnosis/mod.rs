@@ -12,6 +12,7 @@ mod displacement;
 mod document;
 mod draw;
 mod explanation;
+mod extend;
 mod fit;
 mod locate;
 mod next_move;

@@ -112,7 +112,9 @@ fn finding(model: &Model, experiments: &[Experiment]) -> Option<Finding> {
     }
     let (seen, std) = (sum / weight, weight.powf(-0.5));
     let doubt = believed.std.unwrap_or(0.0);
-    if !((seen - arm).abs() > OFF * std.hypot(doubt)) {
+    let off = (seen - arm).abs();
+    // Where no arc told a radius it is no number.
+    if off.is_nan() || off <= OFF * std.hypot(doubt) {
         return None;
     }
     let relative = |radius: f64| radius / arm - 1.0;

@@ -11,7 +11,6 @@ use super::fit::{Linearised, Projector, orthonormal};
 use super::problem::{Point, Problem, Run};
 use crate::effects::{EFFECTS, Effect, Place};
 use crate::model::Term;
-use crate::recording::Role;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -43,18 +42,11 @@ pub fn candidates(problem: &Problem) -> Vec<(&'static Effect, Place)> {
     let experiment = &problem.experiments[0];
     let places = (problem.kind.places)(experiment.input);
     let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
-    let absolute = experiment
-        .outputs
-        .iter()
-        .all(|output| output.role != Role::Deformation);
     let mut found = Vec::new();
     for effect in EFFECTS.iter().copied() {
         for &place in effect.places.iter().filter(|place| places.contains(place)) {
-            // A delay of a sensor with a clock of its own is that clock's offset; one that measures
-            // positions in space cannot scale the deformation and leave the motion as it is.
-            let needless = own_clock && effect.name == "sensor_delay"
-                || absolute && effect.name == "deformation_gain";
-            if !needless {
+            // A delay of a sensor with a clock of its own is that clock's offset.
+            if !(own_clock && effect.name == "sensor_delay") {
                 found.push((effect, place));
             }
         }

@@ -40,7 +40,7 @@ impl Yield {
     }
 
     /// How far it is from `z < 0` to 0.
-    fn to_zero(&self, z: f64) -> f64 {
+    fn way_to_zero(&self, z: f64) -> f64 {
         let discriminant = self.linear * self.linear + 4.0 * self.quadratic;
         let root = discriminant.abs().sqrt();
         let t = -z / (2.0 - self.linear * z);
@@ -69,7 +69,7 @@ impl BoucWen {
         if z >= 0.0 {
             return sense * self.growing.after(z, travel);
         }
-        let to_zero = self.shrinking.to_zero(z);
+        let to_zero = self.shrinking.way_to_zero(z);
         sense
             * match travel <= to_zero {
                 true => self.shrinking.after(z, travel),
@@ -132,7 +132,7 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
             quantity: Quantity::NUMBER,
             bounds: |_| (0.0, 1.0),
             neutral: 0.0,
-            typical: |_| 0.0,
+            typical: |_| 0.5,
         },
     ],
     law: |p| {

@@ -1,30 +1,30 @@
 //! A sensor that drifts.
 
-use super::grid::product;
+use super::grid::{product, reach};
 use super::levelling::{levelling, settling_bounds};
 use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
 
 struct Drift {
     rate: f64,
-    sensitivity: f64,
+    growth: f64,
     settling: f64,
 }
 
 impl Sensor for Drift {
     fn read(&self, reading: &Reading) -> f64 {
         let gone = levelling(reading.time, self.settling);
-        reading.value + (self.rate + self.sensitivity * reading.value) * gone
+        reading.value + self.rate * (1.0 + self.growth * reading.value) * gone
     }
 }
 
-/// The sensor shows `y + (r + q y) (1 - exp(-s t)) / s`.
+/// The sensor shows `y + r (1 + g y) (1 - exp(-s t)) / s`.
 pub const SENSOR_DRIFT: Effect = Effect {
     name: "sensor_drift",
     places: &[Place::Sensor],
     physics: "Warming electronics, a tripod that settles or an integrated rate make the reading creep, \
-        whatever the axis does, at rest too: its zero by r and its sensitivity by q each second, as a \
-        tracker's frame that is displaced does, seen as an angle. With s > 0 the drift levels off: y + (r \
-        + q y) (1 - exp(-s t)) / s. Source: Doebelin, Measurement Systems (2004), chapter 3 (zero drift \
+        whatever the axis does, at rest too: its zero by r each second, and with it its scale, r g, as a \
+        tracker's frame that is displaced does, seen as an angle. With s > 0 the drift levels off: y + r (1 \
+        + g y) (1 - exp(-s t)) / s. Source: Doebelin, Measurement Systems (2004), chapter 3 (zero drift \
         and sensitivity drift).",
     parameters: &[
         Parameter {
@@ -38,24 +38,25 @@ pub const SENSOR_DRIFT: Effect = Effect {
             typical: |scales| 0.1 * scales.deformation / scales.duration(),
         },
         Parameter {
-            name: "sensitivity_rate",
-            quantity: Quantity::FREQUENCY,
-            bounds: |scales| (-1.0 / scales.duration(), 1.0 / scales.duration()),
+            name: "growth",
+            quantity: Quantity::new(0, -1, 0),
+            // A frame that is displaced across the line to the tip: the zero stays, the scale drifts.
+            bounds: |scales| (-20.0 / reach(scales), 20.0 / reach(scales)),
             neutral: 0.0,
-            typical: |_| 0.0,
+            typical: |scales| 0.3 / reach(scales),
         },
         Parameter {
             name: "settling_rate",
             quantity: Quantity::FREQUENCY,
             bounds: |scales| settling_bounds(scales.duration()),
             neutral: 0.0,
-            typical: |_| 0.0,
+            typical: |scales| 1.0 / scales.duration(),
         },
     ],
     law: |p| {
         Law::Sensor(Box::new(Drift {
             rate: p[0],
-            sensitivity: p[1],
+            growth: p[1],
             settling: p[2],
         }))
     },

@@ -40,7 +40,7 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
             quantity: Quantity::FREQUENCY,
             bounds: |scales| settling_bounds(scales.duration()),
             neutral: 0.0,
-            typical: |_| 0.0,
+            typical: |scales| 1.0 / scales.duration(),
         },
     ],
     law: |p| {

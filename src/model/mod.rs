@@ -2,6 +2,7 @@
 //!
 //! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
 
+pub mod believed;
 mod bodies;
 pub mod chain;
 mod circle;

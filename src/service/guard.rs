@@ -35,11 +35,13 @@ pub enum Fault {
     Saturated,
     /// The reading has gone further than the joint can have.
     Jump,
+    /// The reading is no number.
+    NotFinite,
 }
 
 impl Fault {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Stuck, Self::Saturated, Self::Jump];
+    pub const ALL: [Self; 4] = [Self::Stuck, Self::Saturated, Self::Jump, Self::NotFinite];
 
     /// Name in states and metrics.
     pub fn name(self) -> &'static str {
@@ -47,6 +49,7 @@ impl Fault {
             Self::Stuck => "stuck",
             Self::Saturated => "saturated",
             Self::Jump => "jump",
+            Self::NotFinite => "not_finite",
         }
     }
 }
@@ -57,7 +60,7 @@ pub struct SensorReport {
     /// Samples taken and refused.
     pub samples: u64,
     /// Samples refused, in the order of [`Fault::ALL`].
-    pub refused: [u64; 3],
+    pub refused: [u64; 4],
     /// Present fault.
     pub fault: Option<Fault>,
     /// When the last sample came, s.
@@ -141,6 +144,17 @@ impl Guard {
         let Some(index) = QUANTITIES.iter().position(|&q| q == measured.quantity) else {
             return false;
         };
+        if !is_finite(measured) {
+            let sensor = &mut self.report.sensors[index];
+            sensor.samples += 1;
+            sensor.heard = measured.received;
+            sensor.refused[Fault::NotFinite as usize] += 1;
+            sensor.fault = Some(Fault::NotFinite);
+            // Its stamp may be damaged, too: the last good one counts.
+            let stamp = self.last[index].map_or(f64::NEG_INFINITY, |last| last.stamp);
+            self.faulty_until[index] = stamp + RECOVERY;
+            return false;
+        }
         let last = self.last[index].replace(*measured);
         let fault = self.fault(index, measured, last.as_ref(), motion);
         let sensor = &mut self.report.sensors[index];
@@ -210,4 +224,8 @@ impl Guard {
             _ => step.sqrt() > farthest + 2.0 * self.bounds.resolution,
         }
     }
+}
+
+fn is_finite(measured: &Measured) -> bool {
+    measured.stamp.is_finite() && measured.value.iter().all(|value| value.is_finite())
 }

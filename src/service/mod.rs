@@ -1,6 +1,7 @@
 //! The service: commands a real robot in real time, learns its modes, and tells what it does.
 //!
-//! [`contract`] is all that the outside (HTTP, page, files) sees of the engine.
+//! [`contract`] is all that the outside sees of the engine: [`http`] with the page, the [`recorder`],
+//! and the [`jobs`] that diagnose what was recorded.
 
 pub mod clock;
 pub mod config;
@@ -10,7 +11,10 @@ mod features;
 #[cfg(feature = "foxglove")]
 mod foxglove;
 pub mod guard;
+pub mod http;
+pub mod jobs;
 pub mod link;
+pub mod recorder;
 pub mod ringing;
 mod start;
 pub mod state;

@@ -15,7 +15,7 @@ use thiserror::Error;
 use super::clock::{ServiceClock, unix_time};
 use super::config::{Config, JointConfig, RobotKind};
 use super::contract::{Handle, Snapshot, channels};
-use super::engine::{Engine, EngineParts, Joint};
+use super::engine::{Engine, EngineParts, Joint, Registrar};
 use super::features::{Companion, live_view, over_zenoh};
 use super::guard::Bounds;
 use super::link::{EmbeddedLink, RobotLink, UdpLink, UdpSettings};
@@ -221,10 +221,17 @@ fn keep(file: &StateFile, states: &Receiver<State>) {
     }
 }
 
-/// Limits of another robot than the one that is commanded would be no limits.
+/// Limits of another robot than the one that is commanded are no limits.
 fn warn_of_limits(config: &Config) {
     for joint in &config.joints {
         let limits = joint.limits;
+        if joint.limits_assumed {
+            tracing::warn!(
+                joint = joint.name,
+                "nothing says what this joint may do: the limits of the embedded arm are in force. \
+                 Give service.description, or velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3"
+            );
+        }
         tracing::info!(
             joint = joint.name,
             velocity_rad_s = limits.velocity,
@@ -257,6 +264,7 @@ fn robot(config: &Config, clock: ServiceClock) -> Result<RobotParts, StartError>
                     .map(|joint| joint.name.clone())
                     .collect(),
                 watchdog: config.watchdog,
+                key: config.udp_key.clone(),
             };
             let link = UdpLink::start(settings, clock);
             let link = link.map_err(|error| system(config.udp, error))?;
@@ -346,6 +354,7 @@ fn made(
         asked: None,
         standstill: Default::default(),
         motor: None,
+        registrar: robot.sensor.is_none().then(Registrar::default),
         config: joint.clone(),
     })
 }

@@ -1,5 +1,8 @@
 //! The service as a whole: moves commanded, learned from, stopped, and remembered.
 
+mod datagrams;
+mod faults;
+mod guard;
 mod process;
 mod robot;
 mod tick;

@@ -3,7 +3,7 @@
 //! come late.
 
 use std::net::{SocketAddr, UdpSocket};
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -20,10 +20,29 @@ pub struct Received {
     pub acceleration: f64,
 }
 
+/// What its sensor of the link does wrong.
+#[derive(Clone, Copy, Debug)]
+pub enum Fault {
+    /// It repeats itself.
+    Stuck = 1,
+    /// It reads somewhere else, now and then.
+    Jumps,
+    /// It says nothing.
+    Dead,
+}
+
+/// What the robot is told.
+#[derive(Default)]
+struct Orders {
+    ending: AtomicBool,
+    silent: AtomicBool,
+    fault: AtomicU8,
+}
+
 pub struct UdpRobot {
     pub received: Arc<Mutex<Vec<Received>>>,
-    ending: Arc<AtomicBool>,
-    silent: Arc<AtomicBool>,
+    orders: Arc<Orders>,
+    socket: UdpSocket,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -31,21 +50,34 @@ impl UdpRobot {
     /// A robot that speaks to a service at `address`, stepped by `period` (s) a setpoint.
     pub fn start(address: SocketAddr, period: f64) -> Self {
         let received = Arc::new(Mutex::new(Vec::new()));
-        let (ending, silent) = (Arc::default(), Arc::default());
-        let log = Arc::clone(&received);
-        let (stop, mute) = (Arc::clone(&ending), Arc::clone(&silent));
-        let thread = std::thread::spawn(move || run(address, period, &log, &stop, &mute));
+        let orders: Arc<Orders> = Arc::default();
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+        let own = socket.try_clone().expect("a socket");
+        let (log, told) = (Arc::clone(&received), Arc::clone(&orders));
+        let thread = std::thread::spawn(move || run(&own, address, period, &log, &told));
         Self {
             received,
-            ending,
-            silent,
+            orders,
+            socket,
             thread: Some(thread),
         }
     }
 
     /// From now on it says nothing, or speaks again.
     pub fn be_silent(&self, silent: bool) {
-        self.silent.store(silent, Relaxed);
+        self.orders.silent.store(silent, Relaxed);
+    }
+
+    /// From now on its sensor of the link fails, or is whole again.
+    pub fn fail(&self, fault: Option<Fault>) {
+        let fault = fault.map_or(0, |fault| fault as u8);
+        self.orders.fault.store(fault, Relaxed);
+    }
+
+    /// Sends something else from its address.
+    pub fn send(&self, datagram: &[u8], address: SocketAddr) {
+        // What the system does not take was not sent.
+        let _ = self.socket.send_to(datagram, address);
     }
 
     pub fn last(&self) -> Option<Received> {
@@ -55,19 +87,18 @@ impl UdpRobot {
 
 impl Drop for UdpRobot {
     fn drop(&mut self) {
-        self.ending.store(true, Relaxed);
+        self.orders.ending.store(true, Relaxed);
         self.thread.take().map(JoinHandle::join);
     }
 }
 
 fn run(
+    socket: &UdpSocket,
     address: SocketAddr,
     period: f64,
     log: &Mutex<Vec<Received>>,
-    ending: &AtomicBool,
-    silent: &AtomicBool,
+    orders: &Orders,
 ) {
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let wait = Some(Duration::from_millis(5));
     socket.set_read_timeout(wait).expect("a timeout");
     let arm = ArmSimulation::new(&Robot::rx170(), 0, &SimulationOptions::default());
@@ -77,7 +108,8 @@ fn run(
         velocity: Some(0.0),
     };
     let (mut buffer, mut step, mut held) = ([0; 512], 0u64, None);
-    while !ending.load(Relaxed) {
+    let mut stuck = None;
+    while !orders.ending.load(Relaxed) {
         if let Ok((length, _)) = socket.recv_from(&mut buffer) {
             let setpoint: Received = serde_json::from_slice(&buffer[..length]).expect("JSON");
             log.lock().expect("no panic").push(setpoint);
@@ -86,14 +118,22 @@ fn run(
         }
         arm.step(command, period);
         step += 1;
+        let whole = arm.true_link_position();
+        stuck = (orders.fault.load(Relaxed) == Fault::Stuck as u8).then(|| stuck.unwrap_or(whole));
+        let link = match orders.fault.load(Relaxed) {
+            fault if fault == Fault::Dead as u8 => String::new(),
+            fault if fault == Fault::Jumps as u8 && step.is_multiple_of(7) => {
+                format!(",\"link_position\":{:e}", whole + 0.3)
+            }
+            _ => format!(",\"link_position\":{:e}", stuck.unwrap_or(whole)),
+        };
         let datagram = format!(
-            "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e},\"link_position\":{:e}}}",
+            "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e}{link}}}",
             // A clock of its own: started another day, and 50 ppm fast.
             86_412.5 + 1.00005 * arm.time(),
             arm.true_motor_position(),
-            arm.true_link_position(),
         );
-        if silent.load(Relaxed) || step.is_multiple_of(50) {
+        if orders.silent.load(Relaxed) || step.is_multiple_of(50) {
             continue;
         }
         let send = |text: &str| {

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::page;
-use crate::cli::{CliError, model_file, output};
+use crate::cli::{CliError, output};
 use crate::closed_loop::{Comparison, Scenario};
+use crate::model::believed;
 
 /// Writes `report.html`, `model.toml` with the belief, and one recording a move; returns the
 /// report's path.
@@ -21,7 +22,7 @@ pub fn write(
             .write(&folder, true)
             .map_err(CliError::failure)?;
     }
-    let model = model_file::flexible_joint(scenario.belief, &comparison.moves[0].1.arc);
+    let model = believed::flexible_joint(scenario.belief, Some(&comparison.moves[0].1.arc));
     output::file(&folder.join("model.toml"), model)?;
     let report = folder.join("report.html");
     page::page(scenario, comparison)

@@ -27,6 +27,8 @@ pub struct JointConfig {
     pub range: [f64; 2],
     /// Limits of the command.
     pub limits: Limits,
+    /// Whether any of them is only that of the embedded arm, nothing having been said of this robot's.
+    pub limits_assumed: bool,
     /// The mode that is shaped for until a better one is learned.
     pub belief: Mode,
     /// The rule that designs trains.
@@ -81,6 +83,7 @@ pub(super) fn checked(
         index,
         range,
         limits: limits(keys, at, described, check)?,
+        limits_assumed: false,
         belief: belief(keys, at, described, check)?,
         shaper: shaper_by_name(&keys.shaper).ok_or_else(|| {
             let names = SHAPERS.iter().map(|shaper| shaper.name());

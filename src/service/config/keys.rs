@@ -96,6 +96,8 @@ pub struct UdpKeys {
     pub address: SocketAddr,
     /// The robot's address; where absent, and on loopback only, that of its first datagram.
     pub robot: Option<SocketAddr>,
+    /// Key that signs datagrams both ways, at least 16 characters; not signed where absent.
+    pub key: Option<String>,
 }
 
 impl Default for UdpKeys {
@@ -103,6 +105,7 @@ impl Default for UdpKeys {
         Self {
             address: SocketAddr::from(([127, 0, 0, 1], 7871)),
             robot: None,
+            key: None,
         }
     }
 }

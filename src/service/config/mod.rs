@@ -14,6 +14,7 @@ pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
 pub use zenoh::ZenohConfig;
 
+use super::link::Key;
 use crate::plant::{Robot, RobotError};
 
 /// The rates at which the tick is made to run, Hz.
@@ -23,6 +24,9 @@ const LONGEST_NAME: usize = 64;
 
 /// The joints of an arm that has one to spare.
 pub const MOST_JOINTS: usize = 7;
+
+/// The shortest key of datagrams, characters: 128 bits where they are random bytes.
+const SHORTEST_KEY: usize = 16;
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -119,6 +123,8 @@ pub struct Config {
     pub udp: SocketAddr,
     /// The robot's address, if it is not taken from its first datagram.
     pub udp_robot: Option<SocketAddr>,
+    /// Signs datagrams both ways.
+    pub udp_key: Option<Key>,
     /// How ROS 2 is reached, and its topics.
     pub zenoh: ZenohConfig,
     /// Where the live view of Foxglove listens, if there is one; it takes the feature `foxglove`.
@@ -201,6 +207,7 @@ fn checked(
     let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
     let rate = check.within("tick.rate_hz", rate, RATES)?;
     let http = http(&keys, overrides, &check)?;
+    let udp_key = udp_key(keys.udp.key.as_deref(), &check)?;
     let data = overrides.data.clone().unwrap_or(keys.service.data);
     let days = check.within(
         "recording.max_age_days",
@@ -229,6 +236,7 @@ fn checked(
         http,
         udp: overrides.udp.unwrap_or(keys.udp.address),
         udp_robot: keys.udp.robot,
+        udp_key,
         zenoh: keys.zenoh,
         foxglove: keys.foxglove.address,
         watchdog: Duration::from_secs_f64(timeout),
@@ -274,6 +282,22 @@ fn http(keys: &Keys, overrides: &Overrides, check: &Check) -> Result<HttpConfig,
     })
 }
 
+fn udp_key(secret: Option<&str>, check: &Check) -> Result<Option<Key>, ConfigError> {
+    let Some(secret) = secret else {
+        return Ok(None);
+    };
+    if secret.len() < SHORTEST_KEY {
+        // A key is not shown, not even one that is of no use.
+        let given = format!("({} characters)", secret.len());
+        return Err(check.refuse(
+            "udp.key",
+            given,
+            format!("at least {SHORTEST_KEY} characters"),
+        ));
+    }
+    Ok(Key::new(secret))
+}
+
 fn joints(
     keys: &[JointKeys],
     description: &Robot,
@@ -310,6 +334,12 @@ fn joints(
         let mut checked = joint::checked(joint, &at, description, check)?;
         if !describes {
             checked.arc = None;
+            let limits = [
+                joint.velocity_deg_s,
+                joint.acceleration_deg_s2,
+                joint.jerk_deg_s3,
+            ];
+            checked.limits_assumed = limits.contains(&None);
         }
         joints.push(checked);
     }

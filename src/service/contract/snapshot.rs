@@ -56,6 +56,10 @@ pub struct JointSnapshot {
     pub range_rad: [f64; 2],
     /// Limits of velocity (rad/s), acceleration (rad/s^2) and jerk (rad/s^3).
     pub limits: [f64; 3],
+    /// Whether any of them is only that of the embedded arm, nothing having been said of this robot's.
+    pub limits_assumed: bool,
+    /// Whether a sensor of the tip speaks whose frame is not known yet: the first moves tell it.
+    pub awaits_registration: bool,
     /// Whether plans are shaped.
     pub shaping: bool,
     /// Whether the train follows the estimate.
@@ -217,6 +221,8 @@ pub struct LinkHealth {
     pub unknown_joint: u64,
     /// Datagrams whose signature is wrong or missing.
     pub unsigned: u64,
+    /// Signed datagrams whose number had come before, or is far behind the newest.
+    pub replayed: u64,
     /// Measurements for which the tick had no room.
     pub overflowed: u64,
     /// The robot's address, once it is known.

@@ -4,6 +4,7 @@ use quell_shapers::{Mode, Shaper};
 use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
+use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;
 use crate::service::config::JointConfig;
@@ -58,6 +59,8 @@ pub struct Joint {
     pub standstill: Standstill,
     /// Last measured motor position, rad.
     pub motor: Option<f64>,
+    /// Learns where the tip's sensor stands, as long as that is not known.
+    pub registrar: Option<Registrar>,
 }
 
 /// A plan on its way to the tick.

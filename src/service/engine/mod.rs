@@ -9,6 +9,7 @@ mod orders;
 mod planning;
 mod publish;
 mod pump;
+mod registration;
 mod requests;
 mod running;
 mod standstill;
@@ -22,6 +23,7 @@ use quell_trajectories::Planner;
 
 pub use axis::controller;
 pub use joint::Joint;
+pub use registration::Registrar;
 
 use super::clock::ServiceClock;
 use super::config::Config;

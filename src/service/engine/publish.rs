@@ -62,6 +62,11 @@ impl Engine {
             tip_deformation_m: tip.map(|sample| sample.tip_deformation),
             range_rad: joint.config.range,
             limits: [limits.velocity, limits.acceleration, limits.jerk],
+            limits_assumed: joint.config.limits_assumed,
+            awaits_registration: joint
+                .registrar
+                .as_ref()
+                .is_some_and(|registrar| registrar.sees_the_tip()),
             shaping: joint.shaping,
             adaptation: joint.adaptation,
             adaptation_frozen: axis.is_some_and(|axis| axis.frozen),
@@ -163,7 +168,8 @@ fn link_health(whole: &WholeReport) -> LinkHealth {
         foreign: link.foreign,
         malformed: link.malformed,
         unknown_joint: link.unknown_joint,
-        unsigned: 0,
+        unsigned: link.unsigned,
+        replayed: link.replayed,
         overflowed: link.overflowed,
         peer: link.peer.map(|peer| peer.to_string()),
         clock_offset_s: link.clock_offset,

@@ -62,7 +62,13 @@ impl Engine {
 
     fn measure(&mut self, measured: &Measured) {
         let joint = &mut self.joints[measured.joint];
-        if measured.quantity != Quantity::MotorPosition || measured.refused {
+        if measured.refused {
+            return;
+        }
+        if let Some(registrar) = &mut joint.registrar {
+            registrar.take(measured);
+        }
+        if measured.quantity != Quantity::MotorPosition {
             return;
         }
         joint.motor = Some(measured.value[0]);
@@ -128,6 +134,7 @@ impl Engine {
 
     /// Ends what has rung out, begins what stands still, stops what is not measured any more.
     fn look_after(&mut self, index: usize, now: f64) {
+        self.end_registration(index);
         let joint = &self.joints[index];
         let mode = joint.mode;
         if joint
@@ -168,6 +175,17 @@ impl Engine {
     fn cease(&mut self, index: usize) {
         self.finish(index);
         let joint = &mut self.joints[index];
+        if let Some(axis) = joint.report.take().and_then(|report| report.axis) {
+            // The next controller counts from 0.
+            let counted = [
+                axis.status.retunes,
+                axis.status.corrections,
+                axis.status.refused,
+            ];
+            for (before, count) in joint.before.iter_mut().zip(counted) {
+                *before += u64::from(count);
+            }
+        }
         joint.began = self
             .rings
             .orders
@@ -216,6 +234,7 @@ impl Engine {
         }
         self.batch.events.push(Told::MoveEnded(result));
         self.save();
+        self.begin_registration(index);
     }
 
     /// Sends the batch off.

@@ -20,6 +20,8 @@ pub(super) const LARGEST: f64 = 1e12;
 pub struct FromRobot<'a> {
     /// Stamp on the robot's clock, s.
     pub t: f64,
+    /// Number of the datagram, of any joint; needed where datagrams are signed.
+    pub seq: Option<u64>,
     /// Name of the joint.
     #[serde(borrow)]
     pub joint: std::borrow::Cow<'a, str>,

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU64, Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
 use std::time::Duration;
 
 use rtrb::Producer;
@@ -24,7 +24,7 @@ pub(super) enum Received {
 /// What a receiving thread counts; the names as in [`LinkCounters`].
 #[derive(Debug)]
 pub(super) struct Counts {
-    pub received: AtomicU64,
+    received: AtomicU64,
     lost: AtomicU64,
     late: AtomicU64,
     doubled: AtomicU64,
@@ -32,6 +32,8 @@ pub(super) struct Counts {
     pub foreign: AtomicU64,
     pub malformed: AtomicU64,
     pub unknown_joint: AtomicU64,
+    pub unsigned: AtomicU64,
+    pub replayed: AtomicU64,
     overflowed: AtomicU64,
     /// The clock's offset as bits of a number; not a number before it is known.
     clock_offset: AtomicU64,
@@ -49,6 +51,8 @@ impl Default for Counts {
             foreign: zero(),
             malformed: zero(),
             unknown_joint: zero(),
+            unsigned: zero(),
+            replayed: zero(),
             overflowed: zero(),
             clock_offset: AtomicU64::new(f64::NAN.to_bits()),
         }
@@ -56,12 +60,19 @@ impl Default for Counts {
 }
 
 impl Counts {
+    /// Counts a message as received: last, so that whoever sees it counted sees what became of it, too.
+    pub fn finished(&self) {
+        self.received.fetch_add(1, Release);
+    }
+
     /// What was counted so far; the link itself knows what it sent, and to whom.
     pub fn counters(&self) -> LinkCounters {
+        // First: what became of these has been counted.
+        let received = self.received.load(Acquire);
         let count = |counter: &AtomicU64| counter.load(Relaxed);
         let offset = f64::from_bits(count(&self.clock_offset));
         LinkCounters {
-            received: count(&self.received),
+            received,
             lost: count(&self.lost),
             late: count(&self.late),
             doubled: count(&self.doubled),
@@ -69,6 +80,8 @@ impl Counts {
             foreign: count(&self.foreign),
             malformed: count(&self.malformed),
             unknown_joint: count(&self.unknown_joint),
+            unsigned: count(&self.unsigned),
+            replayed: count(&self.replayed),
             overflowed: count(&self.overflowed),
             clock_offset: (!offset.is_nan()).then_some(offset),
             ..LinkCounters::default()

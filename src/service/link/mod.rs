@@ -5,6 +5,7 @@ pub mod datagram;
 mod embedded;
 mod intake;
 mod sequence;
+mod signature;
 mod udp;
 #[cfg(feature = "zenoh")]
 mod zenoh;
@@ -12,6 +13,7 @@ mod zenoh;
 pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
 pub use sequence::{Order, Sequence};
+pub use signature::{Key, Replay};
 pub use udp::{UdpLink, UdpSettings};
 #[cfg(feature = "zenoh")]
 pub use zenoh::{Node, ZenohBridge, ZenohLink};
@@ -70,6 +72,10 @@ pub struct LinkCounters {
     pub malformed: u64,
     /// Datagrams for a joint that there is not.
     pub unknown_joint: u64,
+    /// Datagrams whose signature is wrong or missing.
+    pub unsigned: u64,
+    /// Signed datagrams that had come before.
+    pub replayed: u64,
     /// Measurements for which the tick had no room.
     pub overflowed: u64,
     /// The robot's address.

@@ -14,8 +14,8 @@ use rtrb::{Consumer, RingBuffer};
 
 use super::datagram::write_setpoint;
 use super::intake::{Counts, Intake, Received};
-use super::{INBOX, LinkCounters, RobotLink};
-use crate::service::clock::ServiceClock;
+use super::{INBOX, Key, LinkCounters, RobotLink};
+use crate::service::clock::{ServiceClock, unix_time};
 use crate::service::contract::Measured;
 use receiver::Receiver;
 
@@ -31,12 +31,15 @@ pub struct UdpSettings {
     /// Silence after which the address of a robot may be taken anew, and delay from which on a
     /// datagram counts as late.
     pub watchdog: Duration,
+    /// Signs what goes out; what comes in must be signed by it.
+    pub key: Option<Key>,
 }
 
 /// The tick's end of the UDP link.
 pub struct UdpLink {
     socket: UdpSocket,
     joints: Vec<String>,
+    key: Option<Key>,
     ring: Consumer<Received>,
     counts: Arc<Counts>,
     peer: Option<SocketAddr>,
@@ -60,6 +63,13 @@ impl UdpLink {
         let counts = Arc::new(Counts::default());
         let ending = Arc::new(AtomicBool::new(false));
         let (joints, peer) = (settings.joints.clone(), settings.robot);
+        let key = settings.key.clone();
+        // A number under a key is used once, also after the next start: there are fewer setpoints than
+        // microseconds, and JSON's readers hold these to the last digit.
+        let sequence = match &key {
+            Some(_) => (1e6 * unix_time()) as u64,
+            None => 0,
+        };
         let intake = Intake::new(
             joints.len(),
             settings.watchdog,
@@ -74,10 +84,11 @@ impl UdpLink {
         Ok(Self {
             socket,
             joints,
+            key,
             ring,
             counts,
             peer,
-            sequence: 0,
+            sequence,
             sent: 0,
             failures: 0,
             buffer: [0; 512],
@@ -111,7 +122,12 @@ impl RobotLink for UdpLink {
             return;
         };
         self.sequence += 1;
-        let bytes = write_setpoint(&mut self.buffer, self.sequence, now, name, setpoint);
+        let written = write_setpoint(&mut self.buffer, self.sequence, now, name, setpoint);
+        let length = match (&self.key, written.map(<[u8]>::len)) {
+            (Some(key), Some(length)) => key.sign(&mut self.buffer, length),
+            (_, length) => length,
+        };
+        let bytes = length.and_then(|length| self.buffer.get(..length));
         // A full buffer of the system loses this setpoint, as the network may; the next is a period
         // away.
         match bytes.map(|bytes| self.socket.send_to(bytes, peer)) {

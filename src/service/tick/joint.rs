@@ -87,10 +87,14 @@ impl JointTick {
 
     /// Takes a sensor that is registered; gives the one before back.
     pub fn take_sensor(&mut self, mut sensor: Box<DeformationSensor>) -> Option<Event> {
-        let controller = self.controller.as_deref_mut()?;
-        // Plain numbers: a copy does not allocate.
-        *sensor = controller.replace_sensor(0, (*sensor).clone())?;
         self.registered = true;
+        if let Some(controller) = self.controller.as_deref_mut()
+            // Plain numbers: a copy does not allocate.
+            && let Some(before) = controller.replace_sensor(0, (*sensor).clone())
+        {
+            *sensor = before;
+        }
+        // The next controller is made with it; here it must not be dropped.
         Some(Event::Sensor(sensor))
     }
 

@@ -35,6 +35,9 @@ pub struct Scales {
     pub duration: f64,
 }
 
+/// Puts something of a shape and a size into an arm, and tells its parameters.
+pub type Hide = fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters;
+
 /// Something that can be hidden.
 pub struct Entry {
     /// Name, as in the catalogue of effects.
@@ -48,11 +51,11 @@ pub struct Entry {
     /// Whether one move does not show it.
     pub needs_programme: bool,
     /// A law that this one contains: it is hidden only where it shows as more than that.
-    pub contains: Option<fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters>,
+    pub contains: Option<Hide>,
     /// First size to try, and the greatest one that makes sense.
     pub sizes: [f64; 2],
     /// Puts it into the arm and tells its parameters.
-    pub hide: fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters,
+    pub hide: Hide,
 }
 
 /// All sensors.
@@ -72,12 +75,7 @@ pub fn entries() -> impl Iterator<Item = &'static Entry> {
 }
 
 /// An entry with neither sensor nor programme asked for.
-const fn entry(
-    name: &'static str,
-    place: &'static str,
-    sizes: [f64; 2],
-    hide: fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters,
-) -> Entry {
+const fn entry(name: &'static str, place: &'static str, sizes: [f64; 2], hide: Hide) -> Entry {
     Entry {
         name,
         place,
@@ -101,10 +99,7 @@ impl Entry {
         self
     }
 
-    const fn more_than(
-        mut self,
-        simpler: fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters,
-    ) -> Self {
+    const fn more_than(mut self, simpler: Hide) -> Self {
         self.contains = Some(simpler);
         self
     }

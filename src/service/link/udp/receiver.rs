@@ -7,6 +7,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::UdpSettings;
 use crate::service::clock::ServiceClock;
+use crate::service::link::Replay;
 use crate::service::link::datagram::{FromRobot, LONGEST};
 use crate::service::link::intake::{Intake, count};
 
@@ -23,6 +24,7 @@ pub(super) struct Receiver {
     clock: ServiceClock,
     peer: Option<SocketAddr>,
     last_heard: f64,
+    replay: Replay,
 }
 
 impl Receiver {
@@ -39,6 +41,7 @@ impl Receiver {
             intake,
             clock,
             last_heard: 0.0,
+            replay: Replay::default(),
         }
     }
 
@@ -52,15 +55,20 @@ impl Receiver {
             let _ = poll(&mut waiting, Some(&WAIT));
             while let Ok((length, from)) = self.socket.recv_from(&mut buffer) {
                 self.take(&buffer[..length], from);
+                self.intake.counts().finished();
             }
         }
     }
 
     fn take(&mut self, bytes: &[u8], from: SocketAddr) {
         let now = self.clock.now();
-        count(&self.intake.counts().received, 1);
         if !self.is_from_robot(from, now) {
             count(&self.intake.counts().foreign, 1);
+            return;
+        }
+        let key = self.settings.key.as_ref();
+        if key.is_some_and(|key| !key.has_signed(bytes)) {
+            count(&self.intake.counts().unsigned, 1);
             return;
         }
         let datagram = match bytes.len() {
@@ -71,6 +79,13 @@ impl Receiver {
             count(&self.intake.counts().malformed, 1);
             return;
         };
+        if self.settings.key.is_some() {
+            match datagram.seq.map(|number| self.replay.admits(number)) {
+                Some(true) => {}
+                Some(false) => return count(&self.intake.counts().replayed, 1),
+                None => return count(&self.intake.counts().malformed, 1),
+            }
+        }
         let names = &self.settings.joints;
         let Some(joint) = names.iter().position(|name| *name == datagram.joint) else {
             count(&self.intake.counts().unknown_joint, 1);

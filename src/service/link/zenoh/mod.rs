@@ -200,7 +200,7 @@ fn subscriptions(
     let positions = |topic: &str, quantity: Quantity| {
         let ears = Arc::clone(ears);
         node.subscribe(topic, &JOINT_STATE, move |body| {
-            ears.positions(body, quantity)
+            ears.hear(|intake, now| ears.positions(body, quantity, intake, now))
         })
     };
     let names = &ears.names;
@@ -212,19 +212,23 @@ fn subscriptions(
         positions(&topics.joint_states, Quantity::MotorPosition)?,
         positions(&topics.link_states, Quantity::LinkPosition)?,
         node.subscribe(&topics.imu, &IMU, move |body| {
-            accelerated.acceleration(body, tip)
+            accelerated.hear(|intake, now| accelerated.acceleration(body, tip, intake, now))
         })?,
     ])
 }
 
 impl Ears {
-    fn positions(&self, body: &[u8], quantity: Quantity) {
+    /// Takes a message that comes now, and counts it.
+    fn hear(&self, take: impl FnOnce(&mut Intake, f64)) {
         // Where another of the threads has panicked, that was reported.
         let Ok(mut intake) = self.intake.lock() else {
             return;
         };
-        let now = self.clock.now();
-        count(&intake.counts().received, 1);
+        take(&mut intake, self.clock.now());
+        intake.counts().finished();
+    }
+
+    fn positions(&self, body: &[u8], quantity: Quantity, intake: &mut Intake, now: f64) {
         let Some(message) = messages::joint_state(body) else {
             count(&intake.counts().malformed, 1);
             return;
@@ -241,12 +245,7 @@ impl Ears {
         count(&intake.counts().unknown_joint, u64::from(!known));
     }
 
-    fn acceleration(&self, body: &[u8], joint: usize) {
-        let Ok(mut intake) = self.intake.lock() else {
-            return;
-        };
-        let now = self.clock.now();
-        count(&intake.counts().received, 1);
+    fn acceleration(&self, body: &[u8], joint: usize, intake: &mut Intake, now: f64) {
         let Some(message) = messages::imu(body) else {
             count(&intake.counts().malformed, 1);
             return;

@@ -1,0 +1,79 @@
+//! Page, interface and recordings of a service.
+
+use tokio::net::TcpListener;
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+
+use crate::cli::{CliError, diagnose};
+use crate::service::config::Config;
+use crate::service::contract::Handle;
+use crate::service::http::{self, HttpError, Settings};
+use crate::service::recorder::{Bounds, Recorder, Shelf};
+
+/// What listens, until it is told to end.
+pub struct Outside {
+    end: oneshot::Sender<()>,
+    served: JoinHandle<Result<(), HttpError>>,
+}
+
+/// Takes the address, before anything moves.
+///
+/// # Errors
+/// [`CliError::Input`] where the address needs a token, [`CliError::Failure`] where it is not to be had.
+pub async fn listen(config: &Config) -> Result<TcpListener, CliError> {
+    let address = config.http.address;
+    http::check(address, config.http.token.as_deref()).map_err(CliError::input)?;
+    let refused = |error| CliError::failure(format!("HTTP at {address}: {error}"));
+    TcpListener::bind(address).await.map_err(refused)
+}
+
+impl Outside {
+    /// Records and serves what the engine does.
+    ///
+    /// # Errors
+    /// [`CliError::Failure`] where the folder of recordings is not to be had.
+    pub fn start(listener: TcpListener, config: &Config, handle: Handle) -> Result<Self, CliError> {
+        let recording = &config.recording;
+        let recorder = if recording.enabled {
+            let bounds = Bounds {
+                bytes: recording.max_bytes,
+                age: recording.max_age,
+            };
+            let shelf = Shelf::open(&recording.folder, bounds).map_err(CliError::failure)?;
+            Some(Recorder::start(&handle, shelf))
+        } else {
+            None
+        };
+        let arcs = config.joints.iter().filter_map(|joint| {
+            let arc = joint.arc?;
+            Some((joint.name.clone(), arc))
+        });
+        let settings = Settings {
+            token: config.http.token.clone(),
+            max_connections: config.http.max_connections,
+            max_body_bytes: config.http.max_body,
+            arcs: arcs.collect(),
+            recorder,
+            report: diagnose::page::page,
+        };
+        let (end, ended) = oneshot::channel();
+        let served = tokio::spawn(http::serve(listener, handle, settings, async {
+            // Its end being dropped is an end as well.
+            let _ = ended.await;
+        }));
+        Ok(Self { end, served })
+    }
+
+    /// Ends what has begun.
+    ///
+    /// # Errors
+    /// [`CliError::Failure`] where it did not serve at all.
+    pub async fn end(self) -> Result<(), CliError> {
+        // It may have ended by itself, and then says why.
+        let _ = self.end.send(());
+        self.served
+            .await
+            .map_err(CliError::failure)?
+            .map_err(CliError::failure)
+    }
+}

@@ -1,0 +1,92 @@
+//! What is said to a request that is refused: a status and one sentence.
+
+use axum::Json;
+use axum::http::{StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+
+use crate::service::contract::{ErrorKind, ServiceError};
+use crate::service::jobs::Full;
+use crate::service::recorder::{RecordError, ShelfError};
+
+/// A refusal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    status: StatusCode,
+    sentence: String,
+}
+
+#[derive(Serialize)]
+struct Body<'a> {
+    error: &'a str,
+}
+
+impl Refused {
+    /// With this status and sentence.
+    pub fn new(status: StatusCode, sentence: impl Into<String>) -> Self {
+        Self {
+            status,
+            sentence: sentence.into(),
+        }
+    }
+
+    /// What the request asks for is understood, and wrong.
+    pub fn value(sentence: impl Into<String>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, sentence)
+    }
+}
+
+impl IntoResponse for Refused {
+    fn into_response(self) -> Response {
+        let error = &self.sentence;
+        (self.status, Json(Body { error })).into_response()
+    }
+}
+
+impl From<ServiceError> for Refused {
+    fn from(error: ServiceError) -> Self {
+        let status = match error.kind() {
+            ErrorKind::Input => StatusCode::UNPROCESSABLE_ENTITY,
+            ErrorKind::Conflict => StatusCode::CONFLICT,
+            ErrorKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<ShelfError> for Refused {
+    fn from(error: ShelfError) -> Self {
+        match error {
+            ShelfError::Unknown { .. } => Self::new(StatusCode::NOT_FOUND, error.to_string()),
+            _ => Self::new(StatusCode::INTERNAL_SERVER_ERROR, error.to_string()),
+        }
+    }
+}
+
+impl From<RecordError> for Refused {
+    fn from(error: RecordError) -> Self {
+        let status = match error {
+            RecordError::Gone => StatusCode::SERVICE_UNAVAILABLE,
+            _ => StatusCode::CONFLICT,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<Full> for Refused {
+    fn from(error: Full) -> Self {
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, error.to_string())
+    }
+}
+
+/// For a path that there is not.
+pub async fn not_found(uri: Uri) -> Refused {
+    let sentence = format!("there is nothing at {}", uri.path());
+    Refused::new(StatusCode::NOT_FOUND, sentence)
+}
+
+/// For a method that the path does not take; the header `Allow` names those that it takes.
+pub async fn not_allowed(uri: Uri) -> Refused {
+    let sentence = format!("{} does not take this method", uri.path());
+    Refused::new(StatusCode::METHOD_NOT_ALLOWED, sentence)
+}

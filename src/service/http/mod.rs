@@ -1,0 +1,172 @@
+//! HTTP, WebSocket and the page.
+//!
+//! | request | body | answer |
+//! |---|---|---|
+//! | `GET /` | | the page |
+//! | `GET /api/state`, `/api/estimates` | | [`Snapshot`](super::contract::Snapshot), estimates of it |
+//! | `GET /api/stream` | | WebSocket: state, batches of frames and events, what was lost |
+//! | `POST /api/move` | `{"joint", "target_deg" or "target_rad", "shaper"?}` | [`Accepted`](super::contract::Accepted) |
+//! | `POST /api/stop` | none or `{}` | the same |
+//! | `POST /api/shaper` | `{"joint"?, "enabled"?, "adaptation"?, "kind"?, "mode"?}` | the same |
+//! | `POST /api/payload` | `{"mass_kg"}` | the same |
+//! | `GET /api/recordings`, `/api/recordings/{name}` | | the list; one as a tar archive |
+//! | `POST /api/recordings` | `{"joint"?, "recording"}` | begins (`true`) or ends one on demand |
+//! | `POST /api/diagnose` | `{"recording", "model"?}` | a [`Job`](super::jobs::Job) |
+//! | `GET /api/diagnose`, `/api/diagnose/{id}`, `/api/diagnose/{id}/report` | | all jobs; one; its page |
+//! | `GET /metrics` | | Prometheus text |
+//!
+//! Any error is `{"error": "a sentence"}`. Everything that a stranger may make large is bounded:
+//! bodies, headers, connections, streams, waiting jobs, and the time each may take.
+
+mod answer;
+mod body;
+mod commands;
+mod connections;
+mod counters;
+mod diagnose;
+mod guard;
+mod metrics;
+mod page;
+mod recordings;
+mod stream;
+mod views;
+
+use std::collections::BTreeMap;
+use std::future::Future;
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use axum::Router;
+use axum::middleware::from_fn_with_state;
+use axum::routing::{get, post};
+use thiserror::Error;
+use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
+
+use super::contract::Handle;
+use super::jobs::{Jobs, Report};
+use super::recorder::Recorder;
+use crate::signal::JointArc;
+use counters::Counters;
+use stream::Feed;
+
+/// The shortest token, bytes: 16 random ones are not guessed.
+const SHORTEST_TOKEN: usize = 16;
+/// WebSockets open at once.
+const STREAMS: usize = 64;
+
+/// What the outside is given.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// What every request must carry; needed where the address is not loopback.
+    pub token: Option<String>,
+    /// Most connections at once.
+    pub max_connections: usize,
+    /// Longest body of a request, bytes.
+    pub max_body_bytes: usize,
+    /// Where the tip turns about each joint, by name; what a measured tip is diagnosed with.
+    pub arcs: BTreeMap<String, JointArc>,
+    /// The recorder; none where nothing is recorded.
+    pub recorder: Option<Recorder>,
+    /// What makes the report of a diagnosis.
+    pub report: Report,
+}
+
+/// Why the service does not listen.
+#[derive(Debug, Error)]
+pub enum HttpError {
+    /// An address that others reach, without a token.
+    #[error(
+        "{address} can be reached from other machines: give a token (http.token in the configuration), \
+         or listen on 127.0.0.1"
+    )]
+    NeedsToken {
+        /// The address.
+        address: SocketAddr,
+    },
+    /// A token that can be guessed or cannot be sent.
+    #[error("http.token must have {SHORTEST_TOKEN} or more characters, each of them visible ASCII")]
+    Token,
+    /// The system refuses.
+    #[error("HTTP: {0}")]
+    System(#[from] std::io::Error),
+}
+
+/// What every handler sees.
+struct App {
+    handle: Handle,
+    settings: Settings,
+    counters: Counters,
+    feed: Feed,
+    jobs: Jobs,
+    streams: Arc<Semaphore>,
+}
+
+/// Checks where to listen, and with which token.
+///
+/// # Errors
+/// [`HttpError::NeedsToken`] for an address that is not loopback without one, [`HttpError::Token`] for
+/// one that is too short.
+pub fn check(address: SocketAddr, token: Option<&str>) -> Result<(), HttpError> {
+    match token {
+        None if !address.ip().to_canonical().is_loopback() => {
+            Err(HttpError::NeedsToken { address })
+        }
+        Some(token)
+            if token.len() < SHORTEST_TOKEN || !token.bytes().all(|b| b.is_ascii_graphic()) =>
+        {
+            Err(HttpError::Token)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Serves until `shutdown`, and some seconds longer what has begun.
+///
+/// # Errors
+/// [`HttpError`] where the address needs a token, or the system makes no thread.
+pub async fn serve(
+    listener: TcpListener,
+    handle: Handle,
+    settings: Settings,
+    shutdown: impl Future<Output = ()>,
+) -> Result<(), HttpError> {
+    check(listener.local_addr()?, settings.token.as_deref())?;
+    let most = settings.max_connections;
+    let app = Arc::new(App {
+        feed: Feed::start(&handle),
+        jobs: Jobs::start(settings.report)?,
+        handle,
+        settings,
+        counters: Counters::default(),
+        streams: Arc::new(Semaphore::new(STREAMS)),
+    });
+    let router = router(Arc::clone(&app));
+    connections::accept(listener, router, most, &app.counters, shutdown).await;
+    Ok(())
+}
+
+fn router(app: Arc<App>) -> Router {
+    let api = Router::new()
+        .route("/api/state", get(views::state))
+        .route("/api/estimates", get(views::estimates))
+        .route("/api/stream", get(stream::stream))
+        .route("/api/move", post(commands::travel))
+        .route("/api/stop", post(commands::stop))
+        .route("/api/shaper", post(commands::shaper))
+        .route("/api/payload", post(commands::payload))
+        .route(
+            "/api/recordings",
+            get(recordings::list).post(recordings::record),
+        )
+        .route("/api/recordings/{name}", get(recordings::download))
+        .route("/api/diagnose", get(diagnose::all).post(diagnose::order))
+        .route("/api/diagnose/{id}", get(diagnose::job))
+        .route("/api/diagnose/{id}/report", get(diagnose::report))
+        .route("/metrics", get(metrics::metrics));
+    page::routes(api)
+        .fallback(answer::not_found)
+        .method_not_allowed_fallback(answer::not_allowed)
+        .layer(from_fn_with_state(Arc::clone(&app), guard::guard))
+        .with_state(app)
+}

@@ -1,0 +1,62 @@
+//! The page and what it is drawn with, all of it inside the program.
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+
+use super::App;
+
+/// Nothing from elsewhere, and nobody else's frame: a button under another page's picture would move
+/// the robot.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
+    connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+const HTML: &str = "text/html; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
+const JS: &str = "text/javascript; charset=utf-8";
+const SVG: &str = "image/svg+xml";
+
+const PAGE: &str = include_str!("../../../assets/service/index.html");
+const STYLE: &str = include_str!("../../../assets/service/service.css");
+const SCRIPT: &str = include_str!("../../../assets/service/service.js");
+const CHARTS: &str = include_str!("../../../assets/service/charts.js");
+const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
+const ICON: &str = include_str!("../../../assets/service/icon.svg");
+const REPORT_STYLE: &str = include_str!("../../../assets/report.css");
+const UPLOT: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.iife.min.js");
+const UPLOT_STYLE: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.min.css");
+
+/// Path, type and text of each file.
+const FILES: [(&str, &str, &str); 9] = [
+    ("/", HTML, PAGE),
+    ("/service.css", CSS, STYLE),
+    ("/service.js", JS, SCRIPT),
+    ("/charts.js", JS, CHARTS),
+    ("/recordings.js", JS, RECORDINGS),
+    ("/icon.svg", SVG, ICON),
+    ("/report.css", CSS, REPORT_STYLE),
+    ("/uplot.js", JS, UPLOT),
+    ("/uplot.css", CSS, UPLOT_STYLE),
+];
+
+/// Adds the page's files to the routes.
+pub fn routes(router: Router<Arc<App>>) -> Router<Arc<App>> {
+    FILES
+        .into_iter()
+        .fold(router, |router, (path, kind, text)| {
+            router.route(path, get(async move || file(kind, text)))
+        })
+}
+
+fn file(kind: &'static str, text: &'static str) -> Response {
+    let headers = [
+        (CONTENT_TYPE, kind),
+        (CONTENT_SECURITY_POLICY, POLICY),
+        // The program may be another one tomorrow, at the same address.
+        (CACHE_CONTROL, "no-cache"),
+    ];
+    (headers, text).into_response()
+}

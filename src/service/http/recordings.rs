@@ -1,0 +1,109 @@
+//! Recordings: the list, one to take along, and recording on demand.
+
+use std::sync::Arc;
+
+use axum::Json as Answer;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+
+use super::App;
+use super::answer::Refused;
+use super::body::Json;
+use super::commands::joint;
+use super::views::fresh;
+use crate::service::recorder::{Recorder, Shelf, ShelfError};
+
+/// The body of a recording on demand.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    joint: Option<String>,
+    recording: bool,
+}
+
+/// Which recording was begun or ended.
+#[derive(Debug, Serialize)]
+pub struct Recorded {
+    name: String,
+    recording: bool,
+}
+
+/// `GET /api/recordings`, oldest first.
+pub async fn list(State(app): State<Arc<App>>) -> Result<Response, Refused> {
+    let list = match &app.settings.recorder {
+        Some(recorder) => on_disk(recorder, Shelf::list).await?,
+        None => Vec::new(),
+    };
+    Ok(fresh(&list))
+}
+
+/// `GET /api/recordings/{name}`.
+pub async fn download(
+    State(app): State<Arc<App>>,
+    Path(name): Path<String>,
+) -> Result<Response, Refused> {
+    let wanted = name.clone();
+    let archive = on_disk(recorder(&app)?, move |shelf| shelf.archive(&wanted)).await?;
+    // A name that the shelf has is letters, digits, -, _ and dots.
+    let disposition = format!("attachment; filename=\"{name}.tar\"");
+    let headers = [
+        (CONTENT_TYPE, "application/x-tar".to_string()),
+        (CONTENT_DISPOSITION, disposition),
+    ];
+    Ok((headers, archive).into_response())
+}
+
+/// `POST /api/recordings`.
+pub async fn record(
+    State(app): State<Arc<App>>,
+    Json(body): Json<Record>,
+) -> Result<Answer<Recorded>, Refused> {
+    let recorder = recorder(&app)?;
+    let recording = body.recording;
+    let name = if recording {
+        let snapshot = app.handle.snapshot();
+        let first = snapshot.joints.first().map(|joint| joint.name.clone());
+        let wanted = body.joint.or(first).unwrap_or_default();
+        let joint = joint(&snapshot, &wanted)?;
+        let index = snapshot
+            .joints
+            .iter()
+            .position(|one| one.name == joint.name);
+        recorder
+            .begin(&joint.name, index.unwrap_or_default())
+            .await?
+    } else {
+        recorder.end().await?
+    };
+    Ok(Answer(Recorded { name, recording }))
+}
+
+/// The recorder.
+///
+/// # Errors
+/// A sentence where nothing is recorded.
+pub fn recorder(app: &App) -> Result<&Recorder, Refused> {
+    let sentence = "nothing is recorded: recording.enabled is false in the configuration";
+    let refused = || Refused::new(StatusCode::NOT_FOUND, sentence);
+    app.settings.recorder.as_ref().ok_or_else(refused)
+}
+
+/// Does what waits for the disk on a thread that may wait.
+///
+/// # Errors
+/// What the shelf says.
+pub async fn on_disk<T: Send + 'static>(
+    recorder: &Recorder,
+    work: impl FnOnce(&Shelf) -> Result<T, ShelfError> + Send + 'static,
+) -> Result<T, Refused> {
+    let shelf = Arc::clone(recorder.shelf());
+    let done = tokio::task::spawn_blocking(move || work(&shelf)).await;
+    let broken = |_| {
+        let sentence = "reading the recordings failed; the log says why";
+        Refused::new(StatusCode::INTERNAL_SERVER_ERROR, sentence)
+    };
+    Ok(done.map_err(broken)??)
+}

@@ -1,0 +1,249 @@
+//! The samples of one joint, gathered while it moves.
+
+use std::path::Path;
+
+use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role};
+use crate::service::contract::{Batch, Measured, Quantity};
+
+/// Rows that a channel may have: five minutes at 4 kHz. What comes later is left out.
+const MOST_ROWS: usize = 1_200_000;
+
+/// Commands and measurements of one joint from one instant on.
+#[derive(Clone, Debug)]
+pub struct Log {
+    joint: usize,
+    from: f64,
+    command: Command,
+    sensors: Vec<Sensor>,
+    /// Least of reception minus stamp, s: the sensors' clocks stand so far behind the service's, but
+    /// for the delay of the fastest sample.
+    behind: f64,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Command {
+    time: Vec<f64>,
+    /// Position, velocity, acceleration.
+    state: Vec<[f64; 3]>,
+}
+
+#[derive(Clone, Debug)]
+struct Sensor {
+    quantity: Quantity,
+    received: Vec<f64>,
+    time: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Log {
+    /// An empty log of a joint (counted from 0), from an instant of the service's clock on, s.
+    pub fn new(joint: usize, from: f64) -> Self {
+        Self {
+            joint,
+            from,
+            command: Command::default(),
+            sensors: Vec::new(),
+            behind: f64::INFINITY,
+        }
+    }
+
+    /// Takes what a batch holds of the joint. Measurements that were refused are left out, and stamps
+    /// that do not ascend: they would be no recording.
+    pub fn take(&mut self, batch: &Batch) {
+        let ticks = batch.ticks.iter();
+        for row in ticks.filter(|row| row.joint == self.joint && row.time >= self.from) {
+            let state = [row.position, row.velocity, row.acceleration];
+            if follows(&self.command.time, row.time) && state.iter().all(|value| value.is_finite())
+            {
+                self.command.time.push(row.time);
+                self.command.state.push(state);
+            }
+        }
+        for one in &batch.measured {
+            if one.joint == self.joint && !one.refused && one.received >= self.from {
+                self.behind = self.behind.min(one.received - one.stamp);
+                self.sensor(one.quantity).push(one);
+            }
+        }
+    }
+
+    /// Whether it holds as much as it may.
+    pub fn is_full(&self) -> bool {
+        self.command.time.len() >= MOST_ROWS
+    }
+
+    /// From the first to the last command, s.
+    pub fn duration(&self) -> f64 {
+        match (self.command.time.first(), self.command.time.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// The recording, its time counted from the first command. All sensors are shifted by one number,
+    /// so that what their clocks say of one another stays.
+    pub fn recording(&self, name: &str, payload: Option<f64>) -> Recording {
+        let origin = self.origin();
+        let position = self.command.state.iter().map(|state| state[0]);
+        let command = Channel {
+            role: Role::CommandPosition,
+            unit: "rad".into(),
+            time: self.command.time.iter().map(|time| time - origin).collect(),
+            columns: vec![position.collect()],
+        };
+        let shift = self.behind - origin;
+        let sensors = self.sensors.iter().map(|sensor| {
+            let (role, _, unit) = role(sensor.quantity);
+            Channel {
+                role,
+                unit: unit.into(),
+                time: sensor.time.iter().map(|stamp| stamp + shift).collect(),
+                columns: sensor.columns.clone(),
+            }
+        });
+        let mut channels: Vec<_> = [command].into_iter().chain(sensors).collect();
+        channels.retain(|channel| !channel.time.is_empty());
+        Recording {
+            name: name.into(),
+            payload: payload.map(|mass| format!("{mass} kg")),
+            channels,
+        }
+    }
+
+    /// The same as an MCAP file, in the order in which it happened. `epoch` is the wall time at which
+    /// the service's clock was 0, seconds since 1970.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn write_mcap(&self, path: &Path, joint: &str, epoch: f64) -> Result<(), RecordingError> {
+        let origin = self.origin();
+        let wall = ((epoch + origin) * 1e9).round() as i64;
+        let mut file = McapWriter::create_at(path, &[joint], wall)?;
+        let mut next = vec![0; self.sensors.len()];
+        for (&time, &[position, velocity, acceleration]) in
+            self.command.time.iter().zip(&self.command.state)
+        {
+            for (sensor, next) in self.sensors.iter().zip(&mut next) {
+                while sensor
+                    .received
+                    .get(*next)
+                    .is_some_and(|&received| received <= time)
+                {
+                    sensor.write(*next, &mut file, joint, (origin, self.behind))?;
+                    *next += 1;
+                }
+            }
+            file.write_command(time - origin, joint, position, velocity, acceleration)?;
+        }
+        file.finish()
+    }
+
+    fn origin(&self) -> f64 {
+        self.command.time.first().copied().unwrap_or(self.from)
+    }
+
+    fn sensor(&mut self, quantity: Quantity) -> &mut Sensor {
+        let known = self.sensors.iter().position(|one| one.quantity == quantity);
+        let index = known.unwrap_or_else(|| {
+            self.sensors.push(Sensor {
+                quantity,
+                received: Vec::new(),
+                time: Vec::new(),
+                columns: vec![Vec::new(); role(quantity).1],
+            });
+            self.sensors.len() - 1
+        });
+        &mut self.sensors[index]
+    }
+}
+
+impl Sensor {
+    fn push(&mut self, one: &Measured) {
+        let values = &one.value[..self.columns.len()];
+        let finite = one.stamp.is_finite() && values.iter().all(|value| value.is_finite());
+        if finite && follows(&self.time, one.stamp) {
+            self.received.push(one.received);
+            self.time.push(one.stamp);
+            let columns = self.columns.iter_mut().zip(values);
+            columns.for_each(|(column, &value)| column.push(value));
+        }
+    }
+
+    /// Writes a sample; times count from `origin`, and the sensors' clocks are so far `behind`.
+    fn write(
+        &self,
+        index: usize,
+        file: &mut McapWriter,
+        joint: &str,
+        (origin, behind): (f64, f64),
+    ) -> Result<(), RecordingError> {
+        let mut values = [0.0; 3];
+        let columns = values.iter_mut().zip(&self.columns);
+        columns.for_each(|(value, column)| *value = column[index]);
+        let (role, count, _) = role(self.quantity);
+        let (time, stamp) = (
+            self.received[index] - origin,
+            self.time[index] + behind - origin,
+        );
+        file.write_sample(time, joint, role, stamp, &values[..count])
+    }
+}
+
+/// Whether a stamp may stand next.
+fn follows(time: &[f64], stamp: f64) -> bool {
+    time.len() < MOST_ROWS && time.last().is_none_or(|&last| stamp > last)
+}
+
+/// Role, number of columns and unit of a quantity.
+fn role(quantity: Quantity) -> (Role, usize, &'static str) {
+    match quantity {
+        Quantity::MotorPosition => (Role::MotorPosition, 1, "rad"),
+        Quantity::LinkPosition => (Role::LinkPosition, 1, "rad"),
+        Quantity::Deformation => (Role::Deformation, 1, "rad"),
+        Quantity::TipPosition => (Role::TipPosition, 3, "m"),
+        Quantity::TipAcceleration => (Role::TipAcceleration, 3, "m/s^2"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::contract::TickRow;
+
+    #[test]
+    fn clocks_of_sensors_keep_their_distance() {
+        let tick = |time| TickRow {
+            time,
+            position: time,
+            ..TickRow::default()
+        };
+        let measured = |quantity, received, stamp, refused| Measured {
+            received,
+            stamp,
+            joint: 0,
+            quantity,
+            value: [1.0; 3],
+            refused,
+        };
+        let batch = Batch {
+            ticks: vec![tick(9.0), tick(10.0), tick(10.5), tick(10.5), tick(11.0)],
+            measured: vec![
+                measured(Quantity::MotorPosition, 10.02, 510.0, false),
+                measured(Quantity::TipPosition, 10.06, 510.01, false),
+                measured(Quantity::MotorPosition, 10.1, 510.0, false),
+                measured(Quantity::MotorPosition, 10.2, 510.2, true),
+            ],
+            ..Batch::default()
+        };
+        let mut log = Log::new(0, 10.0);
+        log.take(&batch);
+        assert_eq!(log.duration(), 1.0);
+        let recording = log.recording("a", Some(0.5));
+        let time = |role| recording.channel(role).unwrap().time.clone();
+        assert_eq!(time(Role::CommandPosition), [0.0, 0.5, 1.0]);
+        let (motor, tip) = (time(Role::MotorPosition), time(Role::TipPosition));
+        assert_eq!((motor.len(), tip.len()), (1, 1));
+        assert!((motor[0] - 0.02).abs() < 1e-9 && (tip[0] - motor[0] - 0.01).abs() < 1e-9);
+        assert_eq!(recording.payload.as_deref(), Some("0.5 kg"));
+    }
+}

@@ -1,0 +1,41 @@
+//! The service as a process against a robot that is another one: `tests/robots/udp_arm.py`, over UDP
+//! at 1 kHz with a clock of its own, jitter, and 2 % loss both ways. Twelve moves here; the same command
+//! makes two hundred.
+
+use std::process::Command;
+
+/// Runs the campaign; skipped, with a word, where there is no Python.
+fn campaign(options: &[&str]) {
+    if Command::new("python3").arg("--version").output().is_err() {
+        println!("skipped: there is no python3");
+        return;
+    }
+    let output = Command::new("python3")
+        .arg("-B")
+        .arg(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/tests/robots/campaign.py"
+        ))
+        .arg(assert_cmd::cargo::cargo_bin!("quell"))
+        .args(options)
+        .output()
+        .expect("it starts");
+    let [said, errors] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    println!("{said}");
+    assert!(output.status.success(), "{said}\n{errors}");
+}
+
+#[test]
+fn twelve_moves_leave_little_and_a_mode_that_jumps_is_followed() {
+    campaign(&["--moves", "12", "--change"]);
+}
+
+#[test]
+fn a_tracker_of_the_tip_is_registered_by_the_first_move() {
+    campaign(&["--moves", "5", "--sensor", "tip", "--divider", "2"]);
+}
+
+#[test]
+fn what_was_learned_outlives_a_kill_in_mid_move() {
+    campaign(&["--kill"]);
+}

@@ -1,0 +1,189 @@
+//! Moves on disk, by way of the interface.
+
+use super::client::Client;
+use super::stand_in::{BOUNDS, outside, settings};
+use quell::recording::{Recording, Role};
+use quell::service::contract::{Batch, Event, Measured, MoveResult, MoveStart, Quantity, TickRow};
+use quell::service::recorder::{Bounds, Shelf};
+use serde_json::Value;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A move of half a second from 2 s on, as the engine tells of it.
+fn a_move(id: u64) -> Vec<Batch> {
+    let name = Some(format!("move-{id:06}"));
+    let times: Vec<f64> = (0..450).map(|k| 0.01 * f64::from(k)).collect();
+    let batch = |(number, times): (usize, &[f64])| Batch {
+        number: number as u64 + 1000 * id,
+        ticks: times.iter().map(|&time| row(time)).collect(),
+        measured: times.iter().map(|&time| measured(time)).collect(),
+        events: Vec::new(),
+    };
+    let mut batches: Vec<_> = times.chunks(20).enumerate().map(batch).collect();
+    batches[10].events.push(Event::MoveStarted(MoveStart {
+        id,
+        joint: "joint_1".into(),
+        time_s: 2.0,
+        recording: name.clone(),
+        ..MoveStart::default()
+    }));
+    batches[14].events.push(Event::MoveEnded(MoveResult {
+        id,
+        joint: "joint_1".into(),
+        recording: name,
+        ..MoveResult::default()
+    }));
+    batches
+}
+
+fn row(time: f64) -> TickRow {
+    TickRow {
+        time,
+        position: (time - 2.0).clamp(0.0, 0.5),
+        ..TickRow::default()
+    }
+}
+
+fn measured(time: f64) -> Measured {
+    Measured {
+        received: time,
+        stamp: time + 700.0,
+        joint: 0,
+        quantity: Quantity::MotorPosition,
+        value: [time, 0.0, 0.0],
+        refused: false,
+    }
+}
+
+/// Asks until the list of recordings has so many, or ten seconds are over.
+fn listed(client: &mut Client, count: usize) -> Value {
+    let until = Instant::now() + Duration::from_secs(10);
+    loop {
+        let list = client.get("/api/recordings").json();
+        if list.as_array().is_some_and(|list| list.len() == count) || Instant::now() > until {
+            return list;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn moves_are_recorded_whole_and_within_bounds() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join(".unfinished-move-000000")).unwrap();
+    let outside = outside(settings(), Some((folder.path(), BOUNDS)));
+    assert_eq!(
+        std::fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "what was not finished goes"
+    );
+    let mut client = Client::new(outside.address);
+    for batch in a_move(1) {
+        outside.stream.send(Arc::new(batch)).unwrap();
+    }
+    let list = listed(&mut client, 1);
+    assert_eq!(list[0]["name"], "move-000001");
+    let recording = Recording::from_path(folder.path().join("move-000001")).unwrap();
+    // A second of rest before it and after it.
+    let command = recording.channel(Role::CommandPosition).unwrap();
+    assert_eq!((command.time.len(), command.time[0]), (300, 0.0));
+    let motor = recording.channel(Role::MotorPosition).unwrap();
+    assert!(
+        (motor.time[0]).abs() < 1e-9,
+        "the clocks are brought together"
+    );
+    let file = folder.path().join("move-000001/recording.mcap");
+    let same = Recording::from_path(&file).unwrap();
+    assert_eq!(
+        same.channel(Role::MotorPosition).unwrap().columns,
+        motor.columns
+    );
+    let archive = client.get("/api/recordings/move-000001");
+    let mut archive = tar::Archive::new(archive.body.as_slice());
+    let files: Vec<_> = archive
+        .entries()
+        .unwrap()
+        .map(|e| e.unwrap().path().unwrap().into_owned())
+        .collect();
+    assert!(
+        files
+            .iter()
+            .any(|file| file.ends_with("move-000001/recording.toml")),
+        "{files:?}"
+    );
+    for name in [
+        "..",
+        "../move-000001",
+        "%2e%2e",
+        "..%2f..%2fetc%2fpasswd",
+        ".",
+        "move-000002",
+        "a%00b",
+    ] {
+        let answer = client.get(&format!("/api/recordings/{name}"));
+        assert_eq!(answer.status, 404, "{name}: {}", answer.text());
+    }
+}
+
+#[test]
+fn what_is_too_much_goes_oldest_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let outside = outside(settings(), Some((folder.path(), BOUNDS)));
+    let mut client = Client::new(outside.address);
+    for batch in a_move(1) {
+        outside.stream.send(Arc::new(batch)).unwrap();
+    }
+    assert_eq!(listed(&mut client, 1)[0]["name"], "move-000001");
+    // The same number again, as after a loss of the service's state, and again on demand.
+    for batch in a_move(1) {
+        outside.stream.send(Arc::new(batch)).unwrap();
+    }
+    assert_eq!(listed(&mut client, 2)[1]["name"], "move-000001-2");
+    assert_eq!(
+        client
+            .post("/api/recordings", r#"{"recording": true}"#)
+            .status,
+        200
+    );
+    assert_eq!(
+        client
+            .post("/api/recordings", r#"{"recording": true}"#)
+            .status,
+        409
+    );
+    outside.stream.send(Arc::new(a_move(3).remove(15))).unwrap();
+    std::thread::sleep(Duration::from_millis(100));
+    assert_eq!(
+        client
+            .post("/api/recordings", r#"{"recording": false}"#)
+            .status,
+        200
+    );
+    assert_eq!(
+        client
+            .post("/api/recordings", r#"{"recording": false}"#)
+            .status,
+        409
+    );
+    let sizes: u64 = listed(&mut client, 3)
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|e| e["bytes"].as_u64().unwrap())
+        .sum();
+    let bounds = Bounds {
+        bytes: sizes - 1,
+        ..BOUNDS
+    };
+    let shelf = Shelf::open(folder.path(), bounds).unwrap();
+    let left: Vec<_> = shelf
+        .list()
+        .unwrap()
+        .into_iter()
+        .map(|entry| entry.name)
+        .collect();
+    assert!(
+        left.len() == 2 && !left.contains(&"move-000001".to_string()),
+        "the oldest goes: {left:?}"
+    );
+}
