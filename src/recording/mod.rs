@@ -46,6 +46,8 @@ pub(crate) use error::nearest;
 pub use error::{Place, Problem, RecordingError};
 pub use manifest::MANIFEST;
 pub use mcap::{Cut, Found, McapFile, McapWriter, Topic};
+#[cfg(feature = "zenoh")]
+pub(crate) use mcap::{Decoder, Encoder};
 pub use role::{ROLES, Role, RoleEntry};
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};

@@ -7,6 +7,9 @@ pub mod clock;
 pub mod config;
 pub mod contract;
 mod engine;
+mod features;
+#[cfg(feature = "foxglove")]
+mod foxglove;
 pub mod guard;
 pub mod http;
 pub mod jobs;

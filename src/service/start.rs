@@ -16,6 +16,7 @@ use super::clock::{ServiceClock, unix_time};
 use super::config::{Config, JointConfig, RobotKind};
 use super::contract::{Handle, Snapshot, channels};
 use super::engine::{Engine, EngineParts, Joint, Registrar};
+use super::features::{Companion, live_view, over_zenoh};
 use super::guard::Bounds;
 use super::link::{EmbeddedLink, RobotLink, UdpLink, UdpSettings};
 use super::state::{State, StateFile};
@@ -37,6 +38,12 @@ pub enum StartError {
         what: String,
         /// What the system says.
         error: io::Error,
+    },
+    /// Something is asked for that is not part of this build.
+    #[error("{feature} is not part of this build: cargo build --release --features {feature}")]
+    NotBuilt {
+        /// The feature that has it.
+        feature: &'static str,
     },
     /// The embedded arm cannot be simulated.
     #[error(transparent)]
@@ -61,6 +68,8 @@ pub enum StartError {
 pub struct Service {
     handle: Handle,
     udp: Option<SocketAddr>,
+    foxglove: Option<SocketAddr>,
+    companions: Vec<Box<dyn Send>>,
     ending: Arc<AtomicBool>,
     engine: Option<JoinHandle<()>>,
 }
@@ -76,12 +85,19 @@ impl Service {
         self.udp
     }
 
+    /// Where the live view of Foxglove listens, if there is one.
+    pub fn foxglove_address(&self) -> Option<SocketAddr> {
+        self.foxglove
+    }
+
     /// Brings every joint to a jerk-limited stop, keeps the state, and ends.
     pub fn stop(mut self) {
         self.end();
     }
 
     fn end(&mut self) {
+        // First what asks for moves.
+        self.companions.clear();
         self.ending.store(true, Relaxed);
         if let Some(engine) = self.engine.take() {
             // If it panicked, that was reported when it did.
@@ -126,6 +142,12 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         robot: config.robot.name(),
         ..Snapshot::default()
     });
+    let names: Vec<_> = config
+        .joints
+        .iter()
+        .map(|joint| joint.name.clone())
+        .collect();
+    let foxglove = config.foxglove;
     let (saver, states) = channel();
     let real_time = config.real_time;
     let engine = Engine::new(EngineParts {
@@ -144,12 +166,26 @@ pub fn start(config: Config) -> Result<Service, StartError> {
     let tick = tick.map_err(|error| system("the tick's thread", error))?;
     let ending = Arc::new(AtomicBool::new(false));
     let engine = run(engine, tick, (file, states), Arc::clone(&ending));
-    Ok(Service {
+    let engine = engine.map_err(|error| system("the engine's thread", error))?;
+    let mut service = Service {
         handle,
         udp: robot.udp,
+        foxglove: None,
+        companions: Vec::new(),
         ending,
-        engine: Some(engine.map_err(|error| system("the engine's thread", error))?),
-    })
+        engine: Some(engine),
+    };
+    if let Some(companion) = robot.companion {
+        let companion = companion(service.handle());
+        let companion = companion.map_err(|error| system("the robot's requests", error))?;
+        service.companions.push(companion);
+    }
+    if let Some(address) = foxglove {
+        let (address, view) = live_view(address, &names, &service.handle, clock)?;
+        service.foxglove = Some(address);
+        service.companions.push(view);
+    }
+    Ok(service)
 }
 
 /// The engine's thread, which outlives neither tick nor keeper of states.
@@ -212,6 +248,7 @@ struct RobotParts {
     udp: Option<SocketAddr>,
     arm: Option<ArmSimulation>,
     sensor: Option<DeformationSensor>,
+    companion: Option<Companion>,
 }
 
 fn robot(config: &Config, clock: ServiceClock) -> Result<RobotParts, StartError> {
@@ -236,6 +273,17 @@ fn robot(config: &Config, clock: ServiceClock) -> Result<RobotParts, StartError>
                 link: Box::new(link),
                 arm: None,
                 sensor: None,
+                companion: None,
+            })
+        }
+        RobotKind::Zenoh => {
+            let (link, companion) = over_zenoh(config, clock)?;
+            Ok(RobotParts {
+                link,
+                udp: None,
+                arm: None,
+                sensor: None,
+                companion: Some(companion),
             })
         }
     }
@@ -256,6 +304,7 @@ fn embedded(config: &Config) -> Result<RobotParts, StartError> {
         link: Box::new(EmbeddedLink::new(arm.clone(), config.period)),
         udp: None,
         arm: Some(arm),
+        companion: None,
     })
 }
 

@@ -9,23 +9,23 @@ const HEADER: usize = 4;
 
 /// Writes one message in little endian.
 #[derive(Debug)]
-pub(super) struct Encoder {
+pub(crate) struct Encoder {
     bytes: Vec<u8>,
 }
 
 impl Encoder {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             bytes: vec![0, 1, 0, 0],
         }
     }
 
     /// Begins the next message in the same buffer.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.bytes.truncate(HEADER);
     }
 
-    pub(super) fn bytes(&self) -> &[u8] {
+    pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
@@ -34,30 +34,30 @@ impl Encoder {
         self.bytes.resize(HEADER + body.next_multiple_of(size), 0);
     }
 
-    pub(super) fn i32(&mut self, value: i32) {
+    pub(crate) fn i32(&mut self, value: i32) {
         self.align(4);
         self.bytes.extend(value.to_le_bytes());
     }
 
-    pub(super) fn u32(&mut self, value: u32) {
+    pub(crate) fn u32(&mut self, value: u32) {
         self.align(4);
         self.bytes.extend(value.to_le_bytes());
     }
 
-    pub(super) fn f64(&mut self, value: f64) {
+    pub(crate) fn f64(&mut self, value: f64) {
         self.align(8);
         self.bytes.extend(value.to_le_bytes());
     }
 
     /// The length with the closing zero, the bytes, the zero.
-    pub(super) fn string(&mut self, text: &str) {
+    pub(crate) fn string(&mut self, text: &str) {
         self.u32(text.len() as u32 + 1);
         self.bytes.extend(text.bytes());
         self.bytes.push(0);
     }
 
     /// `float64[]`.
-    pub(super) fn f64s(&mut self, values: &[f64]) {
+    pub(crate) fn f64s(&mut self, values: &[f64]) {
         self.u32(values.len() as u32);
         values.iter().for_each(|value| self.f64(*value));
     }
@@ -65,7 +65,7 @@ impl Encoder {
 
 /// Reads one message of either byte order; every read is checked against the bytes that are there.
 #[derive(Debug)]
-pub(super) struct Decoder<'a> {
+pub(crate) struct Decoder<'a> {
     body: &'a [u8],
     at: usize,
     is_little: bool,
@@ -73,13 +73,13 @@ pub(super) struct Decoder<'a> {
 
 /// Why a body cannot be read: the offset in the message, and what was to be there.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Damage {
+pub(crate) struct Damage {
     pub offset: usize,
     pub what: String,
 }
 
 impl<'a> Decoder<'a> {
-    pub(super) fn new(message: &'a [u8]) -> Result<Self, Damage> {
+    pub(crate) fn new(message: &'a [u8]) -> Result<Self, Damage> {
         let damage = |what: String| Damage { offset: 0, what };
         let (header, body) = message
             .split_at_checked(HEADER)
@@ -101,7 +101,7 @@ impl<'a> Decoder<'a> {
         })
     }
 
-    pub(super) fn damage(&self, what: impl Into<String>) -> Damage {
+    pub(crate) fn damage(&self, what: impl Into<String>) -> Damage {
         Damage {
             offset: HEADER + self.at,
             what: what.into(),
@@ -109,12 +109,12 @@ impl<'a> Decoder<'a> {
     }
 
     /// Bytes that are left.
-    pub(super) fn left(&self) -> usize {
+    pub(crate) fn left(&self) -> usize {
         self.body.len() - self.at
     }
 
     /// `count` bytes as they are.
-    pub(super) fn bytes(&mut self, count: usize) -> Result<&'a [u8], Damage> {
+    pub(crate) fn bytes(&mut self, count: usize) -> Result<&'a [u8], Damage> {
         let left = self.left();
         if count > left {
             return Err(self.damage(format!("{count} bytes are to follow, {left} are there")));
@@ -125,7 +125,7 @@ impl<'a> Decoder<'a> {
     }
 
     /// The bytes of one number at its alignment, in little endian.
-    pub(super) fn number<const N: usize>(&mut self) -> Result<[u8; N], Damage> {
+    pub(crate) fn number<const N: usize>(&mut self) -> Result<[u8; N], Damage> {
         let padding = self.at.next_multiple_of(N) - self.at;
         self.bytes(padding)?;
         let mut number = [0; N];
@@ -137,12 +137,12 @@ impl<'a> Decoder<'a> {
     }
 
     /// The length of a sequence or of a string.
-    pub(super) fn length(&mut self) -> Result<usize, Damage> {
+    pub(crate) fn length(&mut self) -> Result<usize, Damage> {
         Ok(u32::from_le_bytes(self.number()?) as usize)
     }
 
     /// A string, its closing zero taken off.
-    pub(super) fn string(&mut self) -> Result<&'a str, Damage> {
+    pub(crate) fn string(&mut self) -> Result<&'a str, Damage> {
         let length = self.length()?;
         let bytes = self.bytes(length)?;
         let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);

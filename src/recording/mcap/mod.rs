@@ -17,6 +17,8 @@ mod topic;
 mod value;
 mod writer;
 
+#[cfg(feature = "zenoh")]
+pub(crate) use cdr::{Decoder, Encoder};
 pub use file::{McapFile, Topic};
 pub use recording::Found;
 pub use records::Cut;

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use super::ZenohConfig;
+
 /// The whole file. Every key may be left out.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -13,6 +15,8 @@ pub struct Keys {
     pub tick: TickKeys,
     pub http: HttpKeys,
     pub udp: UdpKeys,
+    pub zenoh: ZenohConfig,
+    pub foxglove: FoxgloveKeys,
     pub watchdog: WatchdogKeys,
     pub recording: RecordingKeys,
     pub joint: Vec<JointKeys>,
@@ -22,7 +26,7 @@ pub struct Keys {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServiceKeys {
-    /// Which robot: `embedded` or `udp`.
+    /// Which robot: `embedded`, `udp` or `zenoh`.
     pub robot: String,
     /// Description of the robot, TOML as for `quell move --robot`; the embedded arm where absent.
     pub description: Option<PathBuf>,
@@ -104,6 +108,14 @@ impl Default for UdpKeys {
             key: None,
         }
     }
+}
+
+/// `[foxglove]`: the live view.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FoxgloveKeys {
+    /// Where it listens, on loopback; port 0 takes a free one. Without it there is none.
+    pub address: Option<SocketAddr>,
 }
 
 /// `[watchdog]`: what happens when the robot falls silent.

@@ -2,6 +2,7 @@
 
 mod joint;
 mod keys;
+mod zenoh;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use thiserror::Error;
 
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
+pub use zenoh::ZenohConfig;
 
 use super::link::Key;
 use crate::plant::{Robot, RobotError};
@@ -19,6 +21,9 @@ use crate::plant::{Robot, RobotError};
 const RATES: [f64; 2] = [250.0, 4000.0];
 /// The longest name of a joint, bytes: a datagram holds it, and it names metrics.
 const LONGEST_NAME: usize = 64;
+
+/// The joints of an arm that has one to spare.
+pub const MOST_JOINTS: usize = 7;
 
 /// The shortest key of datagrams, characters: 128 bits where they are random bytes.
 const SHORTEST_KEY: usize = 16;
@@ -66,17 +71,20 @@ pub enum RobotKind {
     Embedded,
     /// One that speaks JSON over UDP.
     Udp,
+    /// One that speaks ROS 2 over Zenoh; commanded where the feature `zenoh` is built.
+    Zenoh,
 }
 
 impl RobotKind {
     /// All of them, as the command line names them.
-    pub const ALL: &[Self] = &[Self::Embedded, Self::Udp];
+    pub const ALL: &[Self] = &[Self::Embedded, Self::Udp, Self::Zenoh];
 
     /// Name on the command line, in the configuration and in the state.
     pub fn name(self) -> &'static str {
         match self {
             Self::Embedded => "embedded",
             Self::Udp => "udp",
+            Self::Zenoh => "zenoh",
         }
     }
 }
@@ -117,6 +125,10 @@ pub struct Config {
     pub udp_robot: Option<SocketAddr>,
     /// Signs datagrams both ways.
     pub udp_key: Option<Key>,
+    /// How ROS 2 is reached, and its topics.
+    pub zenoh: ZenohConfig,
+    /// Where the live view of Foxglove listens, if there is one; it takes the feature `foxglove`.
+    pub foxglove: Option<SocketAddr>,
     /// Silence after which the adaptation waits.
     pub watchdog: Duration,
     /// Whether a joint without measurements is stopped.
@@ -207,6 +219,15 @@ fn checked(
         keys.recording.max_size_mb,
         [1.0, 1e9],
     )?;
+    let joints = joints(&keys.joint, &description, robot, describes, &check)?;
+    keys.zenoh.check(&joints, &check)?;
+    if let Some(address) = keys.foxglove.address.filter(|a| !a.ip().is_loopback()) {
+        return Err(check.refuse(
+            "foxglove.address",
+            address,
+            "loopback: whoever connects is not asked for a token",
+        ));
+    }
     let timeout = check.within("watchdog.timeout_s", keys.watchdog.timeout_s, [0.005, 60.0])?;
     Ok(Config {
         robot,
@@ -216,6 +237,8 @@ fn checked(
         udp: overrides.udp.unwrap_or(keys.udp.address),
         udp_robot: keys.udp.robot,
         udp_key,
+        zenoh: keys.zenoh,
+        foxglove: keys.foxglove.address,
         watchdog: Duration::from_secs_f64(timeout),
         watchdog_stops: keys.watchdog.stop,
         recording: RecordingConfig {
@@ -225,7 +248,7 @@ fn checked(
             max_age: Duration::from_secs_f64(days * 86_400.0),
         },
         data,
-        joints: joints(&keys.joint, &description, robot, describes, &check)?,
+        joints,
         description,
     })
 }
@@ -234,7 +257,7 @@ fn robot_kind(name: &str, check: &Check) -> Result<RobotKind, ConfigError> {
     let found = RobotKind::ALL.iter().find(|kind| kind.name() == name);
     let expected = || {
         let names: Vec<_> = RobotKind::ALL.iter().map(|kind| kind.name()).collect();
-        names.join(" or ")
+        format!("one of {}", names.join(", "))
     };
     found
         .copied()
@@ -290,7 +313,7 @@ fn joints(
     let most = match robot {
         // The simulation moves one joint; the others stand.
         RobotKind::Embedded => 1,
-        RobotKind::Udp => 7,
+        RobotKind::Udp | RobotKind::Zenoh => MOST_JOINTS,
     };
     if keys.len() > most {
         let expected = format!("at most {most} for this robot");

@@ -11,7 +11,7 @@ use crate::service::contract::Quantity;
 pub const LONGEST: usize = 2048;
 /// The largest magnitude of a value: no joint, stamp or length of a robot comes near it, and squares
 /// of it are finite.
-const LARGEST: f64 = 1e12;
+pub(super) const LARGEST: f64 = 1e12;
 
 /// Robot to service: `{"t": 12.345, "joint": "joint_1", "motor_position": 0.1, "link_position": 0.1}`.
 ///

@@ -3,15 +3,20 @@
 mod clock_offset;
 pub mod datagram;
 mod embedded;
+mod intake;
 mod sequence;
 mod signature;
 mod udp;
+#[cfg(feature = "zenoh")]
+mod zenoh;
 
 pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
 pub use sequence::{Order, Sequence};
 pub use signature::{Key, Replay};
 pub use udp::{UdpLink, UdpSettings};
+#[cfg(feature = "zenoh")]
+pub use zenoh::{Node, ZenohBridge, ZenohLink};
 
 use std::net::SocketAddr;
 
@@ -31,6 +36,10 @@ pub trait RobotLink: Send {
 
     /// Sends where a joint, counted from 0, shall be at the end of this control period.
     fn send(&mut self, now: f64, joint: usize, setpoint: &Setpoint);
+
+    /// Called at each tick after the last joint's setpoint: where all joints go out in one message,
+    /// it goes now.
+    fn flush(&mut self) {}
 
     /// What came and went so far.
     fn counters(&self) -> LinkCounters;

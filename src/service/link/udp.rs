@@ -5,7 +5,7 @@ mod receiver;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -13,36 +13,11 @@ use quell_shapers::Setpoint;
 use rtrb::{Consumer, RingBuffer};
 
 use super::datagram::write_setpoint;
+use super::intake::{Counts, Intake, Received};
 use super::{INBOX, Key, LinkCounters, RobotLink};
 use crate::service::clock::{ServiceClock, unix_time};
 use crate::service::contract::Measured;
 use receiver::Receiver;
-
-/// What the receiving thread hands to the tick.
-pub(super) enum Received {
-    /// A measurement.
-    Measured(Measured),
-    /// The robot's address.
-    Peer(SocketAddr),
-}
-
-/// What the receiving thread counts; the names as in [`LinkCounters`].
-#[derive(Debug, Default)]
-pub(super) struct Counts {
-    received: AtomicU64,
-    lost: AtomicU64,
-    late: AtomicU64,
-    doubled: AtomicU64,
-    reordered: AtomicU64,
-    foreign: AtomicU64,
-    malformed: AtomicU64,
-    unknown_joint: AtomicU64,
-    unsigned: AtomicU64,
-    replayed: AtomicU64,
-    overflowed: AtomicU64,
-    /// The clock's offset as bits of a number; not a number before it is known.
-    clock_offset: AtomicU64,
-}
 
 /// What the UDP link is told.
 #[derive(Clone, Debug)]
@@ -85,10 +60,7 @@ impl UdpLink {
         let socket = UdpSocket::bind(settings.address)?;
         socket.set_nonblocking(true)?;
         let (producer, ring) = RingBuffer::new(8 * INBOX);
-        let counts = Arc::new(Counts {
-            clock_offset: AtomicU64::new(f64::NAN.to_bits()),
-            ..Counts::default()
-        });
+        let counts = Arc::new(Counts::default());
         let ending = Arc::new(AtomicBool::new(false));
         let (joints, peer) = (settings.joints.clone(), settings.robot);
         let key = settings.key.clone();
@@ -98,13 +70,13 @@ impl UdpLink {
             Some(_) => (1e6 * unix_time()) as u64,
             None => 0,
         };
-        let receiver = Receiver::new(
-            socket.try_clone()?,
-            settings,
+        let intake = Intake::new(
+            joints.len(),
+            settings.watchdog,
             producer,
             Arc::clone(&counts),
-            clock,
         );
+        let receiver = Receiver::new(socket.try_clone()?, settings, intake, clock);
         let stop = Arc::clone(&ending);
         let receiver = std::thread::Builder::new()
             .name("quell-udp".into())
@@ -165,27 +137,11 @@ impl RobotLink for UdpLink {
     }
 
     fn counters(&self) -> LinkCounters {
-        let counts = &self.counts;
-        // First: what became of these has been counted.
-        let received = counts.received.load(Acquire);
-        let count = |counter: &AtomicU64| counter.load(Relaxed);
-        let offset = f64::from_bits(count(&counts.clock_offset));
         LinkCounters {
-            received,
             sent: self.sent,
             send_failures: self.failures,
-            lost: count(&counts.lost),
-            late: count(&counts.late),
-            doubled: count(&counts.doubled),
-            reordered: count(&counts.reordered),
-            foreign: count(&counts.foreign),
-            malformed: count(&counts.malformed),
-            unknown_joint: count(&counts.unknown_joint),
-            unsigned: count(&counts.unsigned),
-            replayed: count(&counts.replayed),
-            overflowed: count(&counts.overflowed),
             peer: self.peer,
-            clock_offset: (!offset.is_nan()).then_some(offset),
+            ..self.counts.counters()
         }
     }
 }

@@ -119,6 +119,7 @@ impl Tick {
         for index in 0..self.joints.len() {
             self.command(index, now);
         }
+        self.link.flush();
         self.count += 1;
     }
 

@@ -1,0 +1,83 @@
+//! What optional features add to the service; of each there is a stand-in for builds without it.
+
+use std::io;
+use std::net::SocketAddr;
+
+use super::clock::ServiceClock;
+use super::config::Config;
+use super::contract::Handle;
+use super::link::RobotLink;
+use super::start::StartError;
+
+/// What runs beside a robot's link and asks for moves, begun once there is somebody to ask.
+pub type Companion = Box<dyn FnOnce(Handle) -> io::Result<Box<dyn Send>>>;
+
+/// The live view of Foxglove, and where it listens.
+///
+/// # Errors
+/// [`StartError`] where the address is not to be had, or the view is not part of this build.
+#[cfg(feature = "foxglove")]
+pub fn live_view(
+    address: SocketAddr,
+    joints: &[String],
+    handle: &Handle,
+    clock: ServiceClock,
+) -> Result<(SocketAddr, Box<dyn Send>), StartError> {
+    let server = super::foxglove::FoxgloveServer::start(address, joints, handle, clock);
+    let server = server.map_err(|error| StartError::System {
+        what: format!("Foxglove at {address}"),
+        error,
+    })?;
+    Ok((server.address(), Box::new(server)))
+}
+
+/// There is none in this build.
+///
+/// # Errors
+/// [`StartError::NotBuilt`], always.
+#[cfg(not(feature = "foxglove"))]
+pub fn live_view(
+    _: SocketAddr,
+    _: &[String],
+    _: &Handle,
+    _: ServiceClock,
+) -> Result<(SocketAddr, Box<dyn Send>), StartError> {
+    Err(StartError::NotBuilt {
+        feature: "foxglove",
+    })
+}
+
+/// The link to a robot on ROS 2 over Zenoh, and what hears its trajectories.
+///
+/// # Errors
+/// [`StartError`] where Zenoh refuses, or is not part of this build.
+#[cfg(feature = "zenoh")]
+pub fn over_zenoh(
+    config: &Config,
+    clock: ServiceClock,
+) -> Result<(Box<dyn RobotLink>, Companion), StartError> {
+    use super::link::{Node, ZenohBridge, ZenohLink};
+    let refused = |error| StartError::System {
+        what: "Zenoh".into(),
+        error,
+    };
+    let node = std::sync::Arc::new(Node::open(&config.zenoh).map_err(refused)?);
+    let link = ZenohLink::start(&node, config, clock).map_err(refused)?;
+    let config = config.clone();
+    let companion = move |handle| -> io::Result<Box<dyn Send>> {
+        Ok(Box::new(ZenohBridge::start(node, &config, handle)?))
+    };
+    Ok((Box::new(link), Box::new(companion)))
+}
+
+/// There is none in this build.
+///
+/// # Errors
+/// [`StartError::NotBuilt`], always.
+#[cfg(not(feature = "zenoh"))]
+pub fn over_zenoh(
+    _: &Config,
+    _: ServiceClock,
+) -> Result<(Box<dyn RobotLink>, Companion), StartError> {
+    Err(StartError::NotBuilt { feature: "zenoh" })
+}

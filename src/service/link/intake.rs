@@ -1,0 +1,199 @@
+//! Where a robot's measurements enter: put in order by their stamps, counted, and handed to the tick.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
+use std::time::Duration;
+
+use rtrb::Producer;
+
+use super::{ClockOffset, LinkCounters, Order, Sequence};
+use crate::service::contract::{Measured, Quantity};
+
+/// Quantities that a joint may be measured in.
+const QUANTITIES: usize = 5;
+
+/// What a receiving thread hands to the tick.
+pub(super) enum Received {
+    /// A measurement.
+    Measured(Measured),
+    /// The robot's address.
+    Peer(SocketAddr),
+}
+
+/// What a receiving thread counts; the names as in [`LinkCounters`].
+#[derive(Debug)]
+pub(super) struct Counts {
+    received: AtomicU64,
+    lost: AtomicU64,
+    late: AtomicU64,
+    doubled: AtomicU64,
+    reordered: AtomicU64,
+    pub foreign: AtomicU64,
+    pub malformed: AtomicU64,
+    pub unknown_joint: AtomicU64,
+    pub unsigned: AtomicU64,
+    pub replayed: AtomicU64,
+    overflowed: AtomicU64,
+    /// The clock's offset as bits of a number; not a number before it is known.
+    clock_offset: AtomicU64,
+}
+
+impl Default for Counts {
+    fn default() -> Self {
+        let zero = AtomicU64::default;
+        Self {
+            received: zero(),
+            lost: zero(),
+            late: zero(),
+            doubled: zero(),
+            reordered: zero(),
+            foreign: zero(),
+            malformed: zero(),
+            unknown_joint: zero(),
+            unsigned: zero(),
+            replayed: zero(),
+            overflowed: zero(),
+            clock_offset: AtomicU64::new(f64::NAN.to_bits()),
+        }
+    }
+}
+
+impl Counts {
+    /// Counts a message as received: last, so that whoever sees it counted sees what became of it, too.
+    pub fn finished(&self) {
+        self.received.fetch_add(1, Release);
+    }
+
+    /// What was counted so far; the link itself knows what it sent, and to whom.
+    pub fn counters(&self) -> LinkCounters {
+        // First: what became of these has been counted.
+        let received = self.received.load(Acquire);
+        let count = |counter: &AtomicU64| counter.load(Relaxed);
+        let offset = f64::from_bits(count(&self.clock_offset));
+        LinkCounters {
+            received,
+            lost: count(&self.lost),
+            late: count(&self.late),
+            doubled: count(&self.doubled),
+            reordered: count(&self.reordered),
+            foreign: count(&self.foreign),
+            malformed: count(&self.malformed),
+            unknown_joint: count(&self.unknown_joint),
+            unsigned: count(&self.unsigned),
+            replayed: count(&self.replayed),
+            overflowed: count(&self.overflowed),
+            clock_offset: (!offset.is_nan()).then_some(offset),
+            ..LinkCounters::default()
+        }
+    }
+}
+
+/// The receiving end of the ring to the tick.
+pub(super) struct Intake {
+    ring: Producer<Received>,
+    counts: Arc<Counts>,
+    /// Delay from which on a measurement counts as late, s.
+    late: f64,
+    /// One for each joint and quantity.
+    sequences: Vec<[Sequence; QUANTITIES]>,
+    offset: ClockOffset,
+}
+
+impl Intake {
+    /// For so many joints; what is delayed by more than `watchdog` is late.
+    pub fn new(
+        joints: usize,
+        watchdog: Duration,
+        ring: Producer<Received>,
+        counts: Arc<Counts>,
+    ) -> Self {
+        Self {
+            ring,
+            counts,
+            late: watchdog.as_secs_f64(),
+            sequences: vec![Default::default(); joints],
+            offset: ClockOffset::default(),
+        }
+    }
+
+    /// What is counted.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Tells the tick the robot's address; whether there was room to.
+    pub fn adopt(&mut self, peer: SocketAddr) -> bool {
+        self.ring.push(Received::Peer(peer)).is_ok()
+    }
+
+    /// Takes what a joint was measured in at one stamp (s on the robot's clock): counts what is in
+    /// order and what is not, and hands on what is. `now` is on the service's clock, s.
+    pub fn take(
+        &mut self,
+        joint: usize,
+        stamp: f64,
+        quantities: impl Iterator<Item = (Quantity, [f64; 3])>,
+        now: f64,
+    ) {
+        let Some(sequences) = self.sequences.get_mut(joint) else {
+            return;
+        };
+        let (mut lost, mut doubled, mut older) = (0, false, false);
+        for (quantity, value) in quantities {
+            match sequences[index(quantity)].take(stamp) {
+                Order::Next { missing } => lost = lost.max(missing),
+                Order::Restarted => self.offset.restart(),
+                Order::Doubled => {
+                    doubled = true;
+                    continue;
+                }
+                Order::Older => {
+                    older = true;
+                    continue;
+                }
+            }
+            let measured = Received::Measured(Measured {
+                received: now,
+                stamp,
+                joint,
+                quantity,
+                value,
+                refused: false,
+            });
+            if self.ring.push(measured).is_err() {
+                count(&self.counts.overflowed, 1);
+            }
+        }
+        count(&self.counts.lost, lost);
+        count(&self.counts.doubled, u64::from(doubled));
+        count(&self.counts.reordered, u64::from(older));
+        if !older {
+            self.compare_clocks(stamp, now);
+        }
+    }
+
+    fn compare_clocks(&mut self, stamp: f64, now: f64) {
+        self.offset.take(stamp, now);
+        if let Some(offset) = self.offset.offset() {
+            self.counts.clock_offset.store(offset.to_bits(), Relaxed);
+            let delay = now - stamp + offset;
+            count(&self.counts.late, u64::from(delay > self.late));
+        }
+    }
+}
+
+/// Counts some more.
+pub(super) fn count(counter: &AtomicU64, by: u64) {
+    counter.fetch_add(by, Relaxed);
+}
+
+fn index(quantity: Quantity) -> usize {
+    match quantity {
+        Quantity::MotorPosition => 0,
+        Quantity::LinkPosition => 1,
+        Quantity::Deformation => 2,
+        Quantity::TipPosition => 3,
+        Quantity::TipAcceleration => 4,
+    }
+}
