@@ -15,6 +15,10 @@ pub const LOUDER: f64 = 1.2;
 /// How much noisier one coordinate of a sensor may be than the others.
 const WITNESS: f64 = 3.0;
 
+/// Deviation of noise of one pole at 0.95 over what its third differences show: noise that is slower is drift.
+/// With `r` its pole their variance is `20 - 30 r + 12 r^2 - 2 r^3` times its own, against 20 where it is white.
+const REDDEST: f64 = 5.7;
+
 /// Samples of a stretch whose variance is worth comparing.
 const SHORTEST: usize = 40;
 
@@ -63,6 +67,10 @@ fn shown(
         false => restless(experiment, output, residual, frequency)
             .unwrap_or_else(|| Whitening::white(white)),
     };
+    // What is far louder than it is rough is no noise: something rings on, or drifts, at rest.
+    if found.deviation > REDDEST * white && white > 0.0 {
+        return Whitening::white(white.max(least));
+    }
     // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
     // quieter than its differences in motion does not either.
     // A sensor that rounds is quieter at rest than in motion.
