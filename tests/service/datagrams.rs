@@ -4,8 +4,8 @@ use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 use quell::service::clock::ServiceClock;
-use quell::service::contract::{Measured, Phase};
-use quell::service::link::{INBOX, Key, LinkCounters, RobotLink, UdpLink, UdpSettings};
+use quell::service::contract::{LinkHealth, Measured, Phase};
+use quell::service::link::{INBOX, Key, RobotLink, UdpLink, UdpSettings};
 use quell_shapers::Setpoint;
 use rand::{Rng, RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -55,7 +55,7 @@ impl Bench {
     }
 
     /// Waits until the link has seen everything; takes what it hands on.
-    fn drain(&mut self) -> LinkCounters {
+    fn drain(&mut self) -> LinkHealth {
         let since = Instant::now();
         loop {
             let counters = self.link.counters();

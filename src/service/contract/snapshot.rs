@@ -1,5 +1,7 @@
 //! The state of everything now, for `GET /api/state`, `GET /api/estimates` and `GET /metrics`.
 
+use std::net::SocketAddr;
+
 use serde::{Deserialize, Serialize};
 
 use super::ModeValue;
@@ -197,7 +199,7 @@ pub struct TickStatistics {
 }
 
 /// What came over the link and went out, since the start.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LinkHealth {
     /// Datagrams received, of whatever kind.
     pub received: u64,
@@ -226,7 +228,7 @@ pub struct LinkHealth {
     /// Measurements for which the tick had no room.
     pub overflowed: u64,
     /// The robot's address, once it is known.
-    pub peer: Option<String>,
+    pub peer: Option<SocketAddr>,
     /// The robot's clock minus the service's, s, by the datagrams of least delay.
     pub clock_offset_s: Option<f64>,
 }

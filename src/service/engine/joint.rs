@@ -9,7 +9,7 @@ use super::running::Running;
 use super::standstill::Standstill;
 use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
-use crate::service::tick::JointReport;
+use crate::service::tick::{AxisReport, JointReport};
 use crate::signal::DeformationSensor;
 
 /// Where the answer to a request goes, if anybody waits for it.
@@ -105,6 +105,11 @@ impl Joint {
     /// The rule of the next train.
     pub fn standing_shaper(&self) -> Option<&'static dyn Shaper> {
         self.shaping.then_some(self.shaper)
+    }
+
+    /// Its controller, as last reported.
+    pub fn axis(&self) -> Option<&AxisReport> {
+        self.report.as_ref()?.axis.as_ref()
     }
 
     /// Whether the command stands still.

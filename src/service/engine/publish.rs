@@ -6,9 +6,7 @@ use super::Engine;
 use super::joint::{Joint, name_of};
 use crate::adaptation::{Decision, Reason};
 use crate::service::clock::unix_time;
-use crate::service::contract::{
-    EstimateView, JointSnapshot, LinkHealth, SensorView, Snapshot, TrainView,
-};
+use crate::service::contract::{EstimateView, JointSnapshot, SensorView, Snapshot, TrainView};
 use crate::service::guard::Fault;
 use crate::service::tick::{AxisReport, WholeReport};
 
@@ -29,17 +27,14 @@ impl Engine {
                 .map(|joint| self.view(joint, whole))
                 .collect(),
             tick: whole.statistics,
-            link: link_health(whole),
+            link: whole.link,
             moves: self.moves.iter().cloned().collect(),
         };
         self.ends.snapshot.send_replace(Arc::new(snapshot));
     }
 
     fn view(&self, joint: &Joint, whole: &WholeReport) -> JointSnapshot {
-        let axis = joint
-            .report
-            .as_ref()
-            .and_then(|report| report.axis.as_ref());
+        let axis = joint.axis();
         let running = joint.running.as_ref();
         let limits = joint.config.limits;
         let status = axis.map(|axis| &axis.status);
@@ -102,7 +97,7 @@ fn estimate_view(axis: &AxisReport, whole: &WholeReport) -> Option<EstimateView>
         None => (false, None),
     };
     Some(EstimateView {
-        time_s: estimate.time - whole.link.clock_offset.unwrap_or(0.0),
+        time_s: estimate.time - whole.link.clock_offset_s.unwrap_or(0.0),
         frequency_hz: estimate.mode.hertz(),
         frequency_std_hz: hertz(estimate.natural_frequency_std),
         damping_ratio: estimate.mode.damping_ratio(),
@@ -153,25 +148,4 @@ fn sensors(joint: &Joint, now: f64) -> Vec<SensorView> {
         }
     };
     report.guard.sensors().map(view).collect()
-}
-
-fn link_health(whole: &WholeReport) -> LinkHealth {
-    let link = whole.link;
-    LinkHealth {
-        received: link.received,
-        sent: link.sent,
-        send_failures: link.send_failures,
-        lost: link.lost,
-        late: link.late,
-        doubled: link.doubled,
-        reordered: link.reordered,
-        foreign: link.foreign,
-        malformed: link.malformed,
-        unknown_joint: link.unknown_joint,
-        unsigned: link.unsigned,
-        replayed: link.replayed,
-        overflowed: link.overflowed,
-        peer: link.peer.map(|peer| peer.to_string()),
-        clock_offset_s: link.clock_offset,
-    }
 }

@@ -198,24 +198,18 @@ impl Engine {
     /// A move has ended: what it left is told once.
     pub(super) fn finish(&mut self, index: usize) {
         let joint = &mut self.joints[index];
+        let estimate = joint.axis().and_then(|axis| axis.status.estimate);
+        let own = super::joint::name_of(joint.standing_shaper());
         let Some(running) = joint.running.as_mut() else {
             return;
         };
         running.interrupted |= running.settled.is_none();
         let settled = running.settled.is_some();
-        let own = super::joint::name_of(joint.shaping.then_some(joint.shaper));
         // A shaper for one move alone ends with it, and not before it has rung out: what it has left
         // would be cancelled.
         joint.train_due |= running.start.shaper != own;
-        let (mode, sure) = match joint
-            .report
-            .as_ref()
-            .and_then(|report| report.axis.as_ref())
-        {
-            Some(axis) => match axis.status.estimate {
-                Some(estimate) if estimate.converged => (estimate.mode, true),
-                _ => (joint.mode, false),
-            },
+        let (mode, sure) = match estimate.filter(|estimate| estimate.converged) {
+            Some(estimate) => (estimate.mode, true),
             None => (joint.mode, false),
         };
         let radius = joint.arc_known.then(|| joint.sensor.arc().radius());

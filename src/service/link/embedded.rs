@@ -2,9 +2,9 @@
 
 use quell_shapers::Setpoint;
 
-use super::{LinkCounters, RobotLink};
+use super::RobotLink;
 use crate::plant::{ArmSimulation, Command, Load};
-use crate::service::contract::{Measured, Quantity};
+use crate::service::contract::{LinkHealth, Measured, Quantity};
 use crate::signal::Measurement;
 
 /// The simulated arm. Its time is that of its steps: where ticks are left out it stands still too, as
@@ -13,7 +13,7 @@ pub struct EmbeddedLink {
     arm: ArmSimulation,
     period: f64,
     command: Command,
-    counters: LinkCounters,
+    counters: LinkHealth,
 }
 
 impl EmbeddedLink {
@@ -26,7 +26,7 @@ impl EmbeddedLink {
             },
             arm,
             period,
-            counters: LinkCounters::default(),
+            counters: LinkHealth::default(),
         }
     }
 }
@@ -41,7 +41,7 @@ impl RobotLink for EmbeddedLink {
             }
             inbox.push(measured(measurement, now));
         }
-        self.counters.clock_offset = Some(self.arm.time() - now);
+        self.counters.clock_offset_s = Some(self.arm.time() - now);
     }
 
     fn send(&mut self, _now: f64, joint: usize, setpoint: &Setpoint) {
@@ -54,7 +54,7 @@ impl RobotLink for EmbeddedLink {
         }
     }
 
-    fn counters(&self) -> LinkCounters {
+    fn counters(&self) -> LinkHealth {
         self.counters
     }
 

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use rtrb::Producer;
 
-use super::{ClockOffset, LinkCounters, Order, Sequence};
-use crate::service::contract::{Measured, Quantity};
+use super::{ClockOffset, Order, Sequence};
+use crate::service::contract::{LinkHealth, Measured, Quantity};
 
 /// Quantities that a joint may be measured in.
 const QUANTITIES: usize = 5;
@@ -21,7 +21,7 @@ pub(super) enum Received {
     Peer(SocketAddr),
 }
 
-/// What a receiving thread counts; the names as in [`LinkCounters`].
+/// What a receiving thread counts; the names as in [`LinkHealth`].
 #[derive(Debug)]
 pub(super) struct Counts {
     received: AtomicU64,
@@ -66,12 +66,12 @@ impl Counts {
     }
 
     /// What was counted so far; the link itself knows what it sent, and to whom.
-    pub fn counters(&self) -> LinkCounters {
+    pub fn counters(&self) -> LinkHealth {
         // First: what became of these has been counted.
         let received = self.received.load(Acquire);
         let count = |counter: &AtomicU64| counter.load(Relaxed);
         let offset = f64::from_bits(count(&self.clock_offset));
-        LinkCounters {
+        LinkHealth {
             received,
             lost: count(&self.lost),
             late: count(&self.late),
@@ -83,8 +83,8 @@ impl Counts {
             unsigned: count(&self.unsigned),
             replayed: count(&self.replayed),
             overflowed: count(&self.overflowed),
-            clock_offset: (!offset.is_nan()).then_some(offset),
-            ..LinkCounters::default()
+            clock_offset_s: (!offset.is_nan()).then_some(offset),
+            ..LinkHealth::default()
         }
     }
 }

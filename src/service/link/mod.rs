@@ -18,11 +18,9 @@ pub use udp::{UdpLink, UdpSettings};
 #[cfg(feature = "zenoh")]
 pub use zenoh::{Node, ZenohBridge, ZenohLink};
 
-use std::net::SocketAddr;
-
 use quell_shapers::Setpoint;
 
-use super::contract::Measured;
+use super::contract::{LinkHealth, Measured};
 use crate::plant::Load;
 
 /// Measurements that one tick can take; at 250 Hz that is 32 a millisecond.
@@ -42,44 +40,8 @@ pub trait RobotLink: Send {
     fn flush(&mut self) {}
 
     /// What came and went so far.
-    fn counters(&self) -> LinkCounters;
+    fn counters(&self) -> LinkHealth;
 
     /// Takes a payload up, where the robot is simulated.
     fn carry(&mut self, _load: Load) {}
-}
-
-/// What came over a link and went out, since the start; the names as in
-/// [`super::contract::LinkHealth`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LinkCounters {
-    /// Datagrams received.
-    pub received: u64,
-    /// Setpoints sent.
-    pub sent: u64,
-    /// Setpoints that could not be sent.
-    pub send_failures: u64,
-    /// Stamps missing.
-    pub lost: u64,
-    /// Datagrams that came late.
-    pub late: u64,
-    /// Datagrams that came twice.
-    pub doubled: u64,
-    /// Datagrams that came after a younger one.
-    pub reordered: u64,
-    /// Datagrams from another address.
-    pub foreign: u64,
-    /// Datagrams that are not what they should be.
-    pub malformed: u64,
-    /// Datagrams for a joint that there is not.
-    pub unknown_joint: u64,
-    /// Datagrams whose signature is wrong or missing.
-    pub unsigned: u64,
-    /// Signed datagrams that had come before.
-    pub replayed: u64,
-    /// Measurements for which the tick had no room.
-    pub overflowed: u64,
-    /// The robot's address.
-    pub peer: Option<SocketAddr>,
-    /// The robot's clock minus the service's, s.
-    pub clock_offset: Option<f64>,
 }

@@ -14,9 +14,9 @@ use rtrb::{Consumer, RingBuffer};
 
 use super::datagram::write_setpoint;
 use super::intake::{Counts, Intake, Received};
-use super::{INBOX, Key, LinkCounters, RobotLink};
+use super::{INBOX, Key, RobotLink};
 use crate::service::clock::{ServiceClock, unix_time};
-use crate::service::contract::Measured;
+use crate::service::contract::{LinkHealth, Measured};
 use receiver::Receiver;
 
 /// What the UDP link is told.
@@ -136,8 +136,8 @@ impl RobotLink for UdpLink {
         }
     }
 
-    fn counters(&self) -> LinkCounters {
-        LinkCounters {
+    fn counters(&self) -> LinkHealth {
+        LinkHealth {
             sent: self.sent,
             send_failures: self.failures,
             peer: self.peer,

@@ -5,9 +5,8 @@ use quell_trajectories::SampledTrajectory;
 
 use crate::controller::{AxisStatus, Controller, LoadError};
 use crate::plant::Load;
-use crate::service::contract::{Measured, TickRow, TickStatistics, WatchdogState};
+use crate::service::contract::{LinkHealth, Measured, TickRow, TickStatistics, WatchdogState};
 use crate::service::guard::GuardReport;
-use crate::service::link::LinkCounters;
 use crate::signal::DeformationSensor;
 
 /// Engine to tick. Joints are counted from 0.
@@ -135,7 +134,7 @@ pub struct WholeReport {
     /// How well the tick is kept.
     pub statistics: TickStatistics,
     /// What came over the link.
-    pub link: LinkCounters,
+    pub link: LinkHealth,
 }
 
 /// Tick to engine, some 20 times a second: one joint.

@@ -21,11 +21,11 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use zenoh::qos::Priority;
 
 use super::intake::{Counts, Intake, Received, count};
-use super::{INBOX, LinkCounters, RobotLink};
+use super::{INBOX, RobotLink};
 use crate::recording::Encoder;
 use crate::service::clock::{ServiceClock, unix_time};
 use crate::service::config::{Config, MOST_JOINTS, ZenohConfig};
-use crate::service::contract::{Measured, Quantity};
+use crate::service::contract::{LinkHealth, Measured, Quantity};
 use messages::{FLOAT64_MULTI_ARRAY, IMU, JOINT_STATE};
 use node::{Publisher, Subscription};
 
@@ -140,8 +140,8 @@ impl RobotLink for ZenohLink {
         }
     }
 
-    fn counters(&self) -> LinkCounters {
-        LinkCounters {
+    fn counters(&self) -> LinkHealth {
+        LinkHealth {
             sent: self.sending.sent.load(Relaxed),
             send_failures: self.full + self.sending.failures.load(Relaxed),
             ..self.counts.counters()
