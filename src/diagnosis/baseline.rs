@@ -4,6 +4,7 @@ use super::fit::{Fitted, Projector};
 use super::problem::{Point, Problem, Rows};
 use super::search::LONG;
 use super::split::{self, HeldOut};
+use super::start::{departure_scale, departures};
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
@@ -133,34 +134,6 @@ fn limits(range: (f64, f64), given: Option<(f64, f64)>, value: f64, std: f64) ->
         false => (value - far, value + far),
     };
     (low.max(range.0), high.min(range.1))
-}
-
-/// A free motor side has a velocity at the start that no sensor has measured.
-fn departures(model: &Model, experiments: &[Experiment]) -> Vec<usize> {
-    let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
-    match (linear.motor, linear.link) {
-        (MotorSide::Free { .. }, None) => vec![1],
-        (MotorSide::Free { .. }, Some(_)) => vec![0, 1, 2, 3],
-        // A link that is held in a motion starts as it does.
-        (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
-        (MotorSide::Fixed, _) => vec![2, 3],
-        (MotorSide::Prescribed, _) => Vec::new(),
-    }
-}
-
-fn departure_scale(scales: &Scales) -> [f64; 8] {
-    let travel = scales.travel().max(scales.deformation);
-    let (deformation, rate) = (0.1 * scales.deformation, 0.1 * scales.deformation_rate);
-    [
-        0.01 * travel,
-        0.1 * scales.velocity,
-        deformation,
-        rate,
-        deformation,
-        rate,
-        deformation,
-        rate,
-    ]
 }
 
 fn first_guess(experiment: &Experiment) -> Vec<Whitening> {

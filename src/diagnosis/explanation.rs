@@ -4,6 +4,7 @@ use super::baseline::{self, Data};
 use super::fit::{Fitted, Projector};
 use super::problem::{Point, Problem, Rows};
 use super::split;
+use super::start::ringing;
 use crate::effects::{Place, Scales};
 use crate::model::Model;
 use nalgebra::DVector;
@@ -56,22 +57,32 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
+    /// Components of the start that are free in the recordings kept apart, once that is decided.
+    starts: Option<Vec<usize>>,
 }
 
 impl<'a> Judge<'a> {
-    /// For a problem over the data's experiments.
-    pub fn new(model: &'a Model, data: &'a Data, problem: &Problem) -> Self {
+    /// For a problem over the data's experiments and the refitted model.
+    pub fn new(model: &'a Model, data: &'a Data, problem: &Problem, refitted: &Point) -> Self {
         let count = |rows: &[Vec<Rows>]| -> usize {
             let ranges = rows.iter().flatten().flatten();
             ranges.map(|range| range.len()).sum()
         };
         let apart: usize = data.apart.iter().map(|e| e.samples()).sum();
-        Self {
+        let mut judge = Self {
             model,
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
+            starts: None,
+        };
+        if !data.apart.is_empty() {
+            let (mut apart, still) = judge.apart(problem, refitted);
+            let projector = Projector::new(&apart);
+            ringing(&mut apart, still, &projector);
+            judge.starts = Some(apart.departures);
         }
+        judge
     }
 
     /// A fit with its figures.
@@ -117,6 +128,9 @@ impl<'a> Judge<'a> {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
+        if let Some(starts) = &self.starts {
+            problem.departures.clone_from(starts);
+        }
         // A payload that was carried in the fitted recordings is known; another one is not.
         let carried = baseline::payloads(&self.data.experiments);
         problem.free_payloads = carried.len()..carried.len();

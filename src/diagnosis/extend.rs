@@ -23,15 +23,37 @@ const SHORT: usize = 6;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 
+/// Explanations that were looked at elsewhere.
+#[derive(Clone, Default)]
+pub struct Known {
+    /// Where they ended.
+    pub points: Vec<Point>,
+    /// Whether nothing else is to be looked at.
+    pub alone: bool,
+}
+
+/// An effect at a place, and where its fit may start.
+struct Candidate {
+    effect: (&'static str, Place),
+    /// Starts at the explanation that it extends, or near it.
+    near: Vec<Point>,
+    /// Starts elsewhere.
+    far: Vec<Point>,
+}
+
 impl Search<'_> {
     /// Candidates on top of an explanation, fitted and judged against it; best first.
     pub fn extend(&self, from: &Explanation) -> Vec<Trial> {
         let (problem, projector) = (self.problem, self.projector);
-        let linear = problem.linearise(&from.fitted.point, projector);
-        let starts = screen(problem, &from.fitted.point, &linear, projector, SIZES);
-        let begun: Vec<Descent> = chosen(starts)
+        let linear = (!self.known.alone).then(|| problem.linearise(&from.fitted.point, projector));
+        let mut candidates = match &linear {
+            Some(linear) => self.screened(from, linear),
+            None => Vec::new(),
+        };
+        self.add_known(from, &mut candidates);
+        let begun: Vec<Descent> = candidates
             .into_par_iter()
-            .filter_map(|starts| self.begin(from, &linear, &starts))
+            .filter_map(|candidate| self.begin(from, linear.as_ref(), candidate))
             .collect();
         let ahead = begun
             .iter()
@@ -43,6 +65,55 @@ impl Search<'_> {
             .collect();
         self.rank(from, &mut trials);
         trials
+    }
+
+    /// The best candidates of a screen.
+    fn screened(&self, from: &Explanation, linear: &Linearised) -> Vec<Candidate> {
+        let (problem, point) = (self.problem, &from.fitted.point);
+        // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
+        let mut believed = point.clone();
+        for &key in &problem.free {
+            believed.keys[key] = problem.beliefs[key].0;
+        }
+        let starts = screen(problem, point, linear, self.projector, SIZES);
+        let candidate = |starts: Vec<Start>| {
+            let near = starts.iter().flat_map(|start| {
+                let with = |p: &Point| p.with(start.effect, start.place, start.values.clone());
+                [with(point), with(&believed)]
+            });
+            Candidate {
+                effect: (starts[0].effect.name, starts[0].place),
+                near: near.collect(),
+                far: Vec::new(),
+            }
+        };
+        chosen(starts).into_iter().map(candidate).collect()
+    }
+
+    /// What is known with one effect more than the explanation has.
+    fn add_known(&self, from: &Explanation, candidates: &mut Vec<Candidate>) {
+        let own = from.effects();
+        for known in &self.known.points {
+            let added = known.terms[known.given_terms..].iter();
+            let theirs: Vec<_> = added.map(|t| (t.effect.name, t.place)).collect();
+            let new: Vec<_> = theirs.iter().filter(|e| !own.contains(e)).collect();
+            let &[&effect] = new.as_slice() else { continue };
+            if theirs.len() != own.len() + 1 {
+                continue;
+            }
+            let point = Point {
+                locals: from.fitted.point.locals.clone(),
+                ..known.clone()
+            };
+            match candidates.iter_mut().find(|c| c.effect == effect) {
+                Some(candidate) => candidate.far.push(point),
+                None => candidates.push(Candidate {
+                    effect,
+                    near: Vec::new(),
+                    far: vec![point],
+                }),
+            }
+        }
     }
 
     /// Judges fits against the explanation that they extend; best first.
@@ -67,25 +138,17 @@ impl Search<'_> {
     fn begin(
         &self,
         from: &Explanation,
-        linear: &Linearised,
-        starts: &[Start],
+        linear: Option<&Linearised>,
+        candidate: Candidate,
     ) -> Option<Descent<'_>> {
-        let (problem, projector) = (self.problem, self.projector);
-        // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
-        let mut believed = from.fitted.point.clone();
-        for &key in &problem.free {
-            believed.keys[key] = problem.beliefs[key].0;
-        }
-        let begin = |(start, point): (&Start, &Point)| {
-            let point = point.with(start.effect, start.place, start.values.clone());
-            let mut descent = Descent::new(problem, projector, &point, Some(linear));
+        let begin = |point: &Point, near| {
+            let mut descent = Descent::new(self.problem, self.projector, point, near);
             descent.run(FIRST);
             descent
         };
-        let starts = starts
-            .iter()
-            .flat_map(|start| [(start, &from.fitted.point), (start, &believed)]);
-        let mut descents: Vec<Descent> = starts.map(begin).collect();
+        let near = candidate.near.iter().map(|point| begin(point, linear));
+        let far = candidate.far.iter().map(|point| begin(point, None));
+        let mut descents: Vec<Descent> = near.chain(far).collect();
         descents.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         descents.truncate(SECOND);
         descents.iter_mut().for_each(|descent| descent.run(SHORT));

@@ -28,6 +28,7 @@ mod score;
 mod screen;
 mod search;
 mod split;
+mod start;
 mod summary;
 mod traces;
 mod units;

@@ -5,12 +5,15 @@ use super::conclude::{better_model, conclude, reported};
 use super::document::{Diagnosis, Verdict};
 use super::draw::draw;
 use super::explanation::{Explanation, Judge};
+use super::extend::Known;
 use super::fit::{Fitted, Projector};
 use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
-use super::problem::Problem;
+use super::problem::{Point, Problem};
 use super::remarks::recorded;
+use super::score::score;
 use super::search::{EQUAL, Found, LONG, Search, Trial, ratio};
+use super::start::ringing;
 use super::traces::Traces;
 use super::weights::{measure_noise, measured_again};
 use crate::model::{Experiment, Model, simulate_windows};
@@ -61,41 +64,64 @@ pub fn diagnose(
     if train.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
-    let (mut fitted, mut apart) = (experiments(model, train)?, experiments(model, held_out)?);
+    let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
+    let look = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
     if fitted[0].windows.is_empty() {
-        return Ok(attempt(model, train, (fitted, apart), options, progress));
+        return Ok(look((fitted, apart), &Known::default()).0);
     }
-    // A motion in one piece says more, if the model can follow it that far.
-    let pieces = (in_one(&fitted), in_one(&apart));
-    let whole = attempt(model, train, pieces, options, progress);
-    let explained = matches!(
-        whole.diagnosis.verdict,
-        Verdict::NoMismatch | Verdict::Named | Verdict::Ambiguous
-    );
-    if explained {
-        return Ok(whole);
-    }
-    if apart.is_empty() {
+    let whole = (in_one(&fitted), in_one(&apart));
+    let windowed = match apart.is_empty() {
         // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
-        (fitted, apart) = in_two(model, train, &fitted)?;
+        true => in_two(model, train, &fitted)?,
+        false => (fitted, apart),
+    };
+    // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
+    // many minima. In windows there are few, and what was found in them says where to start. But what is
+    // small shows in one piece only.
+    let (in_windows, points) = look(windowed, &Known::default());
+    let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
+    let (in_one, _) = look(whole, &Known { points, alone });
+    if alone || explains(&in_one) {
+        return Ok(if explains(&in_one) {
+            in_one
+        } else {
+            in_windows
+        });
     }
-    Ok(attempt(model, train, (fitted, apart), options, progress))
+    let better = misses(&in_windows.model, train) < misses(&in_one.model, train);
+    Ok(if better { in_windows } else { in_one })
 }
 
-/// What experiments, and others held apart, say.
+/// Whether a diagnosis leaves only noise.
+fn explains(outcome: &Outcome) -> bool {
+    use Verdict::{Ambiguous, Named, NoMismatch};
+    matches!(outcome.diagnosis.verdict, NoMismatch | Named | Ambiguous)
+}
+
+/// By how much a model misses recordings, replayed in one piece: the mean square in units of the noise.
+fn misses(model: &Model, recordings: &[Recording]) -> f64 {
+    let square = |recording| match score(model, recording) {
+        Ok(score) => score.rms_over_noise.powi(2),
+        Err(_) => f64::INFINITY,
+    };
+    recordings.iter().map(square).sum()
+}
+
+/// What experiments, and others held apart, say; and the explanations that were looked at.
 fn attempt(
     model: &Model,
     train: &[Recording],
     (fitted, apart): (Vec<Experiment>, Vec<Experiment>),
+    known: &Known,
     options: &Options,
     progress: Progress,
-) -> Outcome {
+) -> (Outcome, Vec<Point>) {
     let mut data = Data::new(fitted, apart);
     let told = recorded(train);
-    let mut ending = investigate(model, &data, options, progress, told.clone(), false);
+    let mut ending = investigate(model, &data, known, options, progress, told.clone(), false);
     loop {
         match ending {
-            Ending::Told(outcome) => return named(*outcome, &data, train),
+            Ending::Told(outcome, points) => return (named(*outcome, &data, train), points),
             Ending::Surprised(period) => {
                 // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out
                 // parts of every move instead.
@@ -103,7 +129,8 @@ fn attempt(
                 let remark = "What was held out differs from what was fitted: something changed with time. \
                     Stretches of every move were held out instead of the last moves.";
                 let told = std::iter::once(remark.to_string()).chain(told.clone());
-                ending = investigate(model, &data, options, progress, told.collect(), true);
+                let told = told.collect();
+                ending = investigate(model, &data, known, options, progress, told, true);
             }
         }
     }
@@ -164,8 +191,8 @@ fn in_two(
 
 /// How an investigation ends.
 enum Ending {
-    /// With what it says.
-    Told(Box<Outcome>),
+    /// With what it says, and the explanations that were looked at.
+    Told(Box<Outcome>, Vec<Point>),
     /// What was held out is worse than what was fitted by more than chance: something changed with time.
     /// The period of the mode, s.
     Surprised(f64),
@@ -175,6 +202,7 @@ enum Ending {
 fn investigate(
     model: &Model,
     data: &Data,
+    known: &Known,
     options: &Options,
     progress: Progress,
     mut remarks: Vec<String>,
@@ -183,7 +211,7 @@ fn investigate(
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
-    let judge = Judge::new(model, data, &problem);
+    let judge = Judge::new(model, data, &problem, &fitted.point);
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
@@ -202,8 +230,9 @@ fn investigate(
         .suspect_orders
         .clone_from(&located.suspect_orders);
     progress(0.15, "screening the catalogue");
-    let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, progress);
-    let search = search(&problem, &projector, &judge, progress);
+    let told = (known, progress);
+    let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, told);
+    let search = search(&problem, &projector, &judge, told);
     let found = search.run(baseline, trials);
     if !is_second && data.apart.is_empty() && surprised(&search, &found) {
         return Ending::Surprised(problem.scales.period());
@@ -214,12 +243,14 @@ fn investigate(
     diagnosis.next_move =
         next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));
     let told = reported(verdict, &found);
+    let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);
-    Ending::Told(Box::new(Outcome {
+    let outcome = Outcome {
         model: super::scale::corrected(better_model(model, told), &diagnosis),
         diagnosis,
         traces,
-    }))
+    };
+    Ending::Told(Box::new(outcome), points)
 }
 
 /// The refitted model and the single effects that it may lack, by the noise that the best of these leaves.
@@ -228,9 +259,9 @@ fn singles(
     projector: &mut Projector,
     judge: &Judge,
     baseline: Explanation,
-    progress: Progress,
+    told: (&Known, Progress),
 ) -> (Explanation, Vec<Trial>) {
-    let first = search(problem, projector, judge, progress);
+    let first = search(problem, projector, judge, told);
     let trials = first.extend(&baseline);
     let best = first.simplest(&trials, &baseline);
     let again = best.and_then(|best| measured_again(problem, &best.fitted.point));
@@ -239,7 +270,7 @@ fn singles(
     };
     (problem.noise, problem.whitening) = again;
     *projector = Projector::new(problem);
-    let search = search(problem, projector, judge, progress);
+    let search = search(problem, projector, judge, told);
     let baseline = search.refitted(&baseline.fitted.point);
     let trials = search.again(&baseline, trials);
     (baseline, trials)
@@ -249,12 +280,13 @@ fn search<'a>(
     problem: &'a Problem<'a>,
     projector: &'a Projector,
     judge: &'a Judge<'a>,
-    progress: Progress<'a>,
+    (known, progress): (&'a Known, Progress<'a>),
 ) -> Search<'a> {
     Search {
         problem,
         projector,
         judge,
+        known,
         progress,
     }
 }
@@ -287,32 +319,11 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     }
     let mut projector = Projector::new(problem);
     let mut first = refit(problem, &start, &projector);
-    // A link that is held in a motion rings no further than that.
-    let input = problem.experiments[0].input;
-    let held = (problem.kind.linear)(&first.point.keys, input).link_is_input;
-    if problem.departures.is_empty() && !held {
-        first = ringing(problem, first, &projector);
-    }
+    first = ringing(problem, first, &projector);
     // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
     (problem.fit(&first.point, &projector, LONG), projector)
-}
-
-/// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
-/// their price.
-fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitted {
-    problem.departures = vec![2, 3];
-    let ringing = problem.fit(&still.point, projector, LONG);
-    let experiments = problem.experiments;
-    let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
-    let unit = (ringing.cost / rows).max(1.0);
-    let price = 2.0 * experiments.len() as f64 * rows.ln() + super::search::STRONG;
-    if (still.cost - ringing.cost) / unit > price {
-        return ringing;
-    }
-    problem.departures.clear();
-    still
 }
 
 /// Where the residual of the first output sits.

@@ -3,6 +3,7 @@
 use super::baseline::{DiagnosisError, problem};
 use super::fit::Projector;
 use super::split;
+use super::start::ringing;
 use super::weights::measure_noise;
 use crate::model::{Experiment, Model};
 use crate::recording::Recording;
@@ -52,7 +53,8 @@ pub fn predict(
     fit.freeze();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
-    let first = fit.fit(&start, &projector, 15);
+    let still = fit.fit(&start, &projector, 15);
+    let first = ringing(&mut fit, still, &projector);
     measure_noise(&mut fit, &first.point);
     projector = Projector::new(&fit);
     let fitted = fit.fit(&first.point, &projector, 15);

@@ -1,6 +1,7 @@
 //! The search for what is missing: screen, fit, decide; once more on the better model; prune.
 
 use super::explanation::{Explanation, Judge};
+use super::extend::Known;
 use super::fit::Projector;
 use super::problem::{Point, Problem};
 use rayon::prelude::*;
@@ -67,6 +68,23 @@ impl Found {
         let index = term - self.best.fitted.point.given_terms;
         self.ablated.get(index).unwrap_or(&self.baseline)
     }
+
+    /// The explanations that were looked at, one of each structure.
+    pub fn points(&self) -> Vec<Point> {
+        let trials = self.trials.iter().chain(&self.equals);
+        let trials = trials.map(|trial| &trial.explanation);
+        let mut each: Vec<&Explanation> = Vec::new();
+        for next in std::iter::once(&self.best)
+            .chain(trials)
+            .chain(&self.ablated)
+        {
+            if !each.iter().any(|own| own.effects() == next.effects()) {
+                each.push(next);
+            }
+        }
+        let points = each.into_iter().map(|own| own.fitted.point.clone());
+        points.collect()
+    }
 }
 
 /// Everything that the search needs.
@@ -77,6 +95,8 @@ pub struct Search<'a> {
     pub projector: &'a Projector,
     /// Judges its fits.
     pub judge: &'a Judge<'a>,
+    /// Explanations that were looked at elsewhere.
+    pub known: &'a Known,
     /// Told how far the work is, 0 to 1, and what is being done.
     pub progress: &'a (dyn Fn(f64, &str) + Sync),
 }

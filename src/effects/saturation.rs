@@ -31,5 +31,10 @@ pub const SATURATION: Effect = Effect {
         typical: |scales| 0.7 * scales.input,
     }],
     law: |p| Law::Drive(Box::new(Saturation { limit: p[0] })),
-    starts: |scales| sizes(scales.input, [0.98, 0.95, 0.9, 0.8, 0.7, 0.55, 0.4, 0.2]),
+    starts: |scales| {
+        sizes(
+            scales.input,
+            [0.98, 0.95, 0.9, 0.8, 0.7, 0.55, 0.4, 0.2, 0.1, 0.05],
+        )
+    },
 };

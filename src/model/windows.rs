@@ -10,6 +10,13 @@ use std::f64::consts::TAU;
 /// twentieth in five, so that a window holds it whole; what is longer shows the drift alone.
 const PERIODS: f64 = 5.0;
 
+/// The same of a rigid axis, in its time constants `m / b`: after three a velocity has fallen to a twentieth.
+const TIME_CONSTANTS: f64 = 3.0;
+
+/// Least number of windows of a rigid axis, whose friction may be too little to end any: a third is held
+/// out, and a third of that is the least that shows a spread.
+const FEWEST: f64 = 9.0;
+
 /// Share of a period over which a rate is measured: the mode is straight in it to a hundredth.
 const STRAIGHT: f64 = 0.05;
 
@@ -22,36 +29,47 @@ pub struct Window {
     pub state: [f64; 4],
 }
 
-/// Windows after the first of a motor side that a force drives freely before an elastic link.
+/// Windows after the first of a motor side that a force drives freely.
 ///
 /// Nothing in such a model brings the motor side back: a force that is wrong by little makes an error
 /// that grows without bound, and no noise explains it (what held the machine in its place was feedback,
 /// which is not in the model). So the motion starts anew every few periods, from a state that is free:
-/// multiple shooting. A position loop in the model brings it back, and needs none; a rigid axis has no
-/// period to cut by.
+/// multiple shooting. A position loop in the model brings it back, and needs none.
 ///
 /// Source: Bock, Recent advances in parameter identification techniques for ODE, Numerical Treatment of
 /// Inverse Problems in Differential and Integral Equations (1983).
 pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
     let linear = (model.kind.linear)(&model.keys(), experiment.input);
-    let free = matches!(linear.motor, MotorSide::Free { .. }) && linear.position_loop.is_none();
     let measured = experiment
         .outputs
         .iter()
         .any(|o| o.role == Role::MotorPosition);
-    if !free || linear.link.is_none() || !measured {
+    let MotorSide::Free { inertia, viscous } = linear.motor else {
+        return Vec::new();
+    };
+    if linear.position_loop.is_some() || !measured {
         return Vec::new();
     }
-    let period = TAU / model.fastest();
     let (first, last) = experiment.span();
-    let count = ((last - first) / (PERIODS * period)).ceil();
+    let span = last - first;
+    let (longest, reach) = match linear.link {
+        Some(_) => {
+            let period = TAU / model.fastest();
+            (PERIODS * period, STRAIGHT * period)
+        }
+        None => {
+            let longest = (TIME_CONSTANTS * inertia / viscous).min(span / FEWEST);
+            (longest, STRAIGHT * longest)
+        }
+    };
+    let count = (span / longest).ceil();
     let start = |k: usize| {
-        let edge = first + (last - first) * k as f64 / count;
+        let edge = first + span * k as f64 / count;
         let stamp = experiment.input_time.partition_point(|t| *t < edge);
         let time = experiment.input_time[stamp.min(experiment.input_time.len() - 1)];
         Window {
             time,
-            state: state(experiment, time, STRAIGHT * period),
+            state: state(experiment, time, reach),
         }
     };
     (1..count as usize).map(start).collect()
