@@ -3,6 +3,7 @@
 mod datagrams;
 mod faults;
 mod guard;
+mod missed;
 mod process;
 mod robot;
 mod tick;
