@@ -11,6 +11,7 @@ mod path;
 mod settings;
 mod slow_down;
 
+pub use adapting::ringing_time;
 pub use axis::{Axis, AxisStatus};
 pub use path::PathPolicy;
 pub use quell_shapers::Setpoint;

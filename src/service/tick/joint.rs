@@ -8,7 +8,7 @@ use super::messages::{
     AxisReport, Event, JointReport, NotTaken, Plan, Start, Taken, Train, TrainOrder,
 };
 use super::pace::Stride;
-use crate::controller::{AxisMeasurement, AxisStatus, Controller};
+use crate::controller::{AxisMeasurement, AxisStatus, Controller, ringing_time};
 use crate::estimators::Estimate;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
 use crate::service::guard::{Bounds, CommandedMotion, Guard};
@@ -306,15 +306,14 @@ impl JointTick {
     }
 }
 
-/// Whether nothing moves and nothing rings any more, so that there is only noise to be heard: after
-/// five time constants less than 1 % of a vibration is left.
+/// Whether nothing moves and nothing rings any more, so that there is only noise to be heard.
 fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
     let (Some(settled), Some(axis)) = (settled, controller.axes().first()) else {
         return false;
     };
     let mode = axis.status().mode;
     // A mode without damping rings for as long as the estimator looks back, forty periods.
-    let rings = (5.0 / mode.decay_rate()).min(40.0 * mode.damped_period());
+    let rings = ringing_time(mode).min(40.0 * mode.damped_period());
     now - settled > rings
 }
 
