@@ -85,7 +85,7 @@ fn keep(mut tick: Tick, clock: ServiceClock, settings: TickThreadSettings, endin
         tick.run(due, missed as u64);
         if begun >= next_report {
             next_report = begun + 1.0 / REPORTS;
-            publish(&mut tick, begun, &mut statistics, &lateness, &work);
+            publish(&mut tick, due, &mut statistics, &lateness, &work);
         }
         let ended = clock.now();
         work.add(ended - begun);
