@@ -152,9 +152,21 @@ function showTrouble(now) {
   if (now.watchdog === "silent") wrong.push("No measurements come: adaptation waits.");
   if (now.watchdog === "stopped") wrong.push("No measurements come: the joint was stopped.");
   for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);
-  const text = wrong.join(" ");
-  if ($("trouble").textContent !== text) $("trouble").textContent = text;
-  $("trouble").hidden = !wrong.length;
+  say("trouble", wrong);
+  const advice = [];
+  if (now.limits_assumed) {
+    const [velocity, acceleration] = now.limits.map((limit) => number(limit * DEG));
+    advice.push(`Nothing says what ${now.name} may do: the embedded arm's limits are in force (${velocity} deg/s, ${acceleration} deg/s²). Set velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3, or service.description, in the configuration.`);
+  }
+  if (now.awaits_registration) advice.push("Where the tip's sensor stands is not known yet, so that nothing is learned from it: move by 20 deg or more. service.description must say where the tip is.");
+  say("advice", advice);
+}
+
+/** Shows sentences, or nothing. A text that has not changed is not read out again. */
+function say(where, sentences) {
+  const text = sentences.join(" ");
+  if ($(where).textContent !== text) $(where).textContent = text;
+  $(where).hidden = !sentences.length;
 }
 
 function figure(name, value, unit, note) {

@@ -42,10 +42,9 @@ impl Axis {
         self.status.decision = Some(decision);
     }
 
-    /// Whether anything is moving, or may still ring: five time constants of the envelope leave
-    /// less than the dead band of 1 %.
+    /// Whether anything is moving, or may still ring.
     fn is_ringing(&self, mode: Mode) -> bool {
-        !self.filter.is_settled() || self.since_plan_end * mode.decay_rate() < 5.0
+        !self.filter.is_settled() || self.since_plan_end < ringing_time(mode)
     }
 
     fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
@@ -178,6 +177,12 @@ impl Axis {
         self.status.mode = mode;
         self.status.retunes += 1;
     }
+}
+
+/// How long a mode rings after the last command, s: five time constants of its envelope leave less than
+/// the dead band of 1 %.
+pub fn ringing_time(mode: Mode) -> f64 {
+    5.0 / mode.decay_rate()
 }
 
 /// V of a train at a mode beyond that of the train designed for it.

@@ -11,6 +11,7 @@ mod path;
 mod settings;
 mod slow_down;
 
+pub use adapting::ringing_time;
 pub use axis::{Axis, AxisStatus};
 pub use path::PathPolicy;
 pub use quell_shapers::Setpoint;
@@ -186,12 +187,8 @@ impl Controller {
     /// Does not allocate, block, print or fail. Cost: a few hundred nanoseconds an axis; a retune
     /// in motion once costs in proportion to the length of the move.
     pub fn tick(&mut self, measurements: &[AxisMeasurement]) -> &[Setpoint] {
+        self.observe(measurements);
         self.exchange_trains();
-        for measured in measurements {
-            if let Some(axis) = self.axes.get_mut(measured.axis) {
-                axis.observe(measured.measurement);
-            }
-        }
         for (index, axis) in self.axes.iter_mut().enumerate() {
             let ahead = Ahead::new(self.plan.as_ref(), index, self.cursor, self.planned[index]);
             self.planned[index] = ahead.setpoint(0);
@@ -199,6 +196,16 @@ impl Controller {
         }
         self.cursor = self.cursor.saturating_add(1);
         &self.setpoints
+    }
+
+    /// Takes what was measured, where that and the control periods do not come one by one. The next
+    /// [`Controller::tick`] adapts to it. Does not allocate, block, print or fail.
+    pub fn observe(&mut self, measurements: &[AxisMeasurement]) {
+        for measured in measurements {
+            if let Some(axis) = self.axes.get_mut(measured.axis) {
+                axis.observe(measured.measurement);
+            }
+        }
     }
 
     /// Puts trains that wait in force, with the same tick on all axes that keep a path.

@@ -1,5 +1,7 @@
 //! Sensors that are stuck, saturated, or jump: their samples are refused, and what was learned stays.
 
+use quell_trajectories::Limits;
+
 use crate::service::contract::{Measured, Quantity};
 
 /// Quantities that are watched, in the order of [`Guard`]'s table.
@@ -91,10 +93,8 @@ impl GuardReport {
 /// What a joint's readings can be.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// Limit of the velocity, rad/s.
-    pub velocity: f64,
-    /// Limit of the jerk, rad/s^3.
-    pub jerk: f64,
+    /// Limits of the joint.
+    pub limits: Limits,
     /// Distance of the tip from the axis, m; infinite where it is not known.
     pub radius: f64,
     /// Full scale of the sensor of the deformation, rad.
@@ -200,9 +200,9 @@ impl Guard {
         let last = last?;
         let changes = match now.quantity {
             Quantity::Deformation | Quantity::TipAcceleration => {
-                motion.jerk.abs() > MOVING * self.bounds.jerk
+                motion.jerk.abs() > MOVING * self.bounds.limits.jerk
             }
-            _ => motion.velocity.abs() > MOVING * self.bounds.velocity,
+            _ => motion.velocity.abs() > MOVING * self.bounds.limits.velocity,
         };
         self.equal[index] = match now.value == last.value {
             true => self.equal[index] + u32::from(changes),
@@ -217,7 +217,7 @@ impl Guard {
 
     fn jumps(&self, now: &Measured, last: &Measured, elapsed: f64) -> bool {
         let step: f64 = (0..3).map(|i| (now.value[i] - last.value[i]).powi(2)).sum();
-        let farthest = JUMP * self.bounds.velocity * elapsed;
+        let farthest = JUMP * self.bounds.limits.velocity * elapsed;
         match now.quantity {
             Quantity::TipPosition => step.sqrt() > farthest * self.bounds.radius,
             Quantity::TipAcceleration => false,

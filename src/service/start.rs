@@ -367,8 +367,7 @@ fn unit_arc() -> JointArc {
 
 fn bounds(joint: &Joint) -> Bounds {
     Bounds {
-        velocity: joint.config.limits.velocity,
-        jerk: joint.config.limits.jerk,
+        limits: joint.config.limits,
         radius: joint.config.arc.map_or(f64::INFINITY, |arc| arc.radius()),
         deformation: joint.config.deformation_range,
         resolution: joint.config.encoder_resolution,

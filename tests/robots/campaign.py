@@ -24,9 +24,12 @@ import urllib.error
 import urllib.request
 
 ARM = pathlib.Path(__file__).with_name("udp_arm.py")
-RATE = 1000.0
+# Steps of the arm a second.
+ARM_RATE = 1000.0
 # A correction in motion may exceed acceleration and jerk by this factor (README); the rest is rounding.
 OVERSHOOT = 1.05 * (1 + 1e-9)
+# A longer silence has stopped the robot: after it the command starts slowly, from where it was.
+BRIDGED = 0.02
 TARGETS = (0.5, 0.0)
 
 CONFIGURATION = """
@@ -40,8 +43,11 @@ timeout_s = 1.0
 [recording]
 max_size_mb = 50.0
 
+"""
+
+JOINT = """
 [[joint]]
-name = "joint_1"
+name = "{name}"
 velocity_deg_s = 100.0
 acceleration_deg_s2 = 600.0
 jerk_deg_s3 = 12000.0
@@ -87,21 +93,22 @@ class Service:
 
     def __init__(self, quell, folder, options):
         self.folder, description = folder, ""
-        sensor_rate = RATE / options.divider
+        sensor_rate = ARM_RATE / options.divider
         if options.sensor == "tip":
             text = DESCRIPTION.format(radius=0.8, belief=options.belief)
             (folder / "robot.toml").write_text(text)
             description = 'description = "robot.toml"'
-        text = CONFIGURATION.format(
-            description=description, belief=options.belief, sensor_rate=sensor_rate
-        )
+        text = CONFIGURATION.format(description=description)
+        for k in range(options.joints):
+            name = f"joint_{k + 1}"
+            text += JOINT.format(name=name, belief=options.belief, sensor_rate=sensor_rate)
         (folder / "quell.toml").write_text(text)
-        self.quell = quell
+        self.quell, self.rate = quell, options.rate
         self.start("127.0.0.1:0")
 
     def start(self, udp):
         command = [self.quell, "serve", "--config", str(self.folder / "quell.toml")]
-        command += ["--http", "127.0.0.1:0", "--udp", udp]
+        command += ["--http", "127.0.0.1:0", "--udp", udp, "--rate", str(self.rate)]
         command += ["--data", str(self.folder / "data")]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
@@ -133,8 +140,10 @@ class Service:
         sys.exit(f"waited {patience} s in vain: {what}: {json.dumps(state)}")
 
     def wait_for_rest(self):
-        rests = lambda state: state["joints"] and state["joints"][0]["phase"] == "rest"
-        self.wait("the joint rests", rests)
+        def rest(state):
+            return state["joints"] and all(j["phase"] == "rest" for j in state["joints"])
+
+        self.wait("the joints rest", rest)
 
     def move(self, target, shaper=None):
         body = {"joint": "joint_1", "target_rad": target}
@@ -163,6 +172,7 @@ class Robot:
         command = [sys.executable, str(ARM), "--service", service.udp, "--log", str(self.log)]
         command += ["--sensor", options.sensor, "--divider", str(options.divider)]
         command += ["--frequency", str(options.frequency), "--seed", str(options.seed)]
+        command += ["--joints", str(options.joints)]
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -188,8 +198,8 @@ def kill(verdict, service, options):
         service.move(target)
     # What is recorded goes on for a second.
     time.sleep(2.0)
-    service.ask("/api/move", {"joint": "joint_1", "target_rad": 0.5})
-    time.sleep(0.25)
+    cut = service.ask("/api/move", {"joint": "joint_1", "target_rad": 0.5})["id"]
+    time.sleep(0.4)
     moving = service.state()["joints"][0]["phase"] == "moving"
     service.process.kill()
     service.process.wait()
@@ -208,12 +218,16 @@ def kill(verdict, service, options):
     told = [service.move(target) for target in (0.0, 0.5, 0.0)]
     share = statistics.median(m["residual_rad"] / m["unshaped_rad"] for m in told)
     verdict.says(share <= 0.03, f"the first moves after the start leave {share:.2%}")
-    # What was on the shelf before the kill; the move that was killed is not there.
-    shelf = sorted((service.folder / "data" / "recordings").glob("[!.]*/*.mcap"))
-    read = [subprocess.run([service.quell, "inspect", file], capture_output=True) for file in shelf]
+    shelf = service.folder / "data" / "recordings"
+    files = sorted(shelf.glob("[!.]*/*.mcap"))
+    read = [subprocess.run([service.quell, "inspect", file], capture_output=True) for file in files]
     good = sum(run.returncode == 0 for run in read)
-    text = f"{good} of {len(shelf)} recordings are read"
-    verdict.says(len(shelf) >= 2 and good == len(shelf), text)
+    text = f"{good} of {len(files)} recordings are read"
+    verdict.says(len(files) >= 2 and good == len(files), text)
+    # A second of rest before it, and what the move had come to but for the last quarter of a second.
+    about = shelf / f"move-{cut:06}" / "about.json"
+    length = json.loads(about.read_text())["duration_s"] if about.exists() else 0.0
+    verdict.says(length > 1.1, f"of the move that was killed {length:.2f} s are kept, 1 s of rest before it")
 
 
 class Verdict:
@@ -260,8 +274,8 @@ def judge_residuals(verdict, done, jump):
     text += f" of {len(shaped)} moves, at most {worst:.1%}, {calm / plain:.1%} where no tick was skipped"
     verdict.says(share <= 0.03, text)
     if jump is not None:
-        # A tick that the machine skips stops the command for a moment, and that rings: such a move
-        # says nothing of what was learned.
+        # A time without ticks that is too long to be made up for stops the command, and that rings: such
+        # a move says nothing of what was learned.
         after = [m for m in done[jump:] if m["shaped"] and not m["disturbed"]][:4]
         later = [m["residual"] for m in done[jump:] if not m["shaped"]]
         reference = statistics.median(later or [plain])
@@ -270,30 +284,38 @@ def judge_residuals(verdict, done, jump):
         verdict.says(len(shares) > 1 and shares[1] <= 0.03, f"after 20 % in frequency the moves leave {text}")
 
 
-def judge_setpoints(verdict, log, limits):
+def judge_setpoints(verdict, log, limits, rate, joints=1):
     velocity, acceleration, jerk = (OVERSHOOT * limit for limit in limits)
-    period, before, count, gaps = 1.0 / RATE, None, 0, 0
+    period, last, count, gaps, late = 1.0 / rate, {}, 0, 0, 0
     worst = dict.fromkeys(("velocity", "acceleration", "jerk", "position jump"), 0.0)
     with open(log) as file:
         for row in csv.DictReader(file):
             now = {key: float(value) for key, value in row.items()}
             count += 1
-            if before and now["seq"] == before["seq"] + 1:
-                change = abs(now["acceleration"] - before["acceleration"]) / period
+            before = last.get(now["joint"])
+            if before and now["seq"] == before["seq"] + joints:
+                # By the time that went by: ticks that were missed are made up for.
+                gone = max(round((now["t"] - before["t"]) / period), 1) * period
+                late += gone > 1.5 * period
+                change = abs(now["acceleration"] - before["acceleration"]) / gone
                 mean = 0.5 * (before["velocity"] + now["velocity"])
-                jump = abs(now["position"] - before["position"] - period * mean)
+                jump = abs(now["position"] - before["position"] - gone * mean)
+                if gone > BRIDGED + 1.5 * period:
+                    # The robot has stopped, and is led on from where it was.
+                    change, jump = 0.0, abs(now["position"] - before["position"])
+                    gone = period
                 for key, value in (
                     ("velocity", abs(now["velocity"]) / velocity),
                     ("acceleration", abs(now["acceleration"]) / acceleration),
                     ("jerk", (change - 1e-6) / jerk),
-                    ("position jump", (jump - 1e-13) / (jerk * period**3 / 6)),
+                    ("position jump", (jump - 1e-13) / (jerk * gone**3 / 6)),
                 ):
                     worst[key] = max(worst[key], value)
             elif before:
                 gaps += 1
-            before = now
+            last[now["joint"]] = now
     text = ", ".join(f"{key} {value:.3f}" for key, value in worst.items())
-    text = f"{count} setpoints, {gaps} gaps; worst shares of what is allowed: {text}"
+    text = f"{count} setpoints, {gaps} gaps, {late} after missed ticks; worst shares of what is allowed: {text}"
     verdict.says(count > 0 and max(worst.values()) <= 1.0, text)
 
 
@@ -327,6 +349,7 @@ def main():
     parser.add_argument("--change", action="store_true")
     parser.add_argument("--kill", action="store_true", help="in mid-move, and start anew")
     parser.add_argument("--verbose", action="store_true")
+    parser.set_defaults(joints=1, rate=1000)
     options = parser.parse_args()
     verdict = Verdict()
     with tempfile.TemporaryDirectory() as folder:
@@ -344,7 +367,7 @@ def main():
         finally:
             service.process.terminate()
             service.process.wait(timeout=60)
-        judge_setpoints(verdict, robot.log, state["joints"][0]["limits"])
+        judge_setpoints(verdict, robot.log, state["joints"][0]["limits"], options.rate)
         if not options.kill:
             judge_residuals(verdict, done, jump)
             judge_service(verdict, state, memory)

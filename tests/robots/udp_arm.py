@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A flexible arm over UDP at 1 kHz, with a clock of its own, jitter, and loss both ways.
+"""A flexible arm, of a joint or several, over UDP at 1 kHz, with a clock of its own, jitter, and loss
+both ways.
 
 It shares nothing with Quell but the datagrams. It plays setpoints back by their stamps, some
 milliseconds late, as a robot controller with a jitter buffer does; its servo is of second order, its
@@ -8,7 +9,7 @@ step, each datagram with the stamp of its own step.
 
 Orders come on stdin, one JSON object a line: {"frequency": 9.6}, {"silent": true},
 {"fault": "stuck" | "jump" | "dead" | null}. After each move a line goes to stdout:
-{"move": 1, "from": 0.0, "to": 0.5, "residual": 1e-4, "frequency": 8.0}; the residual is the true
+{"joint": "joint_1", "move": 1, "from": 0.0, "to": 0.5, "residual": 1e-4, "frequency": 8.0}; the residual is the true
 amplitude of the deformation at the end of the command, rad. When stdin ends, every setpoint received
 is written to --log and it ends.
 """
@@ -124,8 +125,8 @@ class Playback:
 class Sensors:
     """What the arm says of itself."""
 
-    def __init__(self, options, chance):
-        self.options, self.chance = options, chance
+    def __init__(self, joint, options, chance):
+        self.joint, self.options, self.chance = joint, options, chance
         self.fault, self.stuck = None, None
         cosine, sine = math.cos(0.7), math.sin(0.7)
         # The tracker stands somewhere, turned about two axes.
@@ -137,7 +138,7 @@ class Sensors:
 
     def read(self, step, stamp, u, y):
         noise = self.chance.gauss
-        said = {"t": stamp, "joint": self.options.joint}
+        said = {"t": stamp, "joint": self.joint}
         said["motor_position"] = round(u / 1e-5) * 1e-5
         if step % self.options.divider:
             return said
@@ -164,37 +165,18 @@ class Sensors:
         return said
 
 
-class Robot:
-    """Arm, playback, sensors and network."""
+class Joint:
+    """One joint: arm, playback and sensors."""
 
-    def __init__(self, options):
-        self.options = options
-        self.chance = random.Random(options.seed)
+    def __init__(self, name, options, chance):
+        self.name, self.options = name, options
         self.arm = Arm(options.frequency, options.damping, options.servo)
-        self.playback, self.sensors = Playback(), Sensors(options, self.chance)
-        host, port = options.service.rsplit(":", 1)
-        self.service = (host, int(port))
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", 0))
-        self.socket.setblocking(False)
-        self.log = array.array("d")
-        self.held, self.silent = [], False
-        self.command, self.moves = ((0.0, 0.0)), 0
+        self.playback, self.sensors = Playback(), Sensors(name, options, chance)
+        self.command, self.moves = (0.0, 0.0), 0
         self.rest_since, self.rested_at, self.ringing = 0.0, 0.0, False
 
-    def hear(self, clock):
-        while True:
-            try:
-                bytes_, _ = self.socket.recvfrom(2048)
-            except (BlockingIOError, ConnectionRefusedError):
-                return
-            said = json.loads(bytes_)
-            point = [said[k] for k in ("position", "velocity", "acceleration")]
-            self.log.extend([said["seq"], said["t"], *point])
-            if self.chance.random() >= self.options.loss:
-                self.playback.take(clock, said["t"], *point)
-
     def step(self, count, stamp):
+        """What the sensors say after a step."""
         played = self.playback.at(stamp)
         if played:
             target, still = played
@@ -202,7 +184,7 @@ class Robot:
             self.command = target
             self.watch(stamp, target[0], still)
         u, _, y, _ = self.arm.state
-        self.say(json.dumps(self.sensors.read(count, stamp, u, y)).encode())
+        return self.sensors.read(count, stamp, u, y)
 
     def watch(self, stamp, position, still):
         if not still:
@@ -215,6 +197,7 @@ class Robot:
                 return
             self.moves += 1
             told = {
+                "joint": self.name,
                 "move": self.moves,
                 "from": self.rested_at,
                 "to": position,
@@ -225,6 +208,41 @@ class Robot:
             print(json.dumps(told), flush=True)
             if self.moves == self.options.change_after:
                 self.arm.omega *= self.options.change_by
+
+
+class Robot:
+    """Joints and network."""
+
+    def __init__(self, options):
+        self.options = options
+        self.chance = random.Random(options.seed)
+        names = [f"joint_{k + 1}" for k in range(options.joints)]
+        self.joints = {name: Joint(name, options, self.chance) for name in names}
+        host, port = options.service.rsplit(":", 1)
+        self.service = (host, int(port))
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.setblocking(False)
+        self.log = array.array("d")
+        self.held, self.silent = [], False
+
+    def hear(self, clock):
+        while True:
+            try:
+                bytes_, _ = self.socket.recvfrom(2048)
+            except (BlockingIOError, ConnectionRefusedError):
+                return
+            said = json.loads(bytes_)
+            point = [said[k] for k in ("position", "velocity", "acceleration")]
+            if self.options.log:
+                number = int(said["joint"].rsplit("_", 1)[1])
+                self.log.extend([number, said["seq"], said["t"], *point])
+            if self.chance.random() >= self.options.loss:
+                self.joints[said["joint"]].playback.take(clock, said["t"], *point)
+
+    def step(self, count, stamp):
+        for joint in self.joints.values():
+            self.say(json.dumps(joint.step(count, stamp)).encode())
 
     def say(self, datagram):
         chance = self.chance.random()
@@ -249,11 +267,13 @@ class Robot:
     def obey(self, line):
         order = json.loads(line)
         if "frequency" in order:
-            self.arm.omega = 2 * math.pi * order["frequency"]
+            for joint in self.joints.values():
+                joint.arm.omega = 2 * math.pi * order["frequency"]
         if "silent" in order:
             self.silent = order["silent"]
         if "fault" in order:
-            self.sensors.fault = order["fault"]
+            for joint in self.joints.values():
+                joint.sensors.fault = order["fault"]
 
     def run(self):
         os.set_blocking(sys.stdin.fileno(), False)
@@ -286,7 +306,7 @@ class Robot:
 def options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--service", required=True, help="host:port of the UDP link")
-    parser.add_argument("--joint", default="joint_1")
+    parser.add_argument("--joints", type=int, default=1, help="joint_1 to joint_<number>")
     parser.add_argument("--sensor", default="link", choices=["link", "tip", "deformation"])
     parser.add_argument("--divider", type=int, default=1, help="steps a sample of that sensor")
     parser.add_argument("--frequency", type=float, default=8.0, help="Hz")
@@ -309,10 +329,10 @@ def main():
     robot.run()
     if robot.options.log:
         with open(robot.options.log, "w") as file:
-            file.write("seq,t,position,velocity,acceleration\n")
-            for k in range(0, len(robot.log), 5):
-                seq, *numbers = robot.log[k : k + 5]
-                file.write(f"{int(seq)}," + ",".join(map(repr, numbers)) + "\n")
+            file.write("joint,seq,t,position,velocity,acceleration\n")
+            for k in range(0, len(robot.log), 6):
+                joint, seq, *numbers = robot.log[k : k + 6]
+                file.write(f"{int(joint)},{int(seq)}," + ",".join(map(repr, numbers)) + "\n")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use quell::service::clock::ServiceClock;
 use quell::service::contract::{LinkHealth, Measured, Phase};
-use quell::service::link::{INBOX, Key, RobotLink, UdpLink, UdpSettings};
+use quell::service::link::{INBOX, Key, Order, RobotLink, Sequence, UdpLink, UdpSettings};
 use quell_shapers::Setpoint;
 use rand::{Rng, RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -144,6 +144,38 @@ fn a_hundred_thousand_datagrams_are_each_counted() {
         refused + taken >= 100_001 && refused + taken / 2 <= 100_001,
         "{counted:?} {taken}"
     );
+}
+
+#[test]
+fn a_stamp_that_comes_late_is_reordered_and_not_lost() {
+    let mut sequence = Sequence::default();
+    let mut lost = 0;
+    let mut take = |number: u32| {
+        let order = sequence.take(5.0 + 0.001 * f64::from(number));
+        if let Order::Next { lost: more } = order {
+            lost += more;
+        }
+        order
+    };
+    for number in (0..2000).filter(|number| ![100, 101, 200, 300, 1200].contains(number)) {
+        take(number);
+        match number {
+            // Two behind, and sixty.
+            202 => assert_eq!(take(200), Order::Older),
+            360 => assert_eq!(take(300), Order::Older),
+            // Once more is no other one.
+            400 => assert_eq!(take(398), Order::Older),
+            // After it was given up.
+            1300 => assert_eq!(take(1200), Order::Older),
+            _ => {}
+        }
+    }
+    // A pause of longer than is remembered.
+    take(2500);
+    for number in 2501..2700 {
+        take(number);
+    }
+    assert_eq!(lost, 3 + 500);
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! Sensors that fail in the service: the last good train stays, and moves go on.
 
-use quell::service::contract::{
-    Accepted, ModeValue, Phase, Request, ShapingChange, Snapshot, WatchdogState,
-};
+use quell::service::contract::{Phase, Snapshot, WatchdogState};
 
 use super::robot::Fault;
-use super::{ask, check, go, phase_is, result, udp, wait};
+use super::{check, go, mislead, phase_is, result, udp, wait};
 
 fn fault(snapshot: &Snapshot) -> Option<&'static str> {
     let sensors = &snapshot.joints[0].sensors;
@@ -17,18 +15,7 @@ fn fault(snapshot: &Snapshot) -> Option<&'static str> {
 fn a_sensor_that_fails_teaches_nothing_and_the_last_good_train_stays() {
     let data = tempfile::tempdir().expect("a folder");
     let (_service, handle, robot) = udp(data.path());
-    let wrong = ModeValue {
-        frequency_hz: 10.15,
-        damping_ratio: 0.084,
-    };
-    let change = ShapingChange {
-        mode: Some(wrong),
-        ..ShapingChange::default()
-    };
-    assert_eq!(
-        ask(&handle, Request::Shaping(change)),
-        Ok(Accepted::Changed)
-    );
+    mislead(&handle);
     let first = go(&handle, 0.5, None);
     result(&handle, first);
     wait(&handle, "it has learned", |s| s.joints[0].retunes > 0);

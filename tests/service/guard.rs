@@ -2,10 +2,14 @@
 
 use quell::service::contract::{Measured, Quantity};
 use quell::service::guard::{Bounds, CommandedMotion, Fault, Guard};
+use quell_trajectories::Limits;
 
 const BOUNDS: Bounds = Bounds {
-    velocity: 2.0,
-    jerk: 200.0,
+    limits: Limits {
+        velocity: 2.0,
+        acceleration: 20.0,
+        jerk: 200.0,
+    },
     radius: 1.0,
     deformation: 0.05,
     resolution: 1e-5,

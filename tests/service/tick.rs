@@ -16,7 +16,7 @@ use quell_trajectories::{AxisState, Planner, SampledTrajectory};
 
 const PERIOD: f64 = 0.001;
 
-fn controller(robot: &Robot, shaper: &'static dyn Shaper, belief: Mode) -> Controller {
+pub fn controller(robot: &Robot, shaper: &'static dyn Shaper, belief: Mode) -> Controller {
     let settings = AxisSettings {
         sample_time: PERIOD,
         limits: robot.joints[0].limits,
@@ -38,11 +38,22 @@ fn controller(robot: &Robot, shaper: &'static dyn Shaper, belief: Mode) -> Contr
     controller.expect("a controller")
 }
 
-fn plan(robot: &Robot, from: f64, to: f64) -> SampledTrajectory {
+pub fn plan(robot: &Robot, from: f64, to: f64) -> SampledTrajectory {
     let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
     let planner = Planner::new(1).expect("a planner");
     let plan = planner.plan(&ends[..1], &ends[1..], &[robot.joints[0].limits]);
     plan.expect("a plan").sample(PERIOD).expect("samples")
+}
+
+/// A joint whose sensor's frame is known.
+pub fn joint(robot: &Robot) -> JointTick {
+    let bounds = Bounds {
+        limits: robot.joints[0].limits,
+        radius: f64::INFINITY,
+        deformation: f64::MAX,
+        resolution: robot.encoder.resolution,
+    };
+    JointTick::new(0, bounds, 0.2, true, true)
 }
 
 /// Empties the rings as the engine does; says how many plans were taken and refused.
@@ -66,16 +77,8 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
     let robot = Robot::rx170();
     let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default()).expect("an arm");
     let loads = [0.0, 40.0].map(|payload| arm.load(payload).expect("a load"));
-    let bounds = Bounds {
-        velocity: robot.joints[0].limits.velocity,
-        jerk: robot.joints[0].limits.jerk,
-        radius: arm.arc().radius(),
-        deformation: f64::MAX,
-        resolution: robot.encoder.resolution,
-    };
-    let joint = JointTick::new(0, bounds, 0.2, true, true);
     let link = Box::new(EmbeddedLink::new(arm, PERIOD));
-    let (mut tick, mut rings) = Tick::new(vec![joint], link, PERIOD);
+    let (mut tick, mut rings) = Tick::new(vec![joint(&robot)], link, PERIOD);
     let zvd = shaper_by_name("zvd").expect("a shaper");
     let belief = Mode::from_hertz(10.15, 0.084).expect("a mode");
     let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, belief)));
@@ -115,7 +118,7 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
         }
         let now = k as f64 * PERIOD;
         let measured = allocation_counter::measure(|| {
-            tick.run(now);
+            tick.run(now, 0);
             tick.report(now, TickStatistics::default());
         });
         allocations += measured.count_total;

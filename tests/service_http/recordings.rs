@@ -6,6 +6,7 @@ use quell::recording::{Recording, Role};
 use quell::service::contract::{Batch, Event, Measured, MoveResult, MoveStart, Quantity, TickRow};
 use quell::service::recorder::{Bounds, Shelf};
 use serde_json::Value;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -123,6 +124,54 @@ fn moves_are_recorded_whole_and_within_bounds() {
         let answer = client.get(&format!("/api/recordings/{name}"));
         assert_eq!(answer.status, 404, "{name}: {}", answer.text());
     }
+}
+
+#[test]
+fn what_a_kill_cuts_is_kept_as_far_as_it_came() {
+    let [folder, left] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let outside = outside(settings(), Some((folder.path(), BOUNDS)));
+    // It has begun and does not end.
+    let batches = a_move(7);
+    for batch in &batches[..14] {
+        outside.stream.send(Arc::new(batch.clone())).unwrap();
+    }
+    // As the disk is at the kill; the last batches are not asked for, since they may be on their way.
+    let name = ".unfinished-move-000007";
+    let file = folder.path().join(name).join("recording.mcap");
+    let until = Instant::now() + Duration::from_secs(10);
+    let rows = |file: &Path| {
+        let recording = Recording::from_path(file).ok()?;
+        Some(recording.channel(Role::CommandPosition)?.time.len())
+    };
+    while rows(&file) < Some(150) && Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::fs::create_dir(left.path().join(name)).unwrap();
+    for entry in std::fs::read_dir(folder.path().join(name)).unwrap() {
+        let path = entry.unwrap().path();
+        let kept = left.path().join(name).join(path.file_name().unwrap());
+        std::fs::copy(path, kept).unwrap();
+    }
+    let shelf = Shelf::open(left.path(), BOUNDS).unwrap();
+    let list = shelf.list().unwrap();
+    assert_eq!((list.len(), list[0].name.as_str()), (1, "move-000007"));
+    assert!(list[0].about.result.is_none() && list[0].about.duration_s >= 1.4);
+    let recording = Recording::from_path(shelf.path("move-000007").unwrap()).unwrap();
+    let [command, motor] = [Role::CommandPosition, Role::MotorPosition];
+    let lengths = [command, motor].map(|role| recording.channel(role).unwrap().time.len());
+    assert!(
+        lengths[0] >= 150 && lengths[1] + 1 >= lengths[0],
+        "{lengths:?}"
+    );
+    // The rest comes, and the recording is whole, once.
+    for batch in &batches[14..] {
+        outside.stream.send(Arc::new(batch.clone())).unwrap();
+    }
+    let mut client = Client::new(outside.address);
+    assert_eq!(listed(&mut client, 1)[0]["name"], "move-000007");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let whole = folder.path().join("move-000007/recording.mcap");
+    assert_eq!(rows(&whole), Some(300));
 }
 
 #[test]

@@ -175,10 +175,10 @@ pub struct TickStatistics {
     pub rate_hz: f64,
     /// Ticks run.
     pub ticks: u64,
-    /// Ticks that began after the next one was due.
+    /// Ticks that had not ended when the next one was due.
     pub overruns: u64,
-    /// Ticks left out because the thread came a whole period late or more; the command's own time
-    /// stands still for them.
+    /// Ticks left out because the thread came a whole period late or more; the command makes up for
+    /// them ([`pace`](crate::service::tick::pace)).
     pub skipped: u64,
     /// Median lateness of the beginning of a tick, s.
     pub lateness_p50_s: f64,
@@ -207,7 +207,7 @@ pub struct LinkHealth {
     pub sent: u64,
     /// Setpoints that could not be sent.
     pub send_failures: u64,
-    /// Stamps missing in the sequence of a sensor of regular rate.
+    /// Stamps missing in the sequence of a sensor of regular rate when 64 younger were due.
     pub lost: u64,
     /// Datagrams that came later than the watchdog allows.
     pub late: u64,

@@ -17,7 +17,7 @@ pub struct Batch {
     pub events: Vec<Event>,
 }
 
-/// One joint at one tick.
+/// One joint at one tick; also at a tick that was missed and made up for, though nothing was sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TickRow {
     /// Time on the service's clock, s.

@@ -100,9 +100,9 @@ fn escaped(label: &str) -> String {
 fn tick(text: &mut Text, tick: &TickStatistics) {
     text.one("tick_rate_hertz", "Ticks asked for a second.", tick.rate_hz);
     text.count("ticks_total", "Ticks run.", tick.ticks);
-    let help = "Ticks that began after the next one was due.";
+    let help = "Ticks that had not ended when the next one was due.";
     text.count("tick_overruns_total", help, tick.overruns);
-    let help = "Ticks left out, the command's time held.";
+    let help = "Ticks left out, their time made up for.";
     text.count("ticks_skipped_total", help, tick.skipped);
     let quantiles = [
         ("0.5", tick.lateness_p50_s),

@@ -1,18 +1,25 @@
-//! The simulated arm as a robot in real time: one step of it a tick.
+//! The simulated arm as a robot in real time: from setpoint to setpoint, a step for each control period
+//! between them.
 
 use quell_shapers::Setpoint;
 
 use super::RobotLink;
 use crate::plant::{ArmSimulation, Command, Load};
 use crate::service::contract::{LinkHealth, Measured, Quantity};
+use crate::service::tick::between::between;
+use crate::service::tick::pace::bridged;
 use crate::signal::Measurement;
 
-/// The simulated arm. Its time is that of its steps: where ticks are left out it stands still too, as
-/// the command does.
+/// The simulated arm. It goes by the stamps of the setpoints: where ticks were missed the motion between
+/// two of them takes the longer. A gap that is too long to be made up for stops it, and its clock.
 pub struct EmbeddedLink {
     arm: ArmSimulation,
     period: f64,
-    command: Command,
+    /// The last setpoints, and when the last one was sent, s.
+    setpoints: [Setpoint; 2],
+    sent: Option<f64>,
+    /// Control periods between them.
+    periods: u64,
     counters: LinkHealth,
 }
 
@@ -20,12 +27,11 @@ impl EmbeddedLink {
     /// An arm at rest, stepped by `period` (s) a tick.
     pub fn new(arm: ArmSimulation, period: f64) -> Self {
         Self {
-            command: Command {
-                position: arm.true_motor_position(),
-                velocity: Some(0.0),
-            },
+            setpoints: [Setpoint::at_rest(arm.true_motor_position()); 2],
             arm,
             period,
+            sent: None,
+            periods: 1,
             counters: LinkHealth::default(),
         }
     }
@@ -33,25 +39,40 @@ impl EmbeddedLink {
 
 impl RobotLink for EmbeddedLink {
     fn receive(&mut self, now: f64, inbox: &mut Vec<Measured>) {
-        for measurement in self.arm.step(self.command, self.period) {
-            self.counters.received += 1;
-            if inbox.len() == inbox.capacity() {
-                self.counters.overflowed += 1;
-                continue;
-            }
-            inbox.push(measured(measurement, now));
-        }
-        self.counters.clock_offset_s = Some(self.arm.time() - now);
-    }
-
-    fn send(&mut self, _now: f64, joint: usize, setpoint: &Setpoint) {
-        if joint == 0 {
-            self.command = Command {
+        let whole = self.periods as f64;
+        for step in 1..=self.periods {
+            let share = step as f64 / whole;
+            let setpoint = between(self.setpoints, share, whole * self.period);
+            let command = Command {
                 position: setpoint.position,
                 velocity: Some(setpoint.velocity),
             };
-            self.counters.sent += 1;
+            for measurement in self.arm.step(command, self.period) {
+                self.counters.received += 1;
+                if inbox.len() == inbox.capacity() {
+                    self.counters.overflowed += 1;
+                    continue;
+                }
+                inbox.push(measured(measurement, now));
+            }
         }
+        // Until it is sent another one it stands where the last one put it.
+        (self.setpoints[0], self.periods) = (self.setpoints[1], 1);
+        self.counters.clock_offset_s = Some(self.arm.time() - now);
+    }
+
+    fn send(&mut self, now: f64, joint: usize, setpoint: &Setpoint) {
+        if joint != 0 {
+            return;
+        }
+        let gone = now - self.sent.replace(now).unwrap_or(now);
+        let periods = (gone / self.period).round() as u64;
+        self.periods = match periods.saturating_sub(1) <= bridged(self.period) {
+            true => periods.max(1),
+            false => 1,
+        };
+        self.setpoints[1] = *setpoint;
+        self.counters.sent += 1;
     }
 
     fn counters(&self) -> LinkHealth {

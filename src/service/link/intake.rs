@@ -142,7 +142,7 @@ impl Intake {
         let (mut lost, mut doubled, mut older) = (0, false, false);
         for (quantity, value) in quantities {
             match sequences[index(quantity)].take(stamp) {
-                Order::Next { missing } => lost = lost.max(missing),
+                Order::Next { lost: more } => lost = lost.max(more),
                 Order::Restarted => self.offset.restart(),
                 Order::Doubled => {
                     doubled = true;

@@ -12,10 +12,10 @@ const WEIGHT: f64 = 0.02;
 /// What a stamp is, seen after those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The newest so far; so many before it are missing.
+    /// The newest so far.
     Next {
-        /// Stamps missing, by the sensor's usual gap.
-        missing: u64,
+        /// Stamps that are lost, by the sensor's usual gap: missing, and too old by now to come still.
+        lost: u64,
     },
     /// Exactly the newest once more.
     Doubled,
@@ -26,11 +26,25 @@ pub enum Order {
 }
 
 /// The stamps of one sensor.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     newest: Option<f64>,
     gap: Option<f64>,
     behind: u32,
+    /// What has come of the last 64 by the usual gap, the newest in the lowest bit: one that is missing
+    /// may only have taken a longer way.
+    come: u64,
+}
+
+impl Default for Sequence {
+    fn default() -> Self {
+        Self {
+            newest: None,
+            gap: None,
+            behind: 0,
+            come: u64::MAX,
+        }
+    }
 }
 
 impl Sequence {
@@ -38,7 +52,7 @@ impl Sequence {
     pub fn take(&mut self, stamp: f64) -> Order {
         let Some(newest) = self.newest else {
             self.newest = Some(stamp);
-            return Order::Next { missing: 0 };
+            return Order::Next { lost: 0 };
         };
         if stamp == newest {
             return Order::Doubled;
@@ -56,12 +70,37 @@ impl Sequence {
         }
         self.behind = 0;
         if stamp < newest {
+            self.comes_late(newest - stamp);
             return Order::Older;
         }
         self.newest = Some(stamp);
+        let missing = self.missing(stamp - newest);
         Order::Next {
-            missing: self.missing(stamp - newest),
+            lost: self.shift(missing.saturating_add(1)),
         }
+    }
+
+    /// One that is so much older than the newest (s) is not lost.
+    fn comes_late(&mut self, by: f64) {
+        let places = self.gap.map_or(f64::INFINITY, |gap| (by / gap).round());
+        if places < f64::from(u64::BITS) {
+            self.come |= 1 << places as u32;
+        }
+    }
+
+    /// The newest is so many places further; says how many of those that leave had not come.
+    fn shift(&mut self, places: u64) -> u64 {
+        let kept = match places {
+            1..64 => self.come >> (u64::from(u64::BITS) - places),
+            _ => self.come,
+        };
+        let leave = places.min(u64::from(u64::BITS));
+        let beyond = places - leave;
+        self.come = match places {
+            1..64 => (self.come << places) | 1,
+            _ => 1,
+        };
+        leave - u64::from(kept.count_ones()) + beyond
     }
 
     /// Stamps that a gap leaves out; the usual gap is the mean of those that leave out none.
@@ -72,7 +111,8 @@ impl Sequence {
         };
         let ratio = gap / usual;
         if ratio < 0.5 {
-            // The first gap was itself one with stamps missing.
+            // The first gap was itself one with stamps missing, which were not counted.
+            self.come = u64::MAX;
             self.gap = Some(gap);
             return 0;
         }

@@ -20,6 +20,15 @@ pub struct Log {
     behind: f64,
 }
 
+/// How much of a log is in a file, and how its times count there.
+pub struct Written {
+    origin: f64,
+    behind: f64,
+    commands: usize,
+    /// By sensor.
+    samples: Vec<usize>,
+}
+
 #[derive(Clone, Debug, Default)]
 struct Command {
     time: Vec<f64>,
@@ -65,6 +74,11 @@ impl Log {
                 self.sensor(one.quantity).push(one);
             }
         }
+    }
+
+    /// Whether it has commands, and measurements that tell how the clocks stand.
+    pub fn is_measured(&self) -> bool {
+        !self.command.time.is_empty() && self.behind.is_finite()
     }
 
     /// Whether it holds as much as it may.
@@ -116,26 +130,63 @@ impl Log {
     /// # Errors
     /// [`RecordingError`] where the file cannot be written.
     pub fn write_mcap(&self, path: &Path, joint: &str, epoch: f64) -> Result<(), RecordingError> {
-        let origin = self.origin();
-        let wall = ((epoch + origin) * 1e9).round() as i64;
-        let mut file = McapWriter::create_at(path, &[joint], wall)?;
-        let mut next = vec![0; self.sensors.len()];
-        for (&time, &[position, velocity, acceleration]) in
-            self.command.time.iter().zip(&self.command.state)
-        {
-            for (sensor, next) in self.sensors.iter().zip(&mut next) {
+        let mut file = self.begin_mcap(path, joint, epoch)?;
+        self.write_on(&mut self.nothing_written(), &mut file, joint)?;
+        file.finish()
+    }
+
+    /// An MCAP file without anything in it.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where the file cannot be made.
+    pub fn begin_mcap(
+        &self,
+        path: &Path,
+        joint: &str,
+        epoch: f64,
+    ) -> Result<McapWriter, RecordingError> {
+        let wall = ((epoch + self.origin()) * 1e9).round() as i64;
+        McapWriter::create_at(path, &[joint], wall)
+    }
+
+    /// How far a file that is begun now has come.
+    pub fn nothing_written(&self) -> Written {
+        Written {
+            origin: self.origin(),
+            behind: self.behind,
+            commands: 0,
+            samples: Vec::new(),
+        }
+    }
+
+    /// Writes what is not yet in a file, up to the last command.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn write_on(
+        &self,
+        written: &mut Written,
+        file: &mut McapWriter,
+        joint: &str,
+    ) -> Result<(), RecordingError> {
+        let clocks = (written.origin, written.behind);
+        written.samples.resize(self.sensors.len(), 0);
+        let commands = self.command.time.iter().zip(&self.command.state);
+        for (&time, &[position, velocity, acceleration]) in commands.skip(written.commands) {
+            for (sensor, next) in self.sensors.iter().zip(&mut written.samples) {
                 while sensor
                     .received
                     .get(*next)
                     .is_some_and(|&received| received <= time)
                 {
-                    sensor.write(*next, &mut file, joint, (origin, self.behind))?;
+                    sensor.write(*next, file, joint, clocks)?;
                     *next += 1;
                 }
             }
-            file.write_command(time - origin, joint, position, velocity, acceleration)?;
+            file.write_command(time - clocks.0, joint, position, velocity, acceleration)?;
+            written.commands += 1;
         }
-        file.finish()
+        Ok(())
     }
 
     fn origin(&self) -> f64 {

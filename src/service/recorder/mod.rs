@@ -1,5 +1,6 @@
 //! The recorder: listens to the stream and puts each move, or what is asked for, onto the shelf.
 
+mod journal;
 mod log;
 mod shelf;
 
@@ -12,6 +13,7 @@ use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, mpsc, oneshot};
 
 use super::contract::{Batch, Event, Handle, MoveResult, MoveStart};
+use journal::Journal;
 use log::Log;
 pub use shelf::{About, Bounds, Entry, Shelf, ShelfError};
 
@@ -67,6 +69,7 @@ impl Recorder {
             shelf: Arc::clone(&shelf),
             before: VecDeque::new(),
             running: Vec::new(),
+            written: f64::NEG_INFINITY,
         };
         // From here on nothing is missed, whenever the task begins.
         tokio::spawn(task.run(handle.stream(), requested));
@@ -109,6 +112,10 @@ struct Running {
     name: String,
     about: About,
     log: Log,
+    /// What is on disk of it so far.
+    journal: Option<Journal>,
+    /// Whether the disk refused that.
+    unwritten: bool,
     /// Time at which it is complete, s on the service's clock.
     until: f64,
 }
@@ -119,6 +126,8 @@ struct Task {
     /// What came last, for the rest before a move.
     before: VecDeque<Arc<Batch>>,
     running: Vec<Running>,
+    /// When what has come was last written down, s on the service's clock.
+    written: f64,
 }
 
 impl Task {
@@ -163,6 +172,7 @@ impl Task {
             }
         }
         self.ring_out(|one| one.until <= now).await;
+        self.write_down(now).await;
         let full = |one: &Running| one.id.is_none() && one.log.is_full();
         if self.running.iter().any(full) {
             tracing::warn!("a recording on demand has reached its longest and ends");
@@ -212,6 +222,8 @@ impl Task {
             name,
             about,
             log,
+            journal: None,
+            unwritten: false,
             until: f64::INFINITY,
         });
     }
@@ -264,10 +276,12 @@ impl Task {
         running.about.mode = joint.and_then(|joint| joint.mode);
         running.about.payload_kg = snapshot.payload_kg;
         running.about.duration_s = running.log.duration();
+        let epoch = self.epoch();
+        // Before the file is made anew.
+        running.journal = None;
         let Running {
             name, about, log, ..
         } = running;
-        let epoch = snapshot.unix_time_s - snapshot.time_s;
         self.on_disk(move |shelf| {
             shelf.put(&name, &about, |folder| {
                 log.recording(&name, about.payload_kg).write(folder, true)?;
@@ -275,6 +289,12 @@ impl Task {
             })
         })
         .await;
+    }
+
+    /// The wall time at which the service's clock was 0, seconds since 1970.
+    fn epoch(&self) -> f64 {
+        let snapshot = self.handle.snapshot();
+        snapshot.unix_time_s - snapshot.time_s
     }
 
     async fn tidy(&self) {

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 use thiserror::Error;
 
-use crate::recording::RecordingError;
+use super::MCAP;
+use crate::recording::{Recording, RecordingError, Role};
 use crate::service::contract::{ModeValue, MoveResult};
 
 /// The file that says what a recording is of, beside its manifest.
@@ -53,7 +54,7 @@ pub struct About {
     pub mode: Option<ModeValue>,
     /// Payload of the embedded arm, kg.
     pub payload_kg: Option<f64>,
-    /// What the move left; absent where the recording was made on demand.
+    /// What the move left; absent where the recording was made on demand, or the service was killed.
     pub result: Option<MoveResult>,
     /// Batches that were lost while it was made.
     pub batches_lost: u64,
@@ -90,7 +91,8 @@ pub struct Shelf {
 }
 
 impl Shelf {
-    /// Takes a folder, which is made where needed, and removes what was not finished there.
+    /// Takes a folder, which is made where needed. What an earlier life of the service did not finish
+    /// there is kept as far as it came, or removed where nothing can be read.
     ///
     /// # Errors
     /// [`ShelfError::Disk`] where the folder cannot be made or read.
@@ -103,8 +105,14 @@ impl Shelf {
         for entry in fs::read_dir(folder).map_err(|source| disk(folder, source))? {
             let path = entry.map_err(|source| disk(folder, source))?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if name.starts_with(UNFINISHED) {
-                fs::remove_dir_all(&path).map_err(|source| disk(&path, source))?;
+            if let Some(name) = name.strip_prefix(UNFINISHED)
+                && let Err(error) = shelf.salvage(name, &path)
+            {
+                tracing::warn!(name, %error, "nothing is left of a recording");
+                // Where it was put in order and could not be kept, it is gone already.
+                if path.exists() {
+                    fs::remove_dir_all(&path).map_err(|source| disk(&path, source))?;
+                }
             }
         }
         shelf.tidy()?;
@@ -151,6 +159,31 @@ impl Shelf {
             .ok_or_else(unknown)
     }
 
+    /// Makes the folder of a recording that is being made; [`Shelf::put`] finishes it.
+    ///
+    /// # Errors
+    /// [`ShelfError::Disk`] where the disk refuses.
+    pub fn begin(&self, name: &str, about: &About) -> Result<PathBuf, ShelfError> {
+        let folder = self.unfinished(&name_of(name));
+        fs::create_dir_all(&folder).map_err(|source| disk(&folder, source))?;
+        describe(about, &folder)?;
+        Ok(folder)
+    }
+
+    fn unfinished(&self, name: &str) -> PathBuf {
+        self.folder.join(format!("{UNFINISHED}{name}"))
+    }
+
+    /// Puts what a recording has become before the service was killed onto the shelf.
+    fn salvage(&self, name: &str, folder: &Path) -> Result<(), ShelfError> {
+        let recording = Recording::from_path(folder.join(MCAP))?;
+        let mut about = about(folder).map_err(|source| disk(folder, source))?;
+        let command = recording.channel(Role::CommandPosition);
+        let ends = command.and_then(|command| Some((command.time.first()?, command.time.last()?)));
+        about.duration_s = ends.map_or(0.0, |(first, last)| last - first);
+        self.put(name, &about, |folder| recording.write(folder, true))
+    }
+
     /// Puts a recording onto the shelf, whole or not at all, and removes the oldest where there are
     /// too many. `write` fills its folder. Where the name is taken (by an earlier life of the service,
     /// of which it knows nothing any more), a number is added to it.
@@ -164,7 +197,7 @@ impl Shelf {
         write: impl FnOnce(&Path) -> Result<(), RecordingError>,
     ) -> Result<(), ShelfError> {
         let name = name_of(name);
-        let unfinished = self.folder.join(format!("{UNFINISHED}{name}"));
+        let unfinished = self.unfinished(&name);
         let result = write(&unfinished).map_err(ShelfError::from).and_then(|()| {
             describe(about, &unfinished)?;
             let path = self.free(&name);
@@ -251,16 +284,21 @@ fn describe(about: &About, folder: &Path) -> Result<(), ShelfError> {
 /// The recording in a folder; none where there is no such thing, or it is on its way out.
 fn entry(path: &Path) -> Option<Entry> {
     let name = path.file_name()?.to_str().filter(|name| is_name(name))?;
-    let about = path.join(ABOUT);
+    let file = path.join(ABOUT);
     let sizes = fs::read_dir(path).ok()?.flatten();
     Some(Entry {
         name: name.into(),
         bytes: sizes
             .filter_map(|file| Some(file.metadata().ok()?.len()))
             .sum(),
-        about: serde_json::from_slice(&fs::read(&about).ok()?).unwrap_or_default(),
-        written: about.metadata().and_then(|data| data.modified()).ok()?,
+        about: about(path).ok()?,
+        written: file.metadata().and_then(|data| data.modified()).ok()?,
     })
+}
+
+fn about(folder: &Path) -> io::Result<About> {
+    let text = fs::read(folder.join(ABOUT))?;
+    Ok(serde_json::from_slice(&text).unwrap_or_default())
 }
 
 fn disk(path: &Path, source: io::Error) -> ShelfError {

@@ -1,11 +1,14 @@
 //! One joint at the tick: what it is told, what it measures, what it commands.
 
 use quell_shapers::Setpoint;
+use quell_trajectories::Limits;
 
+use super::between::between;
 use super::messages::{
     AxisReport, Event, JointReport, NotTaken, Plan, Start, Taken, Train, TrainOrder,
 };
-use crate::controller::{AxisMeasurement, AxisStatus, Controller};
+use super::pace::Stride;
+use crate::controller::{AxisMeasurement, AxisStatus, Controller, ringing_time};
 use crate::estimators::Estimate;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
 use crate::service::guard::{Bounds, CommandedMotion, Guard};
@@ -17,14 +20,19 @@ pub struct JointTick {
     index: usize,
     controller: Option<Box<Controller>>,
     guard: Guard,
+    limits: Limits,
     inbox: Vec<AxisMeasurement>,
     waiting: Option<Box<Plan>>,
+    /// The command at the last two control periods.
+    command: [Setpoint; 2],
     sent: Setpoint,
     motion: CommandedMotion,
     adaptive: bool,
     /// Whether the frame of the sensor of the tip is known: until then it says nothing.
     registered: bool,
     frozen: bool,
+    /// Whether there is nothing to be heard but noise.
+    quiet: bool,
     heard: f64,
     timeout: f64,
     move_id: u64,
@@ -49,13 +57,16 @@ impl JointTick {
             index,
             controller: None,
             guard: Guard::new(bounds),
+            limits: bounds.limits,
             inbox: Vec::with_capacity(INBOX),
             waiting: None,
+            command: [Setpoint::default(); 2],
             sent: Setpoint::default(),
             motion: CommandedMotion::default(),
             adaptive,
             registered,
             frozen: false,
+            quiet: false,
             heard: f64::NEG_INFINITY,
             timeout,
             move_id: 0,
@@ -70,6 +81,7 @@ impl JointTick {
         self.heard = self.heard.max(now);
         self.settled = Some(f64::NEG_INFINITY);
         self.sent = controller.planned().first().copied().unwrap_or_default();
+        self.command = [self.sent; 2];
         self.runs = false;
         self.guard.restart();
         self.controller.replace(controller)
@@ -165,26 +177,60 @@ impl JointTick {
         }))
     }
 
-    /// One control period: the setpoint to send, if the joint is commanded.
-    pub fn step(&mut self, now: f64, period: f64) -> Option<Setpoint> {
+    /// Limits of the joint.
+    pub fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// Whether the command does not stand still.
+    pub fn is_moving(&self) -> bool {
+        self.controller.as_ref().is_some_and(|c| !c.is_settled())
+    }
+
+    /// Hands on what was measured since the last tick.
+    pub fn listen(&mut self, now: f64) {
         let silent = self.is_silent(now);
-        let controller = self.controller.as_deref_mut()?;
+        let Some(controller) = self.controller.as_deref_mut() else {
+            return;
+        };
         let frozen = silent || self.guard.report().is_at_fault();
         if frozen && !self.frozen {
             // What came before belongs to a fault, or to another stretch of time.
             controller.restart_estimation(0);
         }
         self.frozen = frozen;
-        let quiet = is_quiet(controller, self.settled, now);
-        controller.set_adaptive(0, self.adaptive && !frozen && !quiet);
-        let setpoint = controller.tick(&self.inbox).first().copied()?;
-        if !quiet {
+        self.quiet = is_quiet(controller, self.settled, now);
+        controller.set_adaptive(0, self.adaptive && !frozen && !self.quiet);
+        controller.observe(&self.inbox);
+        self.inbox.clear();
+    }
+
+    /// The command goes on by one control period.
+    pub fn step(&mut self) {
+        let Some(controller) = self.controller.as_deref_mut() else {
+            return;
+        };
+        let Some(next) = controller.tick(&[]).first().copied() else {
+            return;
+        };
+        if !self.quiet {
             self.learned = controller
                 .axes()
                 .first()
                 .and_then(|axis| axis.status().estimate);
         }
-        self.inbox.clear();
+        self.command = [self.command[1], next];
+    }
+
+    /// What is to be sent after a stride, if the joint is commanded.
+    pub fn setpoint(&mut self, stride: &Stride, period: f64) -> Option<Setpoint> {
+        self.controller.as_ref()?;
+        let at = between(self.command, 1.0 - stride.behind, period);
+        let setpoint = Setpoint {
+            position: at.position,
+            velocity: at.velocity * stride.rate,
+            acceleration: at.acceleration * stride.rate.powi(2) + at.velocity * stride.slope,
+        };
         self.motion = CommandedMotion {
             velocity: setpoint.velocity,
             jerk: (setpoint.acceleration - self.sent.acceleration) / period,
@@ -260,15 +306,14 @@ impl JointTick {
     }
 }
 
-/// Whether nothing moves and nothing rings any more, so that there is only noise to be heard: after
-/// five time constants less than 1 % of a vibration is left.
+/// Whether nothing moves and nothing rings any more, so that there is only noise to be heard.
 fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
     let (Some(settled), Some(axis)) = (settled, controller.axes().first()) else {
         return false;
     };
     let mode = axis.status().mode;
     // A mode without damping rings for as long as the estimator looks back, forty periods.
-    let rings = (5.0 / mode.decay_rate()).min(40.0 * mode.damped_period());
+    let rings = ringing_time(mode).min(40.0 * mode.damped_period());
     now - settled > rings
 }
 

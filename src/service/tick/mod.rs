@@ -3,14 +3,14 @@
 //! No allocation, lock, file or log from the first tick on. What allocates is made by the engine,
 //! comes over a ring, and goes back over another to be dropped.
 //!
-//! **A tick that is missed is left out and counted; it is not made up for.** The command then goes on
-//! where it stopped: from one setpoint sent to the next it advances by exactly one control period, so
-//! that the limits hold between any two setpoints that the robot receives. Ticks made up for in a
-//! burst would arrive together, and the last of them would be a jump.
+//! A tick that is missed is counted, and nothing is sent for it. What becomes of the command's own time
+//! is said in [`pace`]: the limits hold over the time that has really gone by between any two setpoints.
 
+pub mod between;
 mod joint;
 mod lateness;
 mod messages;
+pub mod pace;
 pub mod real_time;
 mod thread;
 
@@ -22,6 +22,7 @@ pub use messages::{
 };
 pub use thread::{TickThread, TickThreadSettings};
 
+use pace::{Pace, Stride};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::contract::{Measured, TickStatistics};
@@ -64,7 +65,11 @@ pub struct Tick {
     link: Box<dyn RobotLink>,
     inbox: Vec<Measured>,
     rings: TickRings,
+    pace: Pace,
     period: f64,
+    /// Ticks run.
+    ticks: u64,
+    /// Control periods of the command: plans begin by their number.
     count: u64,
     records_lost: u64,
 }
@@ -83,6 +88,7 @@ impl Tick {
         let (tick_reports, reports) = RingBuffer::new(ROUNDS * joints.len());
         let (tick_whole, whole) = RingBuffer::new(ROUNDS);
         let tick = Self {
+            pace: Pace::new(joints.iter().map(JointTick::limits), period),
             joints,
             link,
             inbox: Vec::with_capacity(INBOX),
@@ -94,6 +100,7 @@ impl Tick {
                 whole: tick_whole,
             },
             period,
+            ticks: 0,
             count: 0,
             records_lost: 0,
         };
@@ -112,20 +119,25 @@ impl Tick {
         self.period
     }
 
-    /// One tick at `now` (s on the service's clock).
-    pub fn run(&mut self, now: f64) {
+    /// The tick that was due at `now` (s on the service's clock), after so many that were `missed`.
+    pub fn run(&mut self, now: f64, missed: u64) {
         self.take_orders(now);
         self.measure(now);
+        let moves = self.joints.iter().any(JointTick::is_moving);
+        let stride = self.pace.stride(missed, moves);
         for index in 0..self.joints.len() {
-            self.command(index, now);
+            self.joints[index].listen(now);
+            self.advance(index, now, &stride);
+            self.command(index, now, &stride);
         }
         self.link.flush();
-        self.count += 1;
+        self.count += stride.periods;
+        self.ticks += 1;
     }
 
     /// Publishes the state; where nobody has taken the last ones there is no room, and no loss.
     pub fn report(&mut self, now: f64, mut statistics: TickStatistics) {
-        statistics.ticks = self.count;
+        statistics.ticks = self.ticks;
         statistics.records_lost = self.records_lost;
         if self.rings.joints.slots() < self.joints.len() || self.rings.whole.is_full() {
             return;
@@ -186,20 +198,37 @@ impl Tick {
         }
     }
 
-    fn command(&mut self, index: usize, now: f64) {
-        let (tick, period) = (self.count, self.period);
-        if let Some(event) = self.joints[index].take_plan(tick, now) {
-            self.tell(event);
+    /// Takes a joint's command through the periods of a stride.
+    fn advance(&mut self, index: usize, now: f64, stride: &Stride) {
+        for period in 1..=stride.periods {
+            let left = stride.periods - period;
+            let time = now - left as f64 * self.period;
+            let tick = self.count + period - 1;
+            if let Some(event) = self.joints[index].take_plan(tick, time) {
+                self.tell(event);
+            }
+            self.joints[index].step();
+            if left > 0 && stride.behind == 0.0 {
+                // Where the command was at a tick that was missed.
+                let _ = self.joints[index].setpoint(stride, self.period);
+                self.record_row(index, time);
+            }
+            if let Some(event) = self.joints[index].take_settled(time) {
+                self.tell(event);
+            }
         }
-        let joint = &mut self.joints[index];
-        if let Some(setpoint) = joint.step(now, period) {
+    }
+
+    fn command(&mut self, index: usize, now: f64, stride: &Stride) {
+        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period) {
             self.link.send(now, index, &setpoint);
         }
-        if let Some(row) = self.joints[index].row(now) {
+        self.record_row(index, now);
+    }
+
+    fn record_row(&mut self, index: usize, time: f64) {
+        if let Some(row) = self.joints[index].row(time) {
             self.record(Record::Tick(row));
-        }
-        if let Some(event) = self.joints[index].take_settled(now) {
-            self.tell(event);
         }
     }
 

@@ -77,20 +77,20 @@ fn keep(mut tick: Tick, clock: ServiceClock, settings: TickThreadSettings, endin
         clock.sleep_until(due);
         let begun = clock.now();
         lateness.add(begun - due);
-        tick.run(begun);
+        let next = due + period;
+        let missed = ((begun - due) / period).floor().max(0.0);
+        statistics.skipped += missed as u64;
+        due += missed * period;
+        // By the instant that it was due, so that lateness does not shift the command.
+        tick.run(due, missed as u64);
         if begun >= next_report {
             next_report = begun + 1.0 / REPORTS;
-            publish(&mut tick, begun, &mut statistics, &lateness, &work);
+            publish(&mut tick, due, &mut statistics, &lateness, &work);
         }
         let ended = clock.now();
         work.add(ended - begun);
         due += period;
-        if ended > due {
-            statistics.overruns += 1;
-            let missed = ((ended - due) / period).floor();
-            statistics.skipped += missed as u64;
-            due += missed * period;
-        }
+        statistics.overruns += u64::from(ended > next);
     }
 }
 

@@ -1,0 +1,166 @@
+//! How far the command goes with a tick when ticks before it were missed.
+//!
+//! The robot's time went on meanwhile. A command that waited for the tick would be late from then on by
+//! the time that was missed: a step of the command by as much as the joint goes in it, which rings.
+//!
+//! **Up to [`BRIDGED`] the time is made up for**: the setpoint is that of its own instant, as if
+//! nothing had been missed. Between two setpoints lies then more time, and what the command changes in
+//! it is what the plan, which keeps the limits at every instant, changes in it: no jump, but the next
+//! point of the same motion. A robot that goes by the stamps, or predicts the motion for as long as a
+//! setpoint is missing, sees none. One that holds the last setpoint for a time h and goes at a velocity
+//! v sees an error of area v h^2 / 2, which rings with w v h^2 / 2 where a delay leaves v h: less, as
+//! long as h is below a third of the mode's period.
+//!
+//! **After a longer time** the robot no longer predicts: it has stopped, or been stopped. The next
+//! point of the motion would be a jump. The command then goes on from where it was and starts slowly:
+//! it is run through at a rate `r(t) = tanh^2(k t)` that rises from 0 to 1. With `x` the command at its
+//! full rate, within V, A and J in velocity, acceleration and jerk, it has
+//!
+//! ```text
+//! velocity      x' r                         <= V
+//! acceleration  x'' r^2 + x' r'              <= A  for  k <= A / V
+//! jerk          x''' r^3 + 3 x'' r r' + x' r''  <= J  for  2 A k + 2 V k^2 <= J
+//! ```
+//!
+//! by `r' = 2 k sqrt(r) (1 - r)` and `r'' = 2 k^2 (1 - 3 r) (1 - r)`: the sum over its bound is largest at
+//! r = 1 for the acceleration; for the jerk `r^1.5 <= (1 + r + r^2) / 3` and `|1 - 3 r| <= 1 + r + r^2`
+//! make the two terms beside `J r^3` less than `(2 A k + 2 V k^2) (1 - r^3)`. The command falls back by
+//! 1 / k in all, which is made a whole number of periods, so that it ends on its own samples.
+
+use quell_trajectories::Limits;
+
+/// How long a robot goes on without a setpoint, s: 20 in succession at 1 kHz stop it. Source: Franka
+/// Control Interface, which predicts at constant acceleration until then and reports a violation of
+/// the communication after it.
+pub const BRIDGED: f64 = 0.02;
+
+/// Ticks of `period` (s) that may be missed in succession and are made up for.
+pub fn bridged(period: f64) -> u64 {
+    // A period that divides the time exactly may come out a rounding below.
+    (BRIDGED / period + 1e-9) as u64
+}
+
+/// What the command does with a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stride {
+    /// Control periods that every joint goes on by.
+    pub periods: u64,
+    /// How far behind the last of them the setpoint lies, control periods, 0 to 1.
+    pub behind: f64,
+    /// Rate at which the command is run through, 0 to 1.
+    pub rate: f64,
+    /// Its derivative, 1/s.
+    pub slope: f64,
+}
+
+impl Stride {
+    /// A tick at full rate after others that were missed.
+    fn whole(missed: u64) -> Self {
+        Self {
+            periods: missed.saturating_add(1),
+            behind: 0.0,
+            rate: 1.0,
+            slope: 0.0,
+        }
+    }
+}
+
+/// A slow start under way.
+#[derive(Clone, Copy, Debug)]
+struct SlowStart {
+    /// How far behind the last sample it began, control periods.
+    behind: f64,
+    /// How far the command falls back in all, ticks.
+    lag: f64,
+    /// Ticks since.
+    ticks: f64,
+    /// Control periods gone by since.
+    periods: u64,
+}
+
+/// The command's progress from tick to tick. No allocation.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    period: f64,
+    /// The least that a slow start falls back, ticks.
+    lag: f64,
+    slow: Option<SlowStart>,
+}
+
+impl Pace {
+    /// For joints of these limits at a control period, s.
+    pub fn new(limits: impl Iterator<Item = Limits>, period: f64) -> Self {
+        let lags = limits.map(|limits| 1.0 / (steepness(limits) * period));
+        Self {
+            period,
+            lag: lags.fold(1.0, f64::max),
+            slow: None,
+        }
+    }
+
+    /// The stride of a tick before which so many were `missed`, while a joint `moves` or none does.
+    pub fn stride(&mut self, missed: u64, moves: bool) -> Stride {
+        if !moves {
+            self.slow = None;
+            return Stride::whole(0);
+        }
+        if missed > bridged(self.period) {
+            let behind = self.slow.map_or(0.0, |slow| slow.behind());
+            let start = SlowStart {
+                behind,
+                lag: (self.lag + behind).ceil() - behind,
+                ticks: 0.0,
+                periods: 0,
+            };
+            return self.go_on(start, 1);
+        }
+        match self.slow {
+            Some(slow) => self.go_on(slow, missed + 1),
+            None => Stride::whole(missed),
+        }
+    }
+
+    fn go_on(&mut self, before: SlowStart, ticks: u64) -> Stride {
+        let mut slow = before;
+        slow.ticks += ticks as f64;
+        let root = (slow.ticks / slow.lag).tanh();
+        let over = root >= 1.0;
+        // At full rate to the last bit it stands on its own samples, but for rounding.
+        let periods = match over {
+            true => slow.progress().round(),
+            false => slow.progress().ceil(),
+        };
+        slow.periods = periods.max(0.0) as u64;
+        let steepness = 1.0 / (slow.lag * self.period);
+        self.slow = (!over).then_some(slow);
+        Stride {
+            periods: slow.periods.saturating_sub(before.periods),
+            behind: if over { 0.0 } else { slow.behind() },
+            rate: root * root,
+            slope: 2.0 * steepness * root * (1.0 - root * root),
+        }
+    }
+}
+
+impl SlowStart {
+    /// Integral of the rate, from the last sample before it, control periods.
+    fn progress(&self) -> f64 {
+        self.ticks - self.lag * (self.ticks / self.lag).tanh() - self.behind
+    }
+
+    fn behind(&self) -> f64 {
+        self.periods as f64 - self.progress()
+    }
+}
+
+/// The largest k that keeps the limits, 1/s.
+fn steepness(limits: Limits) -> f64 {
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = limits;
+    let root = (acceleration * acceleration + 2.0 * velocity * jerk).sqrt();
+    let by_jerk = (root - acceleration) / (2.0 * velocity);
+    by_jerk.min(acceleration / velocity)
+}
