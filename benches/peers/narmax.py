@@ -111,25 +111,27 @@ class Search:
             self.best = error, settings
 
 
-def fit(case):
-    """The model by the settings whose free run is best, and these settings."""
-    search = Search(case)
+def search(case):
+    """The settings whose free run is best; none where all diverged."""
+    known = Search(case)
     for every, names, lead in itertools.product(EVERY, case.inputs, LEADS):
         for lags, degree, terms in itertools.product((2, 3), DEGREES, (6, 12)):
-            search.look(every=every, names=names, lead=lead, lags=lags, degree=degree, terms=terms, extended=False)
-    if search.best is None:
-        return None, "every setting diverged"
-    chosen = search.best[1]
+            known.look(every=every, names=names, lead=lead, lags=lags, degree=degree, terms=terms, extended=False)
+    if known.best is None:
+        return None
+    chosen = known.best[1]
     for lags, degree, terms in itertools.product(LAGS, DEGREES, TERMS):
-        search.look(**{**chosen, "lags": lags, "degree": degree, "terms": terms})
-    chosen = search.best[1]
+        known.look(**{**chosen, "lags": lags, "degree": degree, "terms": terms})
     for every in EVERY:
-        search.look(**{**chosen, "every": every})
-    search.look(**{**search.best[1], "extended": True})
-    chosen = search.best[1]
-    series = Series(case, case.fitted, chosen["every"], chosen["names"])
-    named = " ".join(f"{name} {'+'.join(value) if name == 'names' else value}" for name, value in chosen.items())
-    return (model(series, chosen), chosen, series.units), named
+        known.look(**{**known.best[1], "every": every})
+    known.look(**{**known.best[1], "extended": True})
+    return known.best[1]
+
+
+def fit(case, settings):
+    """The model, from all that is fitted."""
+    series = Series(case, case.fitted, settings["every"], settings["names"])
+    return model(series, settings), settings, series.units
 
 
 def predict(case, found):

@@ -3,7 +3,7 @@
 The state is position and velocity; `x' = v` is given, `v'` is regressed on the case's terms. Settings are chosen on the
 fitted part alone: the first 70 % are regressed, the free run over the rest is compared. Then all of it is regressed.
 
-- derivatives: finite differences of eighth order, of the recording as it is or smoothed (Savitzky-Golay; the drives are
+- derivatives: finite differences of twelfth order, of the recording as it is or smoothed (Savitzky-Golay; the drives are
   smoothed alike, so that a linear equation stays what it is); or the weak form, by test functions of several lengths
 - thresholds: eight, as shares of the acceleration, for terms of unit root mean square
 
@@ -21,7 +21,7 @@ from scipy.signal import savgol_filter
 REGRESSED = 0.7
 THRESHOLDS = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 WINDOWS = (0, 7, 11, 15, 21, 31, 45, 61)      # samples
-WEAK = (10, 20, 40, 80, 160)                  # half lengths of the test functions, samples
+WEAK = (4, 5, 6, 8, 10, 14, 20, 40, 80)                  # half lengths of the test functions, samples
 DOMAINS = 600
 STEPS = 4                                     # in a sample: the fastest mode here turns by 0.18 rad in one
 ARRAYS = {"sign": np.sign, "abs": np.abs, "sin": np.sin, "cos": np.cos}
@@ -29,8 +29,8 @@ NUMBERS = {"sign": lambda v: float((v > 0.0) - (v < 0.0)), "abs": abs, "sin": ma
 
 
 def differentiate(values, time, order):
-    """Finite differences of eighth order."""
-    return pysindy.FiniteDifference(order=8, d=order, is_uniform=True)._differentiate(values[:, None], time)[:, 0]
+    """Finite differences of twelfth order: a period may have no more than nine samples."""
+    return pysindy.FiniteDifference(order=12, d=order, is_uniform=True)._differentiate(values[:, None], time)[:, 0]
 
 
 class Regression:
@@ -113,40 +113,43 @@ def looped(loop, acceleration, stretch, start, step):
     others = [values.tolist() for values in stretch.drives.values()]
     force = list(stretch.drives).index("f")
     (x, v), positions = start, [start[0] - 2.0 * stretch.step * start[1], start[0] - stretch.step * start[1], start[0]]
+    reference = others[list(stretch.drives).index("r")]
     for k in range(len(stretch.position) - 1):
         drives = [values[k] for values in others]
-        drives[force] = loop(stretch.drives["r"][k], x, positions[-3])
+        drives[force] = loop(reference[k], x, positions[-3])
         for _ in range(STEPS):
             x, v = runge_kutta(acceleration, x, v, step, drives, drives, drives)
         positions.append(x)
     return np.array(positions[2:])
 
 
-def fit(case):
-    """The equation by the settings whose free run is best, and these settings."""
+def search(case):
+    """The settings whose free run is best; none where all diverged."""
     split = int(REGRESSED * len(case.fitted.position))
     regressed, compared = case.fitted.part(slice(0, split)), case.fitted.part(slice(split, None))
-    best = None
+    best = None, None
     for way in [{"window": window} for window in WINDOWS] + [{"weak": weak} for weak in WEAK]:
         regression, tried = Regression(case, regressed, **way), []
-        whole = Regression(case, case.fitted, window=way.get("window", 0))
+        start = Regression(case, case.fitted, window=way.get("window", 0)).state[split]
         for threshold in THRESHOLDS:
             equation = regression.equation(threshold)
             if equation in tried:
                 continue
             tried.append(equation)
-            error = compared.error(free_run(case, compared, equation, whole.state[split]))
-            if error is not None and (best is None or error < best[0]):
-                best = error, way, threshold
-    if best is None:
-        return None, "every setting diverged"
-    _, way, threshold = best
-    named = " ".join(f"{name} {value}" for name, value in way.items())
-    return Regression(case, case.fitted, **way).equation(threshold), f"{named} threshold {threshold:g}"
+            error = compared.error(free_run(case, compared, equation, start))
+            if error is not None and (best[0] is None or error < best[0]):
+                best = error, {**way, "threshold": threshold}
+    return best[1]
+
+
+def fit(case, settings):
+    """The equation, from all that is fitted."""
+    way = {name: value for name, value in settings.items() if name != "threshold"}
+    return Regression(case, case.fitted, **way).equation(settings["threshold"])
 
 
 def predict(case, equation):
     """A free run over what was held out, from its first sample; at rest where the drive is a motion."""
-    state = Regression(case, case.judged).state[0]
-    start = (state[0], 0.0) if "u" in case.judged.drives else tuple(state)
-    return free_run(case, case.judged, equation, start)
+    position = case.judged.position
+    speed = 0.0 if "u" in case.judged.drives else np.gradient(position[:3], case.judged.step, edge_order=2)[0]
+    return free_run(case, case.judged, equation, (position[0], speed))
