@@ -3,7 +3,9 @@
     diagnosis.py --quell target/release/quell --shared ../shared [--markdown | --json] [CASE ...]
 
 CASE is a folder with model.toml, train/ and test/; by default the first three of SHARED/concealed. What is said of them
-elsewhere is not read. All run on one thread. The environment with the peers is made on the first run.
+elsewhere is not read. All run on one thread, and seconds are the processor's: on a quiet machine those on the wall, which
+--json has, too. Quell's run from the start of its process to the last figure of its report; a peer's hold its search for
+settings and, in brackets, the one fit by these. The environment with the peers is made on the first run.
 """
 
 import environment
@@ -26,6 +28,7 @@ import sindy
 from judge import Quell
 
 PEERS = {"pysindy": sindy, "sysidentpy": narmax}
+UNITS = {"um": 1e6, "mV": 1e3}
 
 
 def measured(peer, case):
@@ -72,7 +75,7 @@ def error(result, unit):
     """An error in the unit of its row."""
     if result["error"] is None:
         return "diverged"
-    return f"{result['error'] * {'um': 1e6, 'mV': 1e3}[unit]:.3g}"
+    return f"{result['error'] * UNITS[unit]:.3g}"
 
 
 def ratio(result, quell, key):
@@ -83,11 +86,12 @@ def ratio(result, quell, key):
 def cells(result):
     """A row as text: errors, ratios of errors, seconds, ratios of seconds."""
     own, unit = result["quell"], result["unit"]
-    noise = own["noise"] * {"um": 1e6, "mV": 1e3}[unit]
+    noise = own["noise"] * UNITS[unit]
     line = [result["recording"], unit, f"{noise:.3g}", error(own, unit), f"{own['cpu_seconds']:.1f}"]
     for name in PEERS:
         peer = result[name]
-        line += [error(peer, unit), ratio(peer, own, "error"), f"{peer['cpu_seconds']:.1f}", ratio(peer, own, "cpu_seconds")]
+        seconds = f"{peer['cpu_seconds']:.1f} ({peer['fit_cpu_seconds']:.2f})"
+        line += [error(peer, unit), ratio(peer, own, "error"), seconds, ratio(peer, own, "cpu_seconds")]
     return line
 
 

@@ -149,7 +149,7 @@ def emps(shared, work):
 
     case.loop = loop
     case.fitted, case.judged = stretch(case.train), stretch(case.held_out)
-    case.acceleration = ["1", "v", "f", "sign(v)", "v*abs(v)", "v**3", "x", "x*f"]
+    case.acceleration = ["1", "v", "f", "sign(v)", "abs(v)", "v**2", "v*abs(v)", "v**3", "x", "x**2", "x*f"]
     case.output, case.inputs = ("x", "r"), [("w",), ("w", "s"), ("w", "a", "s")]
     return case
 
