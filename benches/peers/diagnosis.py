@@ -137,6 +137,8 @@ def main():
         if arguments.cores:
             return cores(quell, found)
         rows = [row(quell, case) for case in found]
+    if not rows:
+        environment.skip("no recordings to run")
     if arguments.json:
         print(json.dumps(rows, indent=2))
     else:
