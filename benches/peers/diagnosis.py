@@ -113,8 +113,10 @@ def cores(quell, found):
     """Seconds of Quell by one thread and by two."""
     for case in found:
         with tempfile.TemporaryDirectory() as out:
-            one, two = (quell.diagnose(case, out, jobs)["seconds"] for jobs in (1, 2))
-        print(f"{case.name}: {one:.2f} s on one core, {two:.2f} s on two, {one / two:.2f} times as fast")
+            one, two = (quell.diagnose(case, out, jobs) for jobs in (1, 2))
+        faster = one["seconds"] / two["seconds"]
+        print(f"{case.name}: {one['seconds']:.2f} s on one core, {two['seconds']:.2f} s on two, {faster:.2f} times as fast; "
+              f"of the processors {one['cpu_seconds']:.2f} and {two['cpu_seconds']:.2f} s")
 
 
 def main():
@@ -124,7 +126,7 @@ def main():
     parser.add_argument("case", type=Path, nargs="*", help="folders of concealed cases")
     parser.add_argument("--quell", type=Path, default=root / "target" / "release" / "quell")
     parser.add_argument("--shared", type=Path, default=Path("../shared"))
-    parser.add_argument("--only", nargs="*", help="rows to run, by name")
+    parser.add_argument("--only", type=lambda names: names.split(","), help="rows to run, by name: emps,case-01")
     parser.add_argument("--markdown", action="store_true")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--cores", action="store_true", help="Quell alone, on one core and on two")
