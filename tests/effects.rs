@@ -98,6 +98,7 @@ prop_compose! {
             suspects: suspects[..found].iter().map(|s| begin + s * duration).collect(),
             suspect_frequencies: suspects[..found].iter().map(|s| 50.0 * s * natural_frequency).collect(),
             suspect_orders: suspects[..found].iter().map(|s| 500.0 * s / travel).collect(),
+            suspect_stops: suspects[..found].iter().map(|s| [start + 3.0 * (s - 0.5) * travel, (s - 0.5).signum()]).collect(),
             forced: false,
             tracked: false,
             rigid: false,

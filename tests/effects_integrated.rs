@@ -128,6 +128,7 @@ fn scales(base: &Trace) -> Scales {
         suspects: Vec::new(),
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
+        suspect_stops: Vec::new(),
         forced: false,
         tracked: false,
         rigid: false,

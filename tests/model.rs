@@ -432,6 +432,7 @@ fn scales() -> Scales {
         suspects: vec![11.03],
         suspect_frequencies: vec![2.5],
         suspect_orders: vec![30.0],
+        suspect_stops: vec![[0.5, 1.0]],
         forced: false,
         tracked: false,
         rigid: false,

@@ -234,6 +234,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         suspects: Vec::new(),
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
+        suspect_stops: Vec::new(),
         forced: linear.motor == MotorSide::Fixed && !linear.link_is_input,
         tracked: output.channel == Role::TipPosition,
         rigid: linear.link.is_none(),

@@ -130,7 +130,8 @@ impl Search<'_> {
     ) -> Explanation {
         for _ in 0..MOST_EFFECTS {
             let point = &best.fitted.point;
-            if point.terms.len() - point.given_terms < 2 || self.explains(baseline, &best) {
+            let done = self.explains(baseline, &best) && self.foretells(baseline, &best);
+            if point.terms.len() - point.given_terms < 2 || done {
                 break;
             }
             let kept = self.refitted(&point.without(point.given_terms));

@@ -86,6 +86,8 @@ pub struct Located {
     pub suspect_frequencies: Vec<f64>,
     /// Radians per unit of position of forces periodic in position; the strongest first, at most 8.
     pub suspect_orders: Vec<f64>,
+    /// Where the link was at the suspects that begin at once, and the sign of its velocity.
+    pub suspect_stops: Vec<[f64; 2]>,
 }
 
 /// Locates the mismatch behind a residual.
@@ -166,6 +168,8 @@ fn put_together(
         rings_elsewhere: elsewhere.iter().any(away),
     };
     let place = evidence.place(&mut coordinate);
+    let sudden = suspects.iter().filter(|s| s.kind != suspects::Kind::Change);
+    let stop = |[position, velocity, _]: [f64; 3]| [position, velocity.signum()];
     let location = place.map(|place| Location {
         place: Some(place.name().into()),
         phases: strong_phases,
@@ -183,6 +187,7 @@ fn put_together(
         explained,
         phases,
         suspects: suspects.iter().map(|s| s.time).collect(),
+        suspect_stops: sudden.map(|s| stop(residual.link[s.at])).collect(),
         suspect_frequencies: frequencies,
         suspect_orders: if place.is_some() { orders } else { Vec::new() },
     }

@@ -215,20 +215,18 @@ fn investigate(
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
-    problem.scales.suspects.clone_from(&located.suspects);
-    problem
-        .scales
+    let scales = &mut problem.scales;
+    scales.suspects.clone_from(&located.suspects);
+    scales
         .suspect_frequencies
         .clone_from(&located.suspect_frequencies);
+    scales.suspect_orders.clone_from(&located.suspect_orders);
+    scales.suspect_stops.clone_from(&located.suspect_stops);
     if problem.scales.forced {
         let residual = problem.explained(&baseline.fitted.point, 0);
         let output = &problem.experiments[0].outputs[0];
         problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
     }
-    problem
-        .scales
-        .suspect_orders
-        .clone_from(&located.suspect_orders);
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
     let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, told);

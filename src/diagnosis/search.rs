@@ -202,6 +202,13 @@ impl Search<'_> {
         self.at_noise(explanation) || left < SHAPE * mismatch
     }
 
+    /// The same of what was held out.
+    pub fn foretells(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
+        let rows = self.judge.held_out_rows as f64;
+        let (left, mismatch) = (explanation.held_out - rows, baseline.held_out - rows);
+        self.held_at_floor(explanation) || left < SHAPE * mismatch
+    }
+
     /// Whether nothing but noise is left, on what was fitted or on all.
     fn at_noise(&self, explanation: &Explanation) -> bool {
         // Fitted and held-out part together: what holds on moves that were never seen is not undone by a

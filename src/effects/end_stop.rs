@@ -1,7 +1,10 @@
 //! An end stop.
 
-use super::grid::{reach, typical_position};
+use super::grid::{product, reach, typical_position};
 use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+
+/// Instants at which the link may have met a stop that are looked at.
+const SUSPECTS: usize = 3;
 
 struct EndStop {
     stiffness: f64,
@@ -112,9 +115,18 @@ pub const END_STOP: Effect = Effect {
             let end = [scales.position.0, scales.position.1][usize::from(side > 0.0)];
             vec![0.5 * stiffness, end - side * depth, damping, side]
         };
-        [-1.0, 1.0]
-            .into_iter()
-            .flat_map(|side| depths.map(|depth| start(depth, side)))
-            .collect()
+        let ends = [-1.0, 1.0].into_iter();
+        let ends = ends.flat_map(|side| depths.map(|depth| start(depth, side)));
+        // Or the link met it when something seemed to happen.
+        let met = scales.suspect_stops.iter().take(SUSPECTS);
+        let met = met.flat_map(|&[position, side]| {
+            // What touched it a little earlier, or a little harder, leads to it; what did not touch it does not.
+            let inside =
+                |depth: f64| (position - side * depth).clamp(scales.position.0, scales.position.1);
+            let depths = [0.0, 0.3, 1.0].map(|share| inside(share * scales.deformation));
+            let sizes = [0.3, 2.0, 6.0].map(|size| size * stiffness);
+            product(&[&sizes, &depths, &[damping], &[side]])
+        });
+        ends.chain(met).collect()
     },
 };

@@ -34,6 +34,9 @@ pub struct Scales {
     /// Radians of a force periodic in position for one unit of position (teeth, poles, balls) that
     /// would explain most of the residual; the strongest first.
     pub suspect_orders: Vec<f64>,
+    /// Where the link was when something unexplained seems to have happened, and the sign of its velocity;
+    /// the most suspicious first.
+    pub suspect_stops: Vec<[f64; 2]>,
     /// Whether a force drives the link, and not the motion of the motor side.
     pub forced: bool,
     /// Whether the output is the angle of a tip that a tracker sees: its scale shows in the radius alone.

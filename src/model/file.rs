@@ -292,6 +292,7 @@ fn signs(parameter: &Parameter) -> (f64, f64) {
         suspects: Vec::new(),
         suspect_frequencies: Vec::new(),
         suspect_orders: Vec::new(),
+        suspect_stops: Vec::new(),
         forced: false,
         tracked: false,
         rigid: false,
