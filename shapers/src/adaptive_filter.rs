@@ -1,33 +1,46 @@
 //! The filter that can be retuned in motion.
 
+#[cfg(feature = "alloc")]
+use crate::buffer::on_heap;
 use crate::correction::{Schedule, sum};
 use crate::cross_fade::CrossFade;
-use crate::filter::DelayLine;
-use crate::history::History;
+use crate::filter::{DelayLine, at_least, valid_sample_time};
+use crate::history::{Entry, History, SHORTEST_HISTORY};
 use crate::modal_state::pole;
-use crate::{GridTrain, Mode, Setpoint, ShaperError};
-use alloc::boxed::Box;
-use alloc::vec;
+use crate::{Buffer, GridTrain, Mode, OwnBuffer, Setpoint, ShaperError};
 
 /// A [`crate::ShapingFilter`] that can also change its train in motion: [`AdaptiveFilter::retune`].
 ///
 /// It remembers what it was given and what it sent, so that it can tell which vibration its command
 /// will have left, whatever trains made it, and send what cancels that.
 #[derive(Clone, Debug)]
-pub struct AdaptiveFilter {
+pub struct AdaptiveFilter<S = OwnBuffer<Setpoint>, E = OwnBuffer<Entry>> {
     pub(crate) sample_time: f64,
     pub(crate) tick: u64,
-    pub(crate) line: DelayLine,
+    pub(crate) line: DelayLine<S>,
     pub(crate) fade: CrossFade,
     pub(crate) pending: Option<GridTrain>,
     /// A retune counts on the train in force until the planned input ends at this tick.
     pub(crate) pending_from: u64,
     pub(crate) schedule: Schedule,
-    pub(crate) history: History,
+    pub(crate) history: History<E>,
     pub(crate) sent: Setpoint,
     /// Scratch of [`AdaptiveFilter::retune`]: the planned input and the output it leads to.
-    pub(crate) planned: Box<[Setpoint]>,
-    pub(crate) future: Box<[Setpoint]>,
+    pub(crate) planned: S,
+    pub(crate) future: S,
+}
+
+/// The memory of an [`AdaptiveFilter`] where there is no heap; see [`AdaptiveFilter::in_buffers`].
+#[derive(Clone, Copy, Debug)]
+pub struct Buffers<S, E> {
+    /// One tick more than the longest train.
+    pub line: S,
+    /// As many ticks as are remembered, at least 2.
+    pub history: E,
+    /// As many ticks as a retune can look ahead, at least 1.
+    pub planned: S,
+    /// As many as `planned`.
+    pub future: S,
 }
 
 /// Vibration that a command leaves in a mode, in units of the position.
@@ -53,6 +66,7 @@ impl Residual {
     }
 }
 
+#[cfg(feature = "alloc")]
 impl AdaptiveFilter {
     /// A filter at rest at position 0 that changes nothing.
     ///
@@ -66,21 +80,44 @@ impl AdaptiveFilter {
     /// The only place that allocates: 24 bytes for each tick of `capacity`, 72 for each of
     /// `horizon`.
     pub fn new(sample_time: f64, capacity: usize, horizon: usize) -> Self {
-        let valid = sample_time.is_finite() && sample_time > 0.0;
-        let sample_time = if valid { sample_time } else { 1.0 };
-        let scratch = vec![Setpoint::default(); horizon.max(1)].into_boxed_slice();
+        let buffers = Buffers {
+            line: on_heap(capacity + 1),
+            history: on_heap(horizon.max(SHORTEST_HISTORY)),
+            planned: on_heap(horizon.max(1)),
+            future: on_heap(horizon.max(1)),
+        };
+        Self::on(sample_time, buffers)
+    }
+}
+
+impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
+    /// [`AdaptiveFilter::new`] without a heap: the lengths of the buffers are capacity and horizon.
+    ///
+    /// # Errors
+    /// [`ShaperError::OutOfRange`] where a buffer is shorter than [`Buffers`] says.
+    pub fn in_buffers(sample_time: f64, buffers: Buffers<S, E>) -> Result<Self, ShaperError> {
+        at_least("length of the delay line", buffers.line.len(), 1)?;
+        let (history, planned) = (buffers.history.len(), buffers.planned.len());
+        at_least("length of the history", history, SHORTEST_HISTORY)?;
+        at_least("ticks ahead", planned, 1)?;
+        at_least("ticks of the future", buffers.future.len(), planned)?;
+        Ok(Self::on(sample_time, buffers))
+    }
+
+    fn on(sample_time: f64, buffers: Buffers<S, E>) -> Self {
+        let sample_time = valid_sample_time(sample_time);
         Self {
             sample_time,
             tick: 0,
-            line: DelayLine::new(capacity),
+            line: DelayLine::new(buffers.line),
             fade: CrossFade::new(GridTrain::unit(sample_time)),
             pending: None,
             pending_from: 0,
             schedule: Schedule::default(),
-            history: History::new(horizon),
+            history: History::new(buffers.history),
             sent: Setpoint::default(),
-            planned: scratch.clone(),
-            future: scratch,
+            planned: buffers.planned,
+            future: buffers.future,
         }
     }
 
@@ -88,10 +125,26 @@ impl AdaptiveFilter {
     ///
     /// Never allocates, blocks or fails; cost proportional to the number of taps of the trains at
     /// work (one, or up to four while they fade).
+    #[inline]
     pub fn step(&mut self, input: Setpoint) -> Setpoint {
-        self.try_install();
+        if self.pending.is_some() {
+            self.try_install();
+        }
         self.tick += 1;
         self.line.push(input);
+        self.sent = if self.fade.is_single() && self.schedule.is_idle() {
+            self.line.shaped(self.fade.last())
+        } else {
+            self.blended()
+        };
+        self.history
+            .push(input.position, self.sent.position, self.is_settled());
+        self.sent
+    }
+
+    /// The output while trains fade or a correction is under way.
+    #[cold]
+    fn blended(&mut self) -> Setpoint {
         let shaped = self
             .fade
             .output(self.tick, self.sample_time, |age| self.line.at(age));
@@ -99,14 +152,11 @@ impl AdaptiveFilter {
         self.fade.tidy(self.tick);
         self.schedule.tidy(self.tick);
         // At rest the sum is left out, so that the target is met to the bit.
-        self.sent = if self.schedule.is_idle() {
+        if self.schedule.is_idle() {
             shaped
         } else {
             sum(shaped, added)
-        };
-        self.history
-            .push(input.position, self.sent.position, self.is_settled());
-        self.sent
+        }
     }
 
     /// Installs a train at rest, as [`crate::ShapingFilter::install`].
@@ -186,6 +236,8 @@ impl AdaptiveFilter {
         Some(Residual { shaped, unshaped })
     }
 
+    // Apart from the step: it moves a train of 4 KiB, once.
+    #[cold]
     fn try_install(&mut self) {
         let waiting = self.pending.as_ref().map(GridTrain::duration_in_ticks);
         let longest = waiting.map(|ticks| ticks.max(self.fade.duration_in_ticks()));

@@ -90,6 +90,7 @@ impl Schedule {
         self.offset = 0.0;
     }
 
+    #[inline]
     pub fn is_idle(&self) -> bool {
         self.steps.is_empty()
     }

@@ -35,16 +35,24 @@ impl CrossFade {
     }
 
     /// The train that will be in force when every layer has faded in.
+    #[inline]
     pub fn last(&self) -> &GridTrain {
         self.layers.last().map_or(&self.base, |layer| &layer.train)
     }
 
     /// The longest of the trains at work, ticks.
+    #[inline]
     pub fn duration_in_ticks(&self) -> usize {
         self.layers
             .iter()
             .map(|layer| layer.train.duration_in_ticks())
             .fold(self.base.duration_in_ticks(), usize::max)
+    }
+
+    /// Whether nothing fades.
+    #[inline]
+    pub fn is_single(&self) -> bool {
+        self.layers.is_empty()
     }
 
     pub fn is_full(&self) -> bool {

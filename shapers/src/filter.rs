@@ -1,8 +1,8 @@
 //! What runs a train at the tick.
 
-use crate::{GridTrain, ShaperError};
-use alloc::boxed::Box;
-use alloc::vec;
+#[cfg(feature = "alloc")]
+use crate::buffer::on_heap;
+use crate::{Buffer, GridTrain, OwnBuffer, ShaperError};
 
 /// Position, velocity and acceleration of one axis at one tick (rad, rad/s, rad/s^2, or m ...).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,13 +36,14 @@ impl Setpoint {
 /// A train of positive amplitudes is a convex combination, so that limits which hold for the input
 /// hold for the output.
 #[derive(Clone, Debug)]
-pub struct ShapingFilter {
+pub struct ShapingFilter<S = OwnBuffer<Setpoint>> {
     sample_time: f64,
-    line: DelayLine,
+    line: DelayLine<S>,
     train: GridTrain,
     pending: Option<GridTrain>,
 }
 
+#[cfg(feature = "alloc")]
 impl ShapingFilter {
     /// A filter at rest at position 0 that changes nothing, for ticks of `sample_time` seconds and
     /// trains of up to `capacity` ticks. The only place that allocates (24 bytes a tick).
@@ -50,13 +51,26 @@ impl ShapingFilter {
     /// A sample time that is not a finite number above 0 is taken as 1 s: trains for another one
     /// are then refused by [`ShapingFilter::install`].
     pub fn new(sample_time: f64, capacity: usize) -> Self {
-        let valid = sample_time.is_finite() && sample_time > 0.0;
-        let sample_time = if valid { sample_time } else { 1.0 };
-        let train = GridTrain::unit(sample_time);
+        Self::on(sample_time, DelayLine::new(on_heap(capacity + 1)))
+    }
+}
+
+impl<S: Buffer<Setpoint>> ShapingFilter<S> {
+    /// [`ShapingFilter::new`] without a heap, for trains of up to one tick less than `line` is long.
+    ///
+    /// # Errors
+    /// [`ShaperError::OutOfRange`] where the buffer is empty.
+    pub fn in_buffer(sample_time: f64, line: S) -> Result<Self, ShaperError> {
+        at_least("length of the delay line", line.len(), 1)?;
+        Ok(Self::on(sample_time, DelayLine::new(line)))
+    }
+
+    fn on(sample_time: f64, line: DelayLine<S>) -> Self {
+        let sample_time = valid_sample_time(sample_time);
         Self {
             sample_time,
-            line: DelayLine::new(capacity),
-            train,
+            line,
+            train: GridTrain::unit(sample_time),
             pending: None,
         }
     }
@@ -64,8 +78,11 @@ impl ShapingFilter {
     /// One tick: takes the planned setpoint, returns the shaped one.
     ///
     /// Never allocates, blocks or fails; cost proportional to the number of taps.
+    #[inline]
     pub fn step(&mut self, input: Setpoint) -> Setpoint {
-        self.try_install();
+        if self.pending.is_some() {
+            self.try_install();
+        }
         self.line.push(input);
         self.line.shaped(&self.train)
     }
@@ -116,6 +133,8 @@ impl ShapingFilter {
         self.line.capacity()
     }
 
+    // Apart from the step: it moves a train of 4 KiB, once.
+    #[cold]
     fn try_install(&mut self) {
         // Constant for the longer of the two: the new train must not reach past the constant.
         let waiting = self.pending.as_ref().map(GridTrain::duration_in_ticks);
@@ -137,23 +156,43 @@ impl ShapingFilter {
     }
 }
 
+/// A sample time that is not a finite number above 0 becomes 1 s.
+pub(crate) fn valid_sample_time(sample_time: f64) -> f64 {
+    if sample_time.is_finite() && sample_time > 0.0 {
+        sample_time
+    } else {
+        1.0
+    }
+}
+
+/// # Errors
+/// [`ShaperError::OutOfRange`] where a buffer is shorter than it must be.
+pub(crate) fn at_least(name: &'static str, length: usize, least: usize) -> Result<(), ShaperError> {
+    if length >= least {
+        return Ok(());
+    }
+    let value = length as f64;
+    Err(ShaperError::OutOfRange { name, value })
+}
+
 /// The last setpoints, newest first by age.
 #[derive(Clone, Debug)]
-pub(crate) struct DelayLine {
-    ring: Box<[Setpoint]>,
+pub(crate) struct DelayLine<S> {
+    ring: S,
     newest: usize,
     unchanged: usize,
 }
 
-impl DelayLine {
-    /// Holds ages 0 to `capacity`.
-    pub fn new(capacity: usize) -> Self {
-        let ring = vec![Setpoint::default(); capacity + 1].into_boxed_slice();
-        Self {
+impl<S: Buffer<Setpoint>> DelayLine<S> {
+    /// At rest at position 0; holds as many ages, from 0, as the ring is long, which is at least 1.
+    pub fn new(ring: S) -> Self {
+        let mut line = Self {
             ring,
             newest: 0,
             unchanged: usize::MAX,
-        }
+        };
+        line.fill(Setpoint::default());
+        line
     }
 
     pub fn capacity(&self) -> usize {
@@ -165,6 +204,7 @@ impl DelayLine {
         self.unchanged = usize::MAX;
     }
 
+    #[inline]
     pub fn push(&mut self, input: Setpoint) {
         let same = input == self.ring[self.newest];
         self.unchanged = if same {
@@ -186,6 +226,7 @@ impl DelayLine {
     }
 
     /// The setpoint `age` ticks ago, 0 for the newest; an age above the capacity gives the oldest.
+    #[inline]
     pub fn at(&self, age: usize) -> Setpoint {
         let age = age.min(self.capacity());
         let index = if age <= self.newest {
@@ -197,12 +238,14 @@ impl DelayLine {
     }
 
     /// `sum A_i in(k - n_i)`, with a constant passed to the bit.
+    #[inline]
     pub fn shaped(&self, train: &GridTrain) -> Setpoint {
         shape(train, |age| self.at(age))
     }
 }
 
 /// `sum A_i in(n_i)` of setpoints given by age.
+#[inline]
 pub(crate) fn shape(train: &GridTrain, input: impl Fn(usize) -> Setpoint) -> Setpoint {
     let newest = input(0);
     let mut output = Setpoint::at_rest(newest.position);

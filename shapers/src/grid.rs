@@ -69,6 +69,35 @@ impl GridTrain {
         Self { taps, sample_time }
     }
 
+    /// A train from its taps, as another program had them: kept to the bit.
+    ///
+    /// # Errors
+    /// [`ShaperError::SampleTime`]; [`ShaperError::Empty`]; [`ShaperError::TooManyImpulses`];
+    /// [`ShaperError::OutOfRange`] where a delay is not above the one before it;
+    /// [`ShaperError::Sum`] where the amplitudes do not add up to 1 but for rounding.
+    pub fn from_taps(taps: &[Tap], sample_time: f64) -> Result<Self, ShaperError> {
+        check_sample_time(sample_time)?;
+        if taps.is_empty() {
+            return Err(ShaperError::Empty);
+        }
+        if let Some(pair) = taps.windows(2).find(|pair| pair[1].delay <= pair[0].delay) {
+            let (name, value) = ("delay after that of another tap", pair[1].delay.into());
+            return Err(ShaperError::OutOfRange { name, value });
+        }
+        let sum: f64 = taps.iter().map(|tap| tap.amplitude).sum();
+        let size: f64 = taps.iter().map(|tap| tap.amplitude.abs()).sum();
+        // Each addition and each division of `normalise` rounds once.
+        let rounding = 2.0 * taps.len() as f64 * f64::EPSILON * size;
+        let is_one = (sum - 1.0).abs() <= rounding;
+        if !is_one {
+            return Err(ShaperError::Sum(sum));
+        }
+        let (count, capacity) = (taps.len(), TRAIN_CAPACITY);
+        let taps = ArrayVec::try_from(taps)
+            .map_err(|_| ShaperError::TooManyImpulses { count, capacity })?;
+        Ok(Self { taps, sample_time })
+    }
+
     /// Puts a train on the grid, keeping each impulse's contribution at `mode`.
     ///
     /// # Errors
@@ -132,6 +161,7 @@ impl GridTrain {
     }
 
     /// The taps, in order of delay.
+    #[inline]
     pub fn taps(&self) -> &[Tap] {
         &self.taps
     }
@@ -142,6 +172,7 @@ impl GridTrain {
     }
 
     /// Delay of the last tap, ticks.
+    #[inline]
     pub fn duration_in_ticks(&self) -> usize {
         self.taps.last().map_or(0, |last| last.delay as usize)
     }

@@ -1,13 +1,12 @@
 //! What a filter was given and what it has sent.
 
+use crate::Buffer;
 use crate::complex::Complex;
 use crate::modal_state::ModalState;
-use alloc::boxed::Box;
-use alloc::vec;
 
-/// One tick of the past.
+/// One tick of the past, as an adaptive filter remembers it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Entry {
+pub struct Entry {
     planned: f64,
     sent: f64,
     /// Whether the output was constant: nothing sent before can be half of a move.
@@ -16,8 +15,8 @@ struct Entry {
 
 /// A ring of positions planned and sent, one entry a tick.
 #[derive(Clone, Debug)]
-pub(crate) struct History {
-    ring: Box<[Entry]>,
+pub(crate) struct History<E> {
+    ring: E,
     next: usize,
     count: usize,
     /// Whether entries have been overwritten.
@@ -31,9 +30,12 @@ pub(crate) struct Vibration {
     pub sent: ModalState,
 }
 
-impl History {
-    pub fn new(capacity: usize) -> Self {
-        let ring = vec![Entry::default(); capacity.max(2)].into_boxed_slice();
+/// Fewest ticks of the past that are a past: an increment needs two.
+pub(crate) const SHORTEST_HISTORY: usize = 2;
+
+impl<E: Buffer<Entry>> History<E> {
+    /// At rest at position 0; the ring holds at least [`SHORTEST_HISTORY`] ticks.
+    pub fn new(ring: E) -> Self {
         let mut history = Self {
             ring,
             next: 0,

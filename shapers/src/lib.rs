@@ -1,7 +1,9 @@
 //! Input shapers: impulse trains that leave a vibratory mode at rest, and the filter that runs them.
 //!
 //! Pure mathematics: no I/O, no `std`, no `unsafe`. Only the constructors of the filters allocate,
-//! once; designing a train, stepping a filter and retuning it do not.
+//! once; designing a train, stepping a filter and retuning it do not. Without the feature `alloc`
+//! (on by default) nothing does, and filters are made in buffers that they are lent
+//! ([`AdaptiveFilter::in_buffers`]).
 //!
 //! # Example
 //! ```
@@ -20,11 +22,13 @@
 //! ```
 #![no_std]
 
+#[cfg(feature = "alloc")]
 extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
 mod adaptive_filter;
+mod buffer;
 mod complex;
 mod correction;
 mod cross_fade;
@@ -54,13 +58,15 @@ mod zv;
 mod zvd;
 mod zvdd;
 
-pub use adaptive_filter::{AdaptiveFilter, Residual};
+pub use adaptive_filter::{AdaptiveFilter, Buffers, Residual};
+pub use buffer::{Buffer, OwnBuffer};
 pub use correction::CORRECTED_MODES;
 pub use ei::Ei;
 pub use equal_ripple::HUMP_TOLERANCE;
 pub use error::ShaperError;
 pub use filter::{Setpoint, ShapingFilter};
 pub use grid::{GridTrain, Tap};
+pub use history::Entry;
 pub use impulse_train::{Impulse, ImpulseTrain, TRAIN_CAPACITY};
 pub use limits::{MotionLimits, PeakRatios, peak_ratios, shaped_peak_ratios};
 pub use mode::{Mode, ModeError};

@@ -4,10 +4,12 @@ use crate::adaptive_filter::AdaptiveFilter;
 use crate::complex::Complex;
 use crate::correction::{CORRECTED_MODES, Schedule, sum};
 use crate::cross_fade::CrossFade;
+use crate::history::Entry;
 use crate::modal_state::{ModalState, of_future, pole};
 use crate::replay::{Forecast, Plan};
 use crate::{
-    Correction, GridTrain, Mode, MotionLimits, Refusal, Residual, Retune, RetuneOutcome, Setpoint,
+    Buffer, Correction, GridTrain, Mode, MotionLimits, Refusal, Residual, Retune, RetuneOutcome,
+    Setpoint,
 };
 use arrayvec::ArrayVec;
 use num_traits::Float;
@@ -27,7 +29,7 @@ struct Choice {
     superseded: bool,
 }
 
-impl AdaptiveFilter {
+impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// Goes over to another train in motion so that nothing of the given modes is left.
     ///
     /// `planned(k)` is the input at the `k`-th tick from now, `1 <= k <= remaining`; after that it

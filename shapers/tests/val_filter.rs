@@ -1,6 +1,9 @@
 //! The filter: exact ends, installation at rest, limits kept.
 
-use quell_shapers::{GridTrain, Mode, Setpoint, Shaper, ShaperError, ShapingFilter, Zv, Zvd};
+use quell_shapers::{
+    AdaptiveFilter, Buffers, Entry, GridTrain, Mode, Setpoint, Shaper, ShaperError, ShapingFilter,
+    Tap, Zv, Zvd,
+};
 
 const TICK: f64 = 0.004;
 
@@ -65,4 +68,49 @@ fn val_what_a_filter_refuses() {
     let mut invalid = ShapingFilter::new(f64::NAN, 8);
     assert!(invalid.install(&other).is_err());
     assert_eq!(invalid.step(Setpoint::at_rest(2.0)).position, 2.0);
+}
+
+#[test]
+fn val_lent_buffers_make_the_same_filters() {
+    let (mut line, mut history) = ([Setpoint::at_rest(9.0); 65], [Entry::default(); 128]);
+    let (mut first, mut planned, mut future) = (line, [line[0]; 128], [line[0]; 128]);
+    let buffers = Buffers {
+        line: &mut line[..],
+        history: &mut history[..],
+        planned: &mut planned[..],
+        future: &mut future[..],
+    };
+    let mut lent = AdaptiveFilter::in_buffers(TICK, buffers).unwrap();
+    let mut simple = ShapingFilter::in_buffer(TICK, &mut first[..]).unwrap();
+    let (mut owned, train) = (AdaptiveFilter::new(TICK, 64, 128), train(8.12));
+    assert_eq!((lent.capacity(), lent.horizon()), (64, 128));
+    lent.install(&train).unwrap();
+    simple.install(&train).unwrap();
+    owned.install(&train).unwrap();
+    for k in 0..200 {
+        let input = Setpoint::at_rest(f64::from(k.min(100)) * 0.03);
+        let out = owned.step(input);
+        assert_eq!((lent.step(input), simple.step(input)), (out, out));
+    }
+    let empty: &mut [Setpoint] = &mut [];
+    assert!(ShapingFilter::in_buffer(TICK, empty).is_err());
+}
+
+#[test]
+fn val_a_train_is_read_back_to_the_bit_or_refused() {
+    let train = train(8.12);
+    assert_eq!(GridTrain::from_taps(train.taps(), TICK), Ok(train.clone()));
+    let mut taps = train.taps().to_vec();
+    taps[1].amplitude += 1e-12;
+    let refused = |taps: &[Tap]| GridTrain::from_taps(taps, TICK).unwrap_err();
+    assert!(matches!(refused(&taps), ShaperError::Sum(_)));
+    taps[1].amplitude = f64::NAN;
+    assert!(matches!(refused(&taps), ShaperError::Sum(_)));
+    taps.swap(0, 1);
+    assert!(matches!(refused(&taps), ShaperError::OutOfRange { .. }));
+    assert_eq!(refused(&[]), ShaperError::Empty);
+    assert!(matches!(
+        refused(&vec![taps[0]; 300]),
+        ShaperError::OutOfRange { .. }
+    ));
 }
