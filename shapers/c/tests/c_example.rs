@@ -1,0 +1,151 @@
+//! The example in C, built without std and without a heap, beside the filter in Rust.
+
+use quell_shapers::{
+    AdaptiveFilter, GridTrain, Mode, MotionLimits, Retune, RetuneOutcome, Setpoint,
+};
+use quell_shapers::{Shaper, Tap, Zvd};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const TICK: f64 = 0.004;
+const MOVE: usize = 100;
+const TICKS: usize = 400;
+
+fn folder() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs a command; what it printed.
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The library as a controller gets it: with a panic handler of its own, which could not be linked beside
+/// that of std.
+fn library() -> PathBuf {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bare");
+    run(Command::new(env!("CARGO"))
+        .args([
+            "rustc",
+            "--locked",
+            "-p",
+            "quell-shapers-c",
+            "--profile",
+            "bare",
+        ])
+        .args([
+            "--features",
+            "bare",
+            "--crate-type",
+            "staticlib",
+            "--target-dir",
+        ])
+        .arg(&target)
+        .current_dir(folder()));
+    target.join("bare/libquell_shapers_c.a")
+}
+
+fn example() -> String {
+    let library = library();
+    let program = library.with_file_name("shape");
+    // No fused multiplication and addition, so that the plan is the same number in both languages.
+    run(Command::new("cc")
+        .args([
+            "-std=c11",
+            "-Wall",
+            "-Wextra",
+            "-Wpedantic",
+            "-Werror",
+            "-O2",
+            "-ffp-contract=off",
+        ])
+        .arg("-I")
+        .arg(folder().join("include"))
+        .arg(folder().join("examples/shape.c"))
+        .arg(&library)
+        .arg("-lm")
+        .arg("-o")
+        .arg(&program));
+    run(&mut Command::new(program))
+}
+
+fn planned(tick: usize) -> Setpoint {
+    let (duration, x) = (MOVE as f64 * TICK, (tick as f64 / MOVE as f64).min(1.0));
+    let rest = 1.0 - x;
+    Setpoint {
+        position: x * x * x * (10.0 + x * (6.0 * x - 15.0)),
+        velocity: 30.0 * x * x * rest * rest / duration,
+        acceleration: 60.0 * x * rest * (1.0 - 2.0 * x) / (duration * duration),
+    }
+}
+
+fn numbers(line: &str) -> Vec<f64> {
+    line.split(' ')
+        .filter_map(|word| word.parse().ok())
+        .collect()
+}
+
+#[test]
+fn the_example_in_c_gives_what_rust_gives() {
+    let printed = example();
+    let line = |word: &str| printed.lines().find(|line| line.starts_with(word)).unwrap();
+    let taps: Vec<Tap> = numbers(line("train"))
+        .chunks(2)
+        .map(|pair| Tap {
+            delay: pair[0] as u32,
+            amplitude: pair[1],
+        })
+        .collect();
+    let first = GridTrain::from_taps(&taps, TICK).unwrap();
+    let identified = Mode::from_hertz(9.0, 0.04).unwrap();
+    let second = Zvd.on_grid(identified, TICK).unwrap();
+
+    let mut filter = AdaptiveFilter::new(TICK, 128, 1024);
+    filter.install(&first).unwrap();
+    let steps: Vec<_> = printed
+        .lines()
+        .filter_map(|line| line.strip_prefix("step "))
+        .collect();
+    assert_eq!(steps.len(), TICKS);
+    for (tick, line) in (1..).zip(steps) {
+        let out = filter.step(planned(tick));
+        let [out, seen] = [
+            vec![out.position, out.velocity, out.acceleration],
+            numbers(line),
+        ];
+        if tick <= MOVE / 2 {
+            assert_eq!(out, seen, "tick {tick}");
+        }
+        // The correction depends on exp and sin, which come from another library without std.
+        let near = out.iter().zip(&seen).all(|(a, b)| (a - b).abs() < 1e-8);
+        assert!(near, "tick {tick}: {out:?} {seen:?}");
+        if tick == MOVE / 2 {
+            let limits = MotionLimits {
+                velocity: 10.0,
+                acceleration: 100.0,
+                jerk: f64::INFINITY,
+            };
+            let (train, modes) = (&second, &[identified][..]);
+            let request = Retune {
+                train,
+                modes,
+                limits,
+            };
+            let outcome = filter.retune(&request, MOVE / 2, |k| planned(tick + k));
+            assert!(
+                matches!(outcome, RetuneOutcome::Corrected(_)),
+                "{outcome:?}"
+            );
+        }
+    }
+    let left = numbers(&line("residual").replace(',', ""));
+    let [shaped, unshaped, settled] = left[..] else {
+        panic!("{left:?}");
+    };
+    assert!(shaped < 1e-9 * unshaped && settled == 1.0, "{left:?}");
+    // QUELL_NULL, QUELL_UNKNOWN_SHAPER, QUELL_MEMORY, QUELL_ALIGNMENT.
+    assert_eq!(numbers(line("refused")), [1.0, 5.0, 3.0, 2.0]);
+}
