@@ -32,10 +32,12 @@ mod buffer;
 mod complex;
 mod correction;
 mod cross_fade;
+mod duel;
 mod ei;
 mod equal_ripple;
 mod error;
 mod filter;
+mod game;
 mod grid;
 mod history;
 mod impulse_train;
@@ -44,6 +46,7 @@ mod linear;
 mod modal_state;
 mod mode;
 mod mzv;
+mod optimal;
 mod path;
 mod recommend;
 mod replay;
@@ -71,6 +74,7 @@ pub use impulse_train::{Impulse, ImpulseTrain, TRAIN_CAPACITY};
 pub use limits::{MotionLimits, PeakRatios, peak_ratios, shaped_peak_ratios};
 pub use mode::{Mode, ModeError};
 pub use mzv::Mzv;
+pub use optimal::Optimal;
 pub use path::{align_delays, common_train};
 pub use recommend::{
     Candidate, Criterion, Reason, Recommendation, Requirements, Standing, UncertainMode, recommend,
@@ -87,7 +91,7 @@ pub use zvdd::Zvdd;
 
 /// A rule that makes an impulse train for a mode.
 ///
-/// To add one: a file with a unit struct that implements this trait, and a line in [`SHAPERS`].
+/// To add one: a file with a (unit) struct that implements this trait, and a line in [`SHAPERS`].
 pub trait Shaper: Sync {
     /// Short stable name, as typed on a command line.
     fn name(&self) -> &'static str;
@@ -119,8 +123,17 @@ pub trait Shaper: Sync {
 }
 
 /// Every shaper.
-pub static SHAPERS: &[&dyn Shaper] =
-    &[&Zv, &Mzv, &Zvd, &Ei, &Zvdd, &TwoHumpEi, &ThreeHumpEi, &UmZv];
+pub static SHAPERS: &[&dyn Shaper] = &[
+    &Zv,
+    &Mzv,
+    &Zvd,
+    &Ei,
+    &Zvdd,
+    &TwoHumpEi,
+    &ThreeHumpEi,
+    &UmZv,
+    &Optimal::TYPICAL,
+];
 
 /// The shaper of that [`Shaper::name`].
 pub fn shaper_by_name(name: &str) -> Option<&'static dyn Shaper> {

@@ -220,7 +220,16 @@ fn choose(
     let good = acceptable.max(figure(&&least) + requirements.tolerance);
     let best = *eligible()
         .filter(|c| figure(c) <= good)
-        .min_by(|a, b| a.delay.total_cmp(&b.delay))
+        .min_by(|a, b| {
+            // The same delay, computed in two ways, differs by rounding.
+            let same = (a.delay - b.delay).abs() <= 1e-9 * a.delay;
+            let by_figure = figure(a).total_cmp(&figure(b));
+            if same {
+                by_figure
+            } else {
+                a.delay.total_cmp(&b.delay)
+            }
+        })
         .ok_or(none)?;
     let reason = if eligible().count() == 1 {
         Reason::OnlyOne

@@ -84,9 +84,9 @@ typedef struct {
     quell_tap taps[QUELL_TAPS];
 } quell_train;
 
-/* The train of a shaper ("zv", "mzv", "zvd", "ei", "zvdd", "ei2", "ei3", "umzv") for a mode, its taps on
- * ticks of sample_time seconds, its zeros at the mode kept exact. Some 10 us for "ei" and its kin: not in
- * the tick. */
+/* The train of a shaper ("zv", "mzv", "zvd", "ei", "zvdd", "ei2", "ei3", "umzv", "optimal") for a mode, its
+ * taps on ticks of sample_time seconds, its zeros at the mode kept exact. Some 0.1 ms for "optimal", "ei" and
+ * its kin: between two ticks. */
 quell_status quell_design(const char *shaper, quell_mode mode, double sample_time, quell_train *train);
 
 /* The train that does what both do, for two modes at once. `both` may be one of the two. */
