@@ -172,15 +172,7 @@ impl Duel {
     /// What a mix of modes and phases gets for sure, and the instants that pay least to it.
     fn instants_against(&self, shares: &[f64; ROOM], value: f64) -> (f64, ArrayVec<f64, NEW>) {
         let step = self.delay / (INSTANTS - 1) as f64;
-        let mut pays = [0.0; INSTANTS];
-        for (direction, &share) in self.directions.iter().zip(shares).filter(|s| *s.1 > 0.0) {
-            let mut wave = direction.pole.scale(self.delay).exp().scale(share);
-            let turn = direction.pole.scale(-step).exp();
-            for pay in &mut pays {
-                *pay += direction.turn.dot(wave);
-                wave = wave * turn;
-            }
-        }
+        let pays = self.pays(shares, step);
         let pay = |instant: f64| -> f64 {
             let all = self.directions.iter().zip(shares).filter(|s| *s.1 > 0.0);
             all.map(|(direction, share)| share * direction.part(self.delay - instant))
@@ -209,6 +201,20 @@ impl Duel {
             }
         }
         (least, found.iter().map(|entry| entry.1).collect())
+    }
+
+    /// What an impulse pays to a mix of modes and phases, at every instant of a grid.
+    fn pays(&self, shares: &[f64; ROOM], step: f64) -> [f64; INSTANTS] {
+        let mut pays = [0.0; INSTANTS];
+        for (direction, &share) in self.directions.iter().zip(shares).filter(|s| *s.1 > 0.0) {
+            let mut wave = direction.pole.scale(self.delay).exp().scale(share);
+            let turn = direction.pole.scale(-step).exp();
+            for pay in &mut pays {
+                *pay += direction.turn.dot(wave);
+                wave = wave * turn;
+            }
+        }
+        pays
     }
 
     /// Makes room: strategies that are not in the mix go.

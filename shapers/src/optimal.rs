@@ -65,6 +65,31 @@ impl Optimal {
     /// [`ShaperError::OutOfRange`] for a spread that is not in its range, or a delay that is not a finite
     /// number above 0; [`ShaperError::DampingTooHigh`] above 0.6.
     pub fn within(&self, mode: Mode, delay: f64) -> Result<(ImpulseTrain, f64), ShaperError> {
+        self.check(mode, delay)?;
+        let (frequency, damping) = (self.frequency_spread, self.damping_spread);
+        let damping_ratio = mode.damping_ratio();
+        let uncertainty = Uncertainty {
+            frequencies: (1.0 - frequency, 1.0 + frequency),
+            // A mode that does not ring needs no shaper.
+            ratios: (
+                damping_ratio * (1.0 - damping),
+                (damping_ratio * (1.0 + damping)).min(0.99),
+            ),
+        };
+        let mut duel = Duel::new(uncertainty, delay * mode.natural_frequency());
+        let worst = duel.fight();
+        let impulses: ArrayVec<Impulse, ROOM> = duel
+            .best
+            .iter()
+            .map(|&(time, amplitude)| Impulse {
+                time: time / mode.natural_frequency(),
+                amplitude,
+            })
+            .collect();
+        Ok((ImpulseTrain::new(&impulses)?, worst))
+    }
+
+    fn check(&self, mode: Mode, delay: f64) -> Result<(), ShaperError> {
         let (frequency, damping) = (self.frequency_spread, self.damping_spread);
         for (name, value, valid) in [
             (
@@ -88,25 +113,7 @@ impl Optimal {
                 limit,
             });
         }
-        let uncertainty = Uncertainty {
-            frequencies: (1.0 - frequency, 1.0 + frequency),
-            // A mode that does not ring needs no shaper.
-            ratios: (
-                damping_ratio * (1.0 - damping),
-                (damping_ratio * (1.0 + damping)).min(0.99),
-            ),
-        };
-        let mut duel = Duel::new(uncertainty, delay * mode.natural_frequency());
-        let worst = duel.fight();
-        let impulses: ArrayVec<Impulse, ROOM> = duel
-            .best
-            .iter()
-            .map(|&(time, amplitude)| Impulse {
-                time: time / mode.natural_frequency(),
-                amplitude,
-            })
-            .collect();
-        Ok((ImpulseTrain::new(&impulses)?, worst))
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::{ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, residual_vibration};
 use arrayvec::ArrayVec;
+use core::cmp::Ordering;
 use num_traits::Float;
 
 /// Nodes of the quadrature over natural frequency and over damping ratio.
@@ -220,16 +221,7 @@ fn choose(
     let good = acceptable.max(figure(&&least) + requirements.tolerance);
     let best = *eligible()
         .filter(|c| figure(c) <= good)
-        .min_by(|a, b| {
-            // The same delay, computed in two ways, differs by rounding.
-            let same = (a.delay - b.delay).abs() <= 1e-9 * a.delay;
-            let by_figure = figure(a).total_cmp(&figure(b));
-            if same {
-                by_figure
-            } else {
-                a.delay.total_cmp(&b.delay)
-            }
-        })
+        .min_by(|a, b| shorter(a, b, requirements.criterion))
         .ok_or(none)?;
     let reason = if eligible().count() == 1 {
         Reason::OnlyOne
@@ -245,6 +237,14 @@ fn choose(
         reason,
         candidates,
     })
+}
+
+/// By delay; of one delay, which computed in two ways differs by rounding, by what is left.
+fn shorter(a: &Candidate, b: &Candidate, criterion: Criterion) -> Ordering {
+    if (a.delay - b.delay).abs() <= 1e-9 * a.delay {
+        return a.figure(criterion).total_cmp(&b.figure(criterion));
+    }
+    a.delay.total_cmp(&b.delay)
 }
 
 fn candidate(

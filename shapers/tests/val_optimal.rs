@@ -1,8 +1,6 @@
 //! The optimal train: closed forms without damping, and better than every other shaper with it.
 
-use quell_shapers::{
-    ImpulseTrain, Mode, Optimal, SHAPERS, Shaper, UncertainMode, residual_vibration,
-};
+use quell_shapers::{ImpulseTrain, Mode, Optimal, SHAPERS, UncertainMode, residual_vibration};
 use std::f64::consts::PI;
 
 fn worst(train: &ImpulseTrain, frequency: f64, ratios: (f64, f64)) -> f64 {

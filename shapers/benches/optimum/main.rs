@@ -51,6 +51,23 @@ fn worst(train: &ImpulseTrain, modes: &[(f64, f64)]) -> f64 {
     modes.iter().map(residual).fold(0.0, f64::max)
 }
 
+/// Size and phase of what a train leaves of each mode.
+fn residuals(
+    delay: f64,
+    (times, amplitudes): (&[f64], &[f64]),
+    modes: &[(f64, f64)],
+) -> Vec<(f64, f64)> {
+    let left = |&mode: &(f64, f64)| {
+        let add = |sum: (f64, f64), (t, a): (&f64, &f64)| {
+            let (re, im) = wave(mode, delay - t);
+            (sum.0 + a * re, sum.1 + a * im)
+        };
+        let (re, im) = times.iter().zip(amplitudes).fold((0.0, 0.0), add);
+        (re.hypot(im), im.atan2(re))
+    };
+    modes.iter().map(left).collect()
+}
+
 /// The least worst residual of any train of that delay, from below, and the train that reaches it.
 fn optimum(delay: f64, modes: &[(f64, f64)]) -> Option<(f64, ImpulseTrain)> {
     let times: Vec<f64> = (0..=TIMES)
@@ -69,17 +86,7 @@ fn optimum(delay: f64, modes: &[(f64, f64)]) -> Option<(f64, ImpulseTrain)> {
         .collect();
     for _ in 0..200 {
         let (strategy, _, value) = game::solve(&rows);
-        let residuals: Vec<(f64, f64)> = modes
-            .iter()
-            .map(|&mode| {
-                let add = |sum: (f64, f64), (t, a): (&f64, &f64)| {
-                    let (re, im) = wave(mode, delay - t);
-                    (sum.0 + a * re, sum.1 + a * im)
-                };
-                times.iter().zip(&strategy).fold((0.0, 0.0), add)
-            })
-            .map(|(re, im)| (re.hypot(im), im.atan2(re)))
-            .collect();
+        let residuals = residuals(delay, (&times, &strategy), modes);
         let largest = residuals.iter().map(|r| r.0).fold(0.0, f64::max);
         if largest <= value * 1.0005 + 1e-9 {
             let impulses: Vec<Impulse> = times

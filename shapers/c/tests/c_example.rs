@@ -88,6 +88,25 @@ fn numbers(line: &str) -> Vec<f64> {
         .collect()
 }
 
+/// Halfway the mode turns out to be another one.
+fn retune(filter: &mut AdaptiveFilter) {
+    let identified = Mode::from_hertz(9.0, 0.04).unwrap();
+    let request = Retune {
+        train: &Zvd.on_grid(identified, TICK).unwrap(),
+        modes: &[identified],
+        limits: MotionLimits {
+            velocity: 10.0,
+            acceleration: 100.0,
+            jerk: f64::INFINITY,
+        },
+    };
+    let outcome = filter.retune(&request, MOVE / 2, |k| planned(MOVE / 2 + k));
+    assert!(
+        matches!(outcome, RetuneOutcome::Corrected(_)),
+        "{outcome:?}"
+    );
+}
+
 #[test]
 fn the_example_in_c_gives_what_rust_gives() {
     let printed = example();
@@ -100,9 +119,6 @@ fn the_example_in_c_gives_what_rust_gives() {
         })
         .collect();
     let first = GridTrain::from_taps(&taps, TICK).unwrap();
-    let identified = Mode::from_hertz(9.0, 0.04).unwrap();
-    let second = Zvd.on_grid(identified, TICK).unwrap();
-
     let mut filter = AdaptiveFilter::new(TICK, 128, 1024);
     filter.install(&first).unwrap();
     let steps: Vec<_> = printed
@@ -123,22 +139,7 @@ fn the_example_in_c_gives_what_rust_gives() {
         let near = out.iter().zip(&seen).all(|(a, b)| (a - b).abs() < 1e-8);
         assert!(near, "tick {tick}: {out:?} {seen:?}");
         if tick == MOVE / 2 {
-            let limits = MotionLimits {
-                velocity: 10.0,
-                acceleration: 100.0,
-                jerk: f64::INFINITY,
-            };
-            let (train, modes) = (&second, &[identified][..]);
-            let request = Retune {
-                train,
-                modes,
-                limits,
-            };
-            let outcome = filter.retune(&request, MOVE / 2, |k| planned(tick + k));
-            assert!(
-                matches!(outcome, RetuneOutcome::Corrected(_)),
-                "{outcome:?}"
-            );
+            retune(&mut filter);
         }
     }
     let left = numbers(&line("residual").replace(',', ""));
