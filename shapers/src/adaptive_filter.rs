@@ -33,7 +33,7 @@ pub struct AdaptiveFilter<S = OwnBuffer<Setpoint>, E = OwnBuffer<Entry>> {
 /// The memory of an [`AdaptiveFilter`] where there is no heap; see [`AdaptiveFilter::in_buffers`].
 #[derive(Clone, Copy, Debug)]
 pub struct Buffers<S, E> {
-    /// One tick more than the longest train.
+    /// Two for each tick of the longest train, and two more.
     pub line: S,
     /// As many ticks as are remembered, at least 2.
     pub history: E,
@@ -77,11 +77,11 @@ impl AdaptiveFilter {
     ///   ahead. It must cover the longest move with the longest train; twice that lets vibration
     ///   left by one move be cancelled in the next.
     ///
-    /// The only place that allocates: 24 bytes for each tick of `capacity`, 72 for each of
+    /// The only place that allocates: 48 bytes for each tick of `capacity`, 72 for each of
     /// `horizon`.
     pub fn new(sample_time: f64, capacity: usize, horizon: usize) -> Self {
         let buffers = Buffers {
-            line: on_heap(capacity + 1),
+            line: on_heap(DelayLine::<OwnBuffer<Setpoint>>::places(capacity)),
             history: on_heap(horizon.max(SHORTEST_HISTORY)),
             planned: on_heap(horizon.max(1)),
             future: on_heap(horizon.max(1)),
@@ -96,7 +96,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// # Errors
     /// [`ShaperError::OutOfRange`] where a buffer is shorter than [`Buffers`] says.
     pub fn in_buffers(sample_time: f64, buffers: Buffers<S, E>) -> Result<Self, ShaperError> {
-        at_least("length of the delay line", buffers.line.len(), 1)?;
+        at_least("length of the delay line", buffers.line.len(), 2)?;
         let (history, planned) = (buffers.history.len(), buffers.planned.len());
         at_least("length of the history", history, SHORTEST_HISTORY)?;
         at_least("ticks ahead", planned, 1)?;

@@ -46,22 +46,25 @@ pub struct ShapingFilter<S = OwnBuffer<Setpoint>> {
 #[cfg(feature = "alloc")]
 impl ShapingFilter {
     /// A filter at rest at position 0 that changes nothing, for ticks of `sample_time` seconds and
-    /// trains of up to `capacity` ticks. The only place that allocates (24 bytes a tick).
+    /// trains of up to `capacity` ticks. The only place that allocates (48 bytes a tick).
     ///
     /// A sample time that is not a finite number above 0 is taken as 1 s: trains for another one
     /// are then refused by [`ShapingFilter::install`].
     pub fn new(sample_time: f64, capacity: usize) -> Self {
-        Self::on(sample_time, DelayLine::new(on_heap(capacity + 1)))
+        Self::on(
+            sample_time,
+            DelayLine::new(on_heap(DelayLine::<OwnBuffer<Setpoint>>::places(capacity))),
+        )
     }
 }
 
 impl<S: Buffer<Setpoint>> ShapingFilter<S> {
-    /// [`ShapingFilter::new`] without a heap, for trains of up to one tick less than `line` is long.
+    /// [`ShapingFilter::new`] without a heap, for trains of up to one tick less than half of `line`.
     ///
     /// # Errors
-    /// [`ShaperError::OutOfRange`] where the buffer is empty.
+    /// [`ShaperError::OutOfRange`] where the buffer has less than two places.
     pub fn in_buffer(sample_time: f64, line: S) -> Result<Self, ShaperError> {
-        at_least("length of the delay line", line.len(), 1)?;
+        at_least("length of the delay line", line.len(), 2)?;
         Ok(Self::on(sample_time, DelayLine::new(line)))
     }
 
@@ -175,19 +178,31 @@ pub(crate) fn at_least(name: &'static str, length: usize, least: usize) -> Resul
     Err(ShaperError::OutOfRange { name, value })
 }
 
-/// The last setpoints, newest first by age.
+/// The last setpoints by age.
+///
+/// A ring that is written twice, half its length apart: the newest `length` setpoints then always lie one after
+/// the other, and an age is found without asking where the ring ends.
 #[derive(Clone, Debug)]
 pub(crate) struct DelayLine<S> {
     ring: S,
+    length: usize,
+    /// Of the first of the two.
     newest: usize,
     unchanged: usize,
 }
 
 impl<S: Buffer<Setpoint>> DelayLine<S> {
-    /// At rest at position 0; holds as many ages, from 0, as the ring is long, which is at least 1.
+    /// Places that a line of so many ticks takes.
+    pub fn places(capacity: usize) -> usize {
+        2 * (capacity + 1)
+    }
+
+    /// At rest at position 0; holds ages from 0 to one less than half of the ring, which has at least 2 places.
     pub fn new(ring: S) -> Self {
+        let length = ring.len() / 2;
         let mut line = Self {
             ring,
+            length,
             newest: 0,
             unchanged: usize::MAX,
         };
@@ -196,7 +211,7 @@ impl<S: Buffer<Setpoint>> DelayLine<S> {
     }
 
     pub fn capacity(&self) -> usize {
-        self.ring.len() - 1
+        self.length - 1
     }
 
     pub fn fill(&mut self, setpoint: Setpoint) {
@@ -212,12 +227,13 @@ impl<S: Buffer<Setpoint>> DelayLine<S> {
         } else {
             0
         };
-        self.newest = if self.newest + 1 == self.ring.len() {
+        self.newest = if self.newest + 1 == self.length {
             0
         } else {
             self.newest + 1
         };
         self.ring[self.newest] = input;
+        self.ring[self.newest + self.length] = input;
     }
 
     /// Ticks for which the newest setpoint has been repeated.
@@ -225,23 +241,30 @@ impl<S: Buffer<Setpoint>> DelayLine<S> {
         self.unchanged
     }
 
+    /// The last setpoints, oldest first.
+    #[inline]
+    fn window(&self) -> &[Setpoint] {
+        &self.ring[self.newest + 1..][..self.length]
+    }
+
     /// The setpoint `age` ticks ago, 0 for the newest; an age above the capacity gives the oldest.
     #[inline]
     pub fn at(&self, age: usize) -> Setpoint {
-        let age = age.min(self.capacity());
-        let index = if age <= self.newest {
-            self.newest - age
-        } else {
-            self.newest + self.ring.len() - age
-        };
-        self.ring[index]
+        by_age(self.window(), age)
     }
 
     /// `sum A_i in(k - n_i)`, with a constant passed to the bit.
     #[inline]
     pub fn shaped(&self, train: &GridTrain) -> Setpoint {
-        shape(train, |age| self.at(age))
+        let window = self.window();
+        shape(train, |age| by_age(window, age))
     }
+}
+
+#[inline]
+fn by_age(window: &[Setpoint], age: usize) -> Setpoint {
+    let last = window.len() - 1;
+    window[last - age.min(last)]
 }
 
 /// `sum A_i in(n_i)` of setpoints given by age.

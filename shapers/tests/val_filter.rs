@@ -72,7 +72,7 @@ fn val_what_a_filter_refuses() {
 
 #[test]
 fn val_lent_buffers_make_the_same_filters() {
-    let (mut line, mut history) = ([Setpoint::at_rest(9.0); 65], [Entry::default(); 128]);
+    let (mut line, mut history) = ([Setpoint::at_rest(9.0); 130], [Entry::default(); 128]);
     let (mut first, mut planned, mut future) = (line, [line[0]; 128], [line[0]; 128]);
     let buffers = Buffers {
         line: &mut line[..],

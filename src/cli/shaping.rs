@@ -7,7 +7,7 @@ use super::CliError;
 use crate::closed_loop::ClosedLoopError;
 use crate::controller::{SlowedPlan, plan_shaped};
 
-/// The longest train that is run, ticks: 24 MB of delay line, 17 minutes at 1 kHz.
+/// The longest train that is run, ticks: 48 MB of delay line, 17 minutes at 1 kHz.
 const LONGEST_TRAIN: usize = 1_000_000;
 
 /// Share of a limit by which a command at its limit may seem to exceed it: rounding of velocities and

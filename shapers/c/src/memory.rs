@@ -16,6 +16,11 @@ pub struct Filter {
 /// Tells a filter from memory that has not been made one: a drawn number.
 const MARK: u64 = 0x8d1c_f03b_5e92_a746;
 
+/// Setpoints in the delay line of a filter, as [`Buffers`] asks for.
+fn places(capacity: usize) -> usize {
+    capacity.saturating_add(1).saturating_mul(2)
+}
+
 /// Where things lie in the memory of a filter.
 struct Plan {
     whole: Layout,
@@ -27,7 +32,7 @@ struct Plan {
 
 impl Plan {
     fn new(capacity: usize, horizon: usize) -> Result<Self, LayoutError> {
-        let line = Layout::array::<Setpoint>(capacity.saturating_add(1))?;
+        let line = Layout::array::<Setpoint>(places(capacity))?;
         let ahead = Layout::array::<Setpoint>(horizon)?;
         let (whole, line) = Layout::new::<Filter>().extend(line)?;
         let (whole, history) = whole.extend(Layout::array::<Entry>(horizon)?)?;
@@ -69,7 +74,7 @@ pub(crate) unsafe fn make(
     // SAFETY: the plan keeps the parts within `bytes`, aligned and apart, and nobody else uses them.
     let buffers = unsafe {
         Buffers {
-            line: part(memory, plan.line, capacity + 1),
+            line: part(memory, plan.line, places(capacity)),
             history: part(memory, plan.history, horizon),
             planned: part(memory, plan.planned, horizon),
             future: part(memory, plan.future, horizon),
