@@ -1,0 +1,118 @@
+//! Streams, consumer and bucket of the queue.
+
+use async_nats::jetstream::consumer::{AckPolicy, pull};
+use async_nats::jetstream::stream::{self, RetentionPolicy, StorageType};
+use async_nats::jetstream::{Context, kv};
+use async_nats::{ConnectOptions, ServerAddr};
+use tokio::runtime::Builder;
+
+use super::parts::{PART, Parts};
+use super::patience::Patience;
+use super::{ACK_WAIT, JOB, Link};
+use crate::batch::error::BatchError;
+
+const JOBS: &str = "QUELL_JOBS";
+const RECORDINGS: &str = "QUELL_RECORDINGS";
+const ANSWERS: &str = "QUELL_ANSWERS";
+/// The durable consumer that all workers share.
+const WORKERS: &str = "workers";
+/// Workers that may wait at once; the server's own bound is 512.
+const MOST_WAITING: i64 = 65_536;
+/// As many jobs at work at once as there are workers.
+const UNBOUNDED: i64 = -1;
+
+/// Connects, and makes what is not there.
+///
+/// # Errors
+/// [`BatchError::Queue`] where the address is none, nobody answers, or the server has no JetStream.
+pub fn link(address: &str) -> Result<Link, BatchError> {
+    let runtime = Builder::new_multi_thread()
+        .worker_threads(1)
+        .thread_name("quell-nats")
+        .enable_all()
+        .build()
+        .map_err(|error| BatchError::Thread(error.to_string()))?;
+    let parsed = address.parse::<ServerAddr>();
+    // An address may hold a password, so that what could not be read is not repeated.
+    let nowhere = Patience::new("--queue".into());
+    let parsed = parsed.map_err(|error| nowhere.failed("reading", "its address", error.to_string()))?;
+    let patience = Patience::new(format!("nats://{}:{}", parsed.host(), parsed.port()));
+    let connected = runtime.block_on(ConnectOptions::new().name("quell").connect(parsed));
+    let failed = |what: &str, error: String| patience.failed("making", what, error);
+    let client = connected
+        .map_err(|error| patience.failed("connecting to", "the server", error.to_string()))?;
+    let context = async_nats::jetstream::new(client);
+    let made = runtime.block_on(async {
+        let jobs = stream(&context, jobs()).await;
+        let jobs = jobs.map_err(|error| failed(JOBS, error))?;
+        let recordings = stream(&context, recordings()).await;
+        let recordings = recordings.map_err(|error| failed(RECORDINGS, error))?;
+        let workers = jobs.get_or_create_consumer(WORKERS, workers()).await;
+        let workers = workers.map_err(|error| failed(WORKERS, error.to_string()))?;
+        let answers = bucket(&context).await;
+        let answers = answers.map_err(|error| failed(ANSWERS, error))?;
+        Ok::<_, BatchError>((jobs, recordings, workers, answers))
+    });
+    let (jobs, recordings, workers, answers) = made?;
+    Ok(Link {
+        runtime,
+        patience,
+        parts: Parts::new(context.clone(), recordings),
+        context,
+        jobs,
+        workers,
+        answers,
+    })
+}
+
+async fn stream(context: &Context, config: stream::Config) -> Result<stream::Stream, String> {
+    let made = context.get_or_create_stream(config).await;
+    made.map_err(|error| error.to_string())
+}
+
+fn jobs() -> stream::Config {
+    stream::Config {
+        name: JOBS.into(),
+        subjects: vec![format!("{JOB}.*")],
+        retention: RetentionPolicy::WorkQueue,
+        storage: StorageType::File,
+        ..stream::Config::default()
+    }
+}
+
+fn recordings() -> stream::Config {
+    stream::Config {
+        name: RECORDINGS.into(),
+        subjects: vec![format!("{PART}.*.*")],
+        max_messages_per_subject: 1,
+        storage: StorageType::File,
+        allow_direct: true,
+        ..stream::Config::default()
+    }
+}
+
+fn workers() -> pull::Config {
+    pull::Config {
+        durable_name: Some(WORKERS.into()),
+        ack_policy: AckPolicy::Explicit,
+        ack_wait: ACK_WAIT,
+        // The workers count, and answer with an error.
+        max_deliver: UNBOUNDED,
+        max_ack_pending: UNBOUNDED,
+        max_waiting: MOST_WAITING,
+        ..pull::Config::default()
+    }
+}
+
+/// The bucket; made under a condition, so that two who make it at once get the same.
+async fn bucket(context: &Context) -> Result<kv::Store, String> {
+    if let Ok(store) = context.get_key_value(ANSWERS).await {
+        return Ok(store);
+    }
+    let made = context.create_key_value(kv::Config {
+        bucket: ANSWERS.into(),
+        storage: StorageType::File,
+        ..kv::Config::default()
+    });
+    made.await.map_err(|error| error.to_string())
+}
