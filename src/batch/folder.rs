@@ -114,8 +114,8 @@ pub(super) fn read(folder: &Path) -> Result<Answer, BatchError> {
         fs::read(&path).map_err(BatchError::disk(&path))
     };
     let refused = |file: &str| BatchError::disk(folder.join(file));
-    let about: About = serde_json::from_slice(&parsed(RESULT)?)
-        .map_err(|error| refused(RESULT)(error.into()))?;
+    let about: About =
+        serde_json::from_slice(&parsed(RESULT)?).map_err(|error| refused(RESULT)(error.into()))?;
     if about.error.is_some() {
         return Ok(Answer {
             about,

@@ -1,5 +1,6 @@
 //! Recordings into a queue.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::error::BatchError;
@@ -38,37 +39,43 @@ pub struct Submission {
     pub refused: Vec<(PathBuf, BatchError)>,
 }
 
-/// Packs the recordings one by one and puts them into a queue; `told` hears of each that is through.
+/// Packs the recordings one by one and puts them into a queue; `told` hears of each that is through, and what
+/// became of it, none where it was refused or is another share's.
 ///
 /// # Errors
 /// [`BatchError`] where the queue takes no more. A recording that cannot be packed holds nobody up.
 pub fn submit(
     queue: &dyn Queue,
     batch: &Batch,
-    told: &mut dyn FnMut(&Path),
+    told: &mut dyn FnMut(Option<Submitted>),
 ) -> Result<Submission, BatchError> {
     let mut submission = Submission::default();
-    let mut known = std::collections::HashSet::new();
+    let mut known = HashSet::new();
     for path in &batch.recordings {
-        match pack(path) {
-            Err(error) => submission.refused.push((path.clone(), error)),
-            Ok(packed) => {
-                let job = Job::new(name(path), &packed, &batch.model, batch.seed);
-                if batch.shard.is_some_and(|shard| !shard.has(&job.key)) {
-                    submission.elsewhere += 1;
-                    continue;
-                }
-                match queue.submit(&job, packed)? {
-                    Submitted::Queued => submission.queued += 1,
-                    Submitted::Waiting => submission.waiting += 1,
-                    Submitted::Answered => submission.answered += 1,
-                }
-                if known.insert(job.key.clone()) {
-                    submission.keys.push(job.key);
-                }
+        let packed = match pack(path) {
+            Ok(packed) => packed,
+            Err(error) => {
+                submission.refused.push((path.clone(), error));
+                told(None);
+                continue;
             }
+        };
+        let job = Job::new(name(path), &packed, &batch.model, batch.seed);
+        if batch.shard.is_some_and(|shard| !shard.has(&job.key)) {
+            submission.elsewhere += 1;
+            told(None);
+            continue;
         }
-        told(path);
+        let submitted = queue.submit(&job, packed)?;
+        match submitted {
+            Submitted::Queued => submission.queued += 1,
+            Submitted::Waiting => submission.waiting += 1,
+            Submitted::Answered => submission.answered += 1,
+        }
+        if known.insert(job.key.clone()) {
+            submission.keys.push(job.key);
+        }
+        told(Some(submitted));
     }
     Ok(submission)
 }

@@ -130,7 +130,9 @@ impl Worker<'_> {
     fn outcome(&self, job: &Job, packed: &[u8]) -> Result<Outcome, BatchError> {
         let found = hash(packed);
         if found != job.recording || !job.is_sound() {
-            return Ok(Err(format!("what came is not what was sent: its hash is {found}")));
+            return Ok(Err(format!(
+                "what came is not what was sent: its hash is {found}"
+            )));
         }
         let scratch = tempfile::Builder::new().prefix("quell-").tempdir();
         let scratch = scratch.map_err(BatchError::disk(std::env::temp_dir()))?;

@@ -91,7 +91,9 @@ impl Link {
         // It may be there only once: none may be the last of its subject.
         let message = PublishMessage::build().expected_last_subject_sequence(0);
         let subject = format!("{JOB}.{}", job.key);
-        let sent = self.context.send_publish(subject, message.payload(text.into()));
+        let sent = self
+            .context
+            .send_publish(subject, message.payload(text.into()));
         let taken = match sent.await {
             Ok(taken) => taken.await,
             Err(error) => Err(error),

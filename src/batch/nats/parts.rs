@@ -50,7 +50,9 @@ impl Parts {
         let (mut packed, mut count) = (Vec::new(), 1);
         let mut number = 0;
         while number < count {
-            let part = self.stream.direct_get_last_for_subject(subject(key, number));
+            let part = self
+                .stream
+                .direct_get_last_for_subject(subject(key, number));
             let part = part.await.map_err(|error| error.to_string())?;
             let header = part.headers.get(COUNT).map(|count| count.as_str());
             count = header.and_then(|count| count.parse().ok()).unwrap_or(1);

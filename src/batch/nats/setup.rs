@@ -1,7 +1,7 @@
 //! Streams, consumer and bucket of the queue.
 
 use async_nats::jetstream::consumer::{AckPolicy, pull};
-use async_nats::jetstream::stream::{self, RetentionPolicy, StorageType};
+use async_nats::jetstream::stream::{self, DiscardPolicy, RetentionPolicy, StorageType};
 use async_nats::jetstream::{Context, kv};
 use async_nats::{ConnectOptions, ServerAddr};
 use tokio::runtime::Builder;
@@ -35,13 +35,18 @@ pub fn link(address: &str) -> Result<Link, BatchError> {
     let parsed = address.parse::<ServerAddr>();
     // An address may hold a password, so that what could not be read is not repeated.
     let nowhere = Patience::new("--queue".into());
-    let parsed = parsed.map_err(|error| nowhere.failed("reading", "its address", error.to_string()))?;
+    let parsed =
+        parsed.map_err(|error| nowhere.failed("reading", "its address", error.to_string()))?;
     let patience = Patience::new(format!("nats://{}:{}", parsed.host(), parsed.port()));
     let connected = runtime.block_on(ConnectOptions::new().name("quell").connect(parsed));
     let failed = |what: &str, error: String| patience.failed("making", what, error);
     let client = connected
         .map_err(|error| patience.failed("connecting to", "the server", error.to_string()))?;
-    let context = async_nats::jetstream::new(client);
+    // It starts a task of its own.
+    let context = {
+        let _within = runtime.enter();
+        async_nats::jetstream::new(client)
+    };
     let made = runtime.block_on(async {
         let jobs = stream(&context, jobs()).await;
         let jobs = jobs.map_err(|error| failed(JOBS, error))?;
@@ -104,15 +109,21 @@ fn workers() -> pull::Config {
     }
 }
 
-/// The bucket; made under a condition, so that two who make it at once get the same.
+/// The bucket, whose stream is laid out as ADR-8 says. It is made as a stream, since servers before 2.10 do
+/// not say of an account all that the making of a bucket asks for.
 async fn bucket(context: &Context) -> Result<kv::Store, String> {
-    if let Ok(store) = context.get_key_value(ANSWERS).await {
-        return Ok(store);
-    }
-    let made = context.create_key_value(kv::Config {
-        bucket: ANSWERS.into(),
+    let config = stream::Config {
+        name: format!("KV_{ANSWERS}"),
+        subjects: vec![format!("$KV.{ANSWERS}.>")],
+        max_messages_per_subject: 1,
+        discard: DiscardPolicy::New,
         storage: StorageType::File,
-        ..kv::Config::default()
-    });
-    made.await.map_err(|error| error.to_string())
+        allow_rollup: true,
+        deny_delete: true,
+        allow_direct: true,
+        ..stream::Config::default()
+    };
+    stream(context, config).await?;
+    let store = context.get_key_value(ANSWERS).await;
+    store.map_err(|error| error.to_string())
 }
