@@ -87,8 +87,14 @@ async fn serve(server: ServerAddr, mut teller: Teller, mut ended: oneshot::Recei
     let _ = timeout(FAREWELL, client.flush()).await;
 }
 
-/// What was told of a joint last: the estimate's time, and since when its train is in force.
-type Told = (Option<f64>, Option<f64>);
+/// What was told of a joint last.
+#[derive(Clone, Default)]
+struct Told {
+    /// Time of the estimate.
+    estimate: Option<f64>,
+    /// The train in force; empty before there is one.
+    train: TrainView,
+}
 
 struct Teller {
     robot: String,
@@ -117,7 +123,7 @@ impl Teller {
     async fn tell(&mut self, client: &Client) {
         while self.snapshots.changed().await.is_ok() {
             let snapshot = Arc::clone(&self.snapshots.borrow_and_update());
-            self.told.resize(snapshot.joints.len(), (None, None));
+            self.told.resize(snapshot.joints.len(), Told::default());
             for (index, joint) in snapshot.joints.iter().enumerate() {
                 for (what, payload) in self.changed(index, joint, snapshot.unix_time_s) {
                     let name = joint.name.replace('.', "_");
@@ -142,7 +148,7 @@ impl Teller {
         // Plain numbers and texts always have a form in JSON.
         let mut news = Vec::new();
         if let Some(estimate) = &now.estimate
-            && told.0.replace(estimate.time_s) != Some(estimate.time_s)
+            && told.estimate.replace(estimate.time_s) != Some(estimate.time_s)
         {
             let payload = serde_json::to_vec(&Estimate {
                 unix_time_s: time,
@@ -150,7 +156,8 @@ impl Teller {
             });
             news.push(("estimate", payload.unwrap_or_default()));
         }
-        if told.1.replace(now.mode_since_s) != Some(now.mode_since_s) {
+        if told.train != now.train {
+            told.train.clone_from(&now.train);
             let payload = serde_json::to_vec(&Train {
                 unix_time_s: now.mode_since_s,
                 shaper: now.shaper,

@@ -24,7 +24,6 @@ use async_nats::jetstream::consumer::PullConsumer;
 use async_nats::jetstream::context::PublishErrorKind;
 use async_nats::jetstream::kv::{CreateErrorKind, Store};
 use async_nats::jetstream::message::PublishMessage;
-use async_nats::jetstream::stream::Stream;
 use async_nats::jetstream::{Context, Message};
 use futures_util::StreamExt;
 use tokio::runtime::Runtime;
@@ -57,7 +56,6 @@ struct Link {
     runtime: Runtime,
     patience: Patience,
     context: Context,
-    jobs: Stream,
     workers: PullConsumer,
     parts: Parts,
     answers: Store,
@@ -182,12 +180,10 @@ impl Queue for Nats {
 
     fn left(&self) -> Result<u64, BatchError> {
         let link = &self.0;
-        let info = || async {
-            let info = link.jobs.get_info().await;
-            info.map_err(|error| error.to_string())
-        };
+        // The stream's own count would have what a server that was killed forgot to remove.
+        let info = || link.workers.get_info();
         let info = self.wait(link.patience.of("asking for", "jobs", info))?;
-        Ok(info.state.messages)
+        Ok(info.num_pending + info.num_ack_pending as u64)
     }
 
     fn answers(

@@ -1,6 +1,6 @@
 //! Streams, consumer and bucket of the queue.
 
-use async_nats::jetstream::consumer::{AckPolicy, pull};
+use async_nats::jetstream::consumer::{AckPolicy, PullConsumer, pull};
 use async_nats::jetstream::stream::{self, DiscardPolicy, RetentionPolicy, StorageType};
 use async_nats::jetstream::{Context, kv};
 use async_nats::{ConnectOptions, ServerAddr};
@@ -54,17 +54,18 @@ pub fn link(address: &str) -> Result<Link, BatchError> {
         let recordings = recordings.map_err(|error| failed(RECORDINGS, error))?;
         let workers = jobs.get_or_create_consumer(WORKERS, workers()).await;
         let workers = workers.map_err(|error| failed(WORKERS, error.to_string()))?;
+        let swept = sweep(&jobs, &workers).await;
+        swept.map_err(|error| failed(JOBS, error))?;
         let answers = bucket(&context).await;
         let answers = answers.map_err(|error| failed(ANSWERS, error))?;
-        Ok::<_, BatchError>((jobs, recordings, workers, answers))
+        Ok::<_, BatchError>((recordings, workers, answers))
     });
-    let (jobs, recordings, workers, answers) = made?;
+    let (recordings, workers, answers) = made?;
     Ok(Link {
         runtime,
         patience,
         parts: Parts::new(context.clone(), recordings),
         context,
-        jobs,
         workers,
         answers,
     })
@@ -83,6 +84,16 @@ fn jobs() -> stream::Config {
         storage: StorageType::File,
         ..stream::Config::default()
     }
+}
+
+/// Removes what was acknowledged and is still there: a server that is killed may forget a removal, and then
+/// neither hands the job out again nor takes it a second time.
+async fn sweep(jobs: &stream::Stream, workers: &PullConsumer) -> Result<(), String> {
+    let info = workers.get_info().await;
+    let info = info.map_err(|error| error.to_string())?;
+    // Everything up to the floor is acknowledged; what is below a number goes.
+    let done = jobs.purge().sequence(info.ack_floor.stream_sequence + 1);
+    done.await.map(|_| ()).map_err(|error| error.to_string())
 }
 
 fn recordings() -> stream::Config {
