@@ -108,7 +108,8 @@ impl Worker<'_> {
         let start = Instant::now();
         let outcome = if deliveries > MOST_DELIVERIES {
             Err(format!(
-                "it was handed out {MOST_DELIVERIES} times, and no answer came: its workers died"
+                "it was handed out {MOST_DELIVERIES} times, and no answer came: its workers died, or its \
+                 recording did not arrive"
             ))
         } else {
             let Ok(packed) = ticket.recording() else {

@@ -91,8 +91,13 @@ fn jobs() -> stream::Config {
 async fn sweep(jobs: &stream::Stream, workers: &PullConsumer) -> Result<(), String> {
     let info = workers.get_info().await;
     let info = info.map_err(|error| error.to_string())?;
+    let floor = info.ack_floor.stream_sequence;
+    // To a server "all below the first" is everything.
+    if floor == 0 {
+        return Ok(());
+    }
     // Everything up to the floor is acknowledged; what is below a number goes.
-    let done = jobs.purge().sequence(info.ack_floor.stream_sequence + 1);
+    let done = jobs.purge().sequence(floor + 1);
     done.await.map(|_| ()).map_err(|error| error.to_string())
 }
 
