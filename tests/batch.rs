@@ -254,3 +254,13 @@ fn a_recording_travels_as_it_is() {
     )));
     assert!(outside(open(b"no archive at all", "recording.toml")));
 }
+
+/// A build without the queue says so.
+#[cfg(not(feature = "nats"))]
+#[test]
+fn the_queue_elsewhere_is_a_feature() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ran = quell(&["work", "--queue", "nats://127.0.0.1:4222"], folder.path());
+    assert_eq!(ran.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("--features nats"));
+}

@@ -298,6 +298,37 @@ fn what_cannot_be_done_holds_nobody_up() {
     );
 }
 
+/// A job stays with the worker that says it is alive, and goes to another one when it falls silent.
+#[test]
+fn a_long_job_is_not_handed_out_twice() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(server) = Server::start(folder.path()) else {
+        return;
+    };
+    let queue = connect(&server.address()).expect("a queue");
+    let packed = pack(&small::fleet(folder.path(), 1)[0]).expect("a recording");
+    let job = Job::new("long", &packed, small::MODEL, 1);
+    queue.submit(&job, packed).expect("it is taken");
+    let Ok(Taken::Job(claim)) = queue.take() else {
+        panic!("it waits")
+    };
+    // Each try waits for some seconds: together more than what a queue waits for a sign of life.
+    for _ in 0..5 {
+        claim.ticket.alive();
+        assert!(matches!(queue.take(), Ok(Taken::Nothing)));
+    }
+    let silent = Instant::now();
+    let again = loop {
+        assert!(silent.elapsed() < PATIENCE, "nobody gets it");
+        if let Ok(Taken::Job(again)) = queue.take() {
+            break again;
+        }
+    };
+    assert_eq!((again.job.key, again.deliveries), (job.key, 2));
+    again.ticket.done();
+    assert_eq!(queue.left().expect("it says"), 0);
+}
+
 /// A fleet hears what a robot learns: the train in force, and estimates while it moves.
 #[test]
 fn estimates_and_trains_are_published() {
