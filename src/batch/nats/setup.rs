@@ -39,7 +39,6 @@ pub fn link(address: &str) -> Result<Link, BatchError> {
         parsed.map_err(|error| nowhere.failed("reading", "its address", error.to_string()))?;
     let patience = Patience::new(format!("nats://{}:{}", parsed.host(), parsed.port()));
     let connected = runtime.block_on(ConnectOptions::new().name("quell").connect(parsed));
-    let failed = |what: &str, error: String| patience.failed("making", what, error);
     let client = connected
         .map_err(|error| patience.failed("connecting to", "the server", error.to_string()))?;
     // It starts a task of its own.
@@ -47,20 +46,9 @@ pub fn link(address: &str) -> Result<Link, BatchError> {
         let _within = runtime.enter();
         async_nats::jetstream::new(client)
     };
-    let made = runtime.block_on(async {
-        let jobs = stream(&context, jobs()).await;
-        let jobs = jobs.map_err(|error| failed(JOBS, error))?;
-        let recordings = stream(&context, recordings()).await;
-        let recordings = recordings.map_err(|error| failed(RECORDINGS, error))?;
-        let workers = jobs.get_or_create_consumer(WORKERS, workers()).await;
-        let workers = workers.map_err(|error| failed(WORKERS, error.to_string()))?;
-        let swept = sweep(&jobs, &workers).await;
-        swept.map_err(|error| failed(JOBS, error))?;
-        let answers = bucket(&context).await;
-        let answers = answers.map_err(|error| failed(ANSWERS, error))?;
-        Ok::<_, BatchError>((recordings, workers, answers))
-    });
-    let (recordings, workers, answers) = made?;
+    let made = runtime.block_on(make(&context));
+    let failed = |(what, error): (&str, String)| patience.failed("making", what, error);
+    let (recordings, workers, answers) = made.map_err(failed)?;
     Ok(Link {
         runtime,
         patience,
@@ -69,6 +57,21 @@ pub fn link(address: &str) -> Result<Link, BatchError> {
         workers,
         answers,
     })
+}
+
+/// The stream of recordings, the consumer of jobs, the bucket of answers; or what is not to be had, and why.
+async fn make(
+    context: &Context,
+) -> Result<(stream::Stream, PullConsumer, kv::Store), (&'static str, String)> {
+    let of = |what| move |error| (what, error);
+    let jobs = stream(context, jobs()).await.map_err(of(JOBS))?;
+    let recordings = stream(context, recordings()).await;
+    let recordings = recordings.map_err(of(RECORDINGS))?;
+    let consumer = jobs.get_or_create_consumer(WORKERS, workers()).await;
+    let consumer = consumer.map_err(|error| (WORKERS, error.to_string()))?;
+    sweep(&jobs, &consumer).await.map_err(of(JOBS))?;
+    let answers = bucket(context).await.map_err(of(ANSWERS))?;
+    Ok((recordings, consumer, answers))
 }
 
 async fn stream(context: &Context, config: stream::Config) -> Result<stream::Stream, String> {
