@@ -4,6 +4,7 @@
 //! [`adaptation`], [`controller`], [`report`], [`cli`]. A room uses only rooms below it.
 
 pub mod adaptation;
+pub mod batch;
 pub mod cli;
 pub mod closed_loop;
 pub mod controller;

@@ -11,7 +11,7 @@ const FLOORS: &[&[&str]] = &[
     &["estimators", "effects"],
     &["plant", "adaptation", "model"],
     &["controller", "identification", "diagnosis"],
-    &["closed_loop", "report"],
+    &["batch", "closed_loop", "report"],
     &["proof"],
     &["service"],
     &["cli"],

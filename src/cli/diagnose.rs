@@ -1,5 +1,6 @@
 //! `quell diagnose`: what physics a model lacks, from what was recorded.
 
+mod batch;
 mod findings;
 mod follows;
 mod head;
@@ -15,6 +16,7 @@ mod text;
 mod words;
 
 use super::{CliError, output};
+use crate::batch::Shard;
 use crate::diagnosis::{Options, Outcome, diagnose};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -34,6 +36,8 @@ Examples:
   quell diagnose --model model.toml arm7
   quell diagnose --model model.toml monday tuesday --held-out friday --out friday-report
   quell diagnose --model model.toml arm7 --json
+  quell diagnose --batch --model model.toml fleet --out out
+  quell diagnose --queue nats://host:4222 submit --model model.toml fleet
 
 The model says what is believed, such as
   kind = \"flexible_joint\"
@@ -43,6 +47,10 @@ The model says what is believed, such as
   tip_height_m = 0.9
 Its parameters are refitted first, and what is still missing is looked for in the catalogue of
 effects. Without --held-out the last third of the moves judges what the rest was fitted to.
+
+With --batch or --queue each recording is diagnosed by itself, and a folder stands for the
+recordings below it; what has its result already is not done again. --queue only puts them in:
+`quell work` does them, `quell results` shows what came out.
 
 Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
 partly_explained, unexplained. The folder of --out gets report.html, diagnosis.json and model.toml
@@ -63,7 +71,16 @@ pub struct Args {
     /// Prints diagnosis.json instead of text.
     #[arg(long)]
     pub json: bool,
-    /// Threads to work with [default: one a core].
+    /// Diagnoses each recording by itself, as many at once as there are cores.
+    #[arg(long, conflicts_with = "held_out")]
+    pub batch: bool,
+    /// Puts the recordings behind the word `submit` into the queue at this address.
+    #[arg(long, value_name = "URL", conflicts_with_all = ["batch", "held_out", "jobs", "out"])]
+    pub queue: Option<String>,
+    /// Only the I-th of N shares of a batch, as in an array of jobs.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Threads to work with, or recordings at once [default: one a core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
     /// Seed of the confidence intervals' bootstrap.
@@ -76,6 +93,16 @@ pub struct Args {
 /// # Errors
 /// [`CliError::Input`] where model or recordings are refused.
 pub fn run(args: Args) -> Result<(), CliError> {
+    if let Some(queue) = &args.queue {
+        return batch::submit(queue, &args);
+    }
+    if args.batch {
+        return batch::run(&args);
+    }
+    if args.shard.is_some() {
+        let error = CliError::input("--shard: there is no batch of which this could be a share");
+        return Err(error.with_help("add --batch, or --queue URL submit"));
+    }
     apart(&args.model, &args.out)?;
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>, CliError> {

@@ -4,6 +4,7 @@
 //! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of `Verb` and
 //! `Verb::run`. What it prints goes through [`output`], so that a closed pipe ends it quietly.
 
+pub mod answers;
 pub mod choices;
 pub mod compare;
 pub mod diagnose;
@@ -15,6 +16,7 @@ pub mod log;
 pub mod moves;
 pub mod output;
 pub mod prove;
+pub mod results;
 pub mod robot_args;
 pub mod score;
 pub mod serve;
@@ -23,6 +25,7 @@ pub mod shaping;
 pub mod simulate;
 pub mod time_column;
 pub mod values;
+pub mod work;
 
 pub use error::CliError;
 
@@ -55,10 +58,12 @@ enum Verb {
     Inspect(inspect::Args),
     Move(moves::Args),
     Prove(prove::Args),
+    Results(results::Args),
     Score(score::Args),
     Serve(serve::Args),
     Shape(shape::Args),
     Simulate(simulate::Args),
+    Work(work::Args),
 }
 
 impl Verb {
@@ -70,10 +75,12 @@ impl Verb {
             Self::Inspect(args) => inspect::run(args),
             Self::Move(args) => moves::run(args),
             Self::Prove(args) => prove::run(args),
+            Self::Results(args) => results::run(args),
             Self::Score(args) => score::run(args),
             Self::Serve(args) => serve::run(args),
             Self::Shape(args) => shape::run(args),
             Self::Simulate(args) => simulate::run(args),
+            Self::Work(args) => work::run(args),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::io;
 use std::net::SocketAddr;
 
 use super::clock::ServiceClock;
-use super::config::Config;
+use super::config::{Config, NatsConfig};
 use super::contract::Handle;
 use super::link::RobotLink;
 use super::start::StartError;
@@ -80,4 +80,27 @@ pub fn over_zenoh(
     _: ServiceClock,
 ) -> Result<(Box<dyn RobotLink>, Companion), StartError> {
     Err(StartError::NotBuilt { feature: "zenoh" })
+}
+
+/// What publishes estimates and trains at a NATS server.
+///
+/// # Errors
+/// [`StartError`] where the address is none, or this is not part of this build.
+#[cfg(feature = "nats")]
+pub fn telemetry(config: &NatsConfig, handle: &Handle) -> Result<Box<dyn Send>, StartError> {
+    let telemetry = super::telemetry::Telemetry::start(config, handle);
+    let telemetry = telemetry.map_err(|error| StartError::System {
+        what: "nats.server".into(),
+        error,
+    })?;
+    Ok(Box::new(telemetry))
+}
+
+/// There is none in this build.
+///
+/// # Errors
+/// [`StartError::NotBuilt`], always.
+#[cfg(not(feature = "nats"))]
+pub fn telemetry(_: &NatsConfig, _: &Handle) -> Result<Box<dyn Send>, StartError> {
+    Err(StartError::NotBuilt { feature: "nats" })
 }

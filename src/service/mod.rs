@@ -18,6 +18,8 @@ pub mod recorder;
 pub mod ringing;
 mod start;
 pub mod state;
+#[cfg(feature = "nats")]
+mod telemetry;
 pub mod tick;
 
 pub use start::{Service, StartError, start};

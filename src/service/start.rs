@@ -16,7 +16,7 @@ use super::clock::{ServiceClock, unix_time};
 use super::config::{Config, JointConfig, RobotKind};
 use super::contract::{Handle, Snapshot, channels};
 use super::engine::{Engine, EngineParts, Joint, Registrar};
-use super::features::{Companion, live_view, over_zenoh};
+use super::features::{Companion, live_view, over_zenoh, telemetry};
 use super::guard::Bounds;
 use super::link::{EmbeddedLink, RobotLink, UdpLink, UdpSettings};
 use super::state::{State, StateFile};
@@ -147,7 +147,7 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         .iter()
         .map(|joint| joint.name.clone())
         .collect();
-    let foxglove = config.foxglove;
+    let (foxglove, nats) = (config.foxglove, config.nats.clone());
     let (saver, states) = channel();
     let real_time = config.real_time;
     let engine = Engine::new(EngineParts {
@@ -184,6 +184,9 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         let (address, view) = live_view(address, &names, &service.handle, clock)?;
         service.foxglove = Some(address);
         service.companions.push(view);
+    }
+    if let Some(nats) = &nats {
+        service.companions.push(telemetry(nats, &service.handle)?);
     }
     Ok(service)
 }

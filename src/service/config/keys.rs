@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use super::ZenohConfig;
+use super::{NatsConfig, ZenohConfig};
 
 /// The whole file. Every key may be left out.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -16,6 +16,7 @@ pub struct Keys {
     pub http: HttpKeys,
     pub udp: UdpKeys,
     pub zenoh: ZenohConfig,
+    pub nats: Option<NatsConfig>,
     pub foxglove: FoxgloveKeys,
     pub watchdog: WatchdogKeys,
     pub recording: RecordingKeys,

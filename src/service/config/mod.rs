@@ -2,6 +2,7 @@
 
 mod joint;
 mod keys;
+mod nats;
 mod zenoh;
 
 use std::net::SocketAddr;
@@ -12,6 +13,7 @@ use thiserror::Error;
 
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
+pub use nats::NatsConfig;
 pub use zenoh::ZenohConfig;
 
 use super::link::Key;
@@ -127,6 +129,8 @@ pub struct Config {
     pub udp_key: Option<Key>,
     /// How ROS 2 is reached, and its topics.
     pub zenoh: ZenohConfig,
+    /// Where estimates and trains are published, if anywhere; it takes the feature `nats`.
+    pub nats: Option<NatsConfig>,
     /// Where the live view of Foxglove listens, if there is one; it takes the feature `foxglove`.
     pub foxglove: Option<SocketAddr>,
     /// Silence after which the adaptation waits.
@@ -221,6 +225,7 @@ fn checked(
     )?;
     let joints = joints(&keys.joint, &description, robot, describes, &check)?;
     keys.zenoh.check(&joints, &check)?;
+    keys.nats.iter().try_for_each(|nats| nats.check(&check))?;
     if let Some(address) = keys.foxglove.address.filter(|a| !a.ip().is_loopback()) {
         return Err(check.refuse(
             "foxglove.address",
@@ -238,6 +243,7 @@ fn checked(
         udp_robot: keys.udp.robot,
         udp_key,
         zenoh: keys.zenoh,
+        nats: keys.nats,
         foxglove: keys.foxglove.address,
         watchdog: Duration::from_secs_f64(timeout),
         watchdog_stops: keys.watchdog.stop,
