@@ -4,8 +4,9 @@ use super::chain::MotorSide;
 use super::circle::Radius;
 use super::piecewise::{Grid, Hold};
 use super::windows::Window;
-use super::{ExperimentError, Model};
+use super::{ExperimentError, Model, Simulated, simulate};
 use crate::recording::{Channel, Recording, Role};
+use crate::signal::noise_floor;
 
 /// What one sensor showed.
 #[derive(Clone, Debug)]
@@ -69,6 +70,17 @@ pub struct Experiment {
 /// `0.25^5 / 144 = 7e-6` of the damping ratio.
 pub const RADIANS_A_STEP: f64 = 0.25;
 
+/// The same where an input is sampled more densely: half, as a law with a memory sees where its motion turns
+/// once a step.
+const RADIANS_A_COARSE_STEP: f64 = 0.125;
+
+/// Share of the steps that must be left at most for it to be worth while.
+const SPARED: f64 = 0.7;
+
+/// Difference of two predictions in standard deviations of a sensor's noise that is not seen: its square is
+/// below that by which chance moves the chi-squared of a million samples.
+const UNSEEN: f64 = 0.03;
+
 impl Experiment {
     /// The recording as the model sees it; the grid is fine enough for the mode that it believes in.
     ///
@@ -120,7 +132,46 @@ impl Experiment {
         }
         experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         experiment.windows = super::windows::windows(model, &experiment);
+        experiment.coarsen(model);
         Ok(experiment)
+    }
+
+    /// Takes longer steps where the input was sampled more densely than its motion needs, and no sensor sees
+    /// the difference.
+    fn coarsen(&mut self, model: &Model) {
+        let step = RADIANS_A_COARSE_STEP / model.fastest();
+        let span = self.span();
+        if self.hold != Hold::Spline
+            || (span.1 - span.0) / step > SPARED * self.grid.input.len() as f64
+        {
+            return;
+        }
+        let mut coarse = self.clone();
+        coarse.hold = Hold::Smooth;
+        match Grid::new(&self.input_time, &self.input_values, coarse.hold, step) {
+            Ok(grid) => coarse.grid = grid,
+            Err(_) => return,
+        }
+        let simulate = |experiment| {
+            simulate(
+                model.kind,
+                &model.keys(),
+                &model.terms(),
+                experiment,
+                &[0.0; 8],
+            )
+        };
+        let (fine, other) = (simulate(&*self), simulate(&coarse));
+        let unseen = |output: &Output| {
+            let noise = noise_floor(&output.values).standard_deviation;
+            let of = |simulated: &Simulated| simulated.predict(output, output.clock_offset).values;
+            let (fine, other) = (of(&fine), of(&other));
+            let square: f64 = fine.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum();
+            square < (UNSEEN * noise).powi(2) * fine.len() as f64
+        };
+        if self.outputs.iter().all(unseen) {
+            *self = coarse;
+        }
     }
 
     fn input<'a>(model: &Model, recording: &'a Recording) -> Result<&'a Channel, ExperimentError> {
