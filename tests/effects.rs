@@ -214,7 +214,7 @@ proptest! {
                 }
             }
             let starts = (effect.starts)(&scales);
-            let most = if effect.parameters.len() == 1 { 12 } else { 24 };
+            let most = [12, 24, 24, 40][effect.parameters.len() - 1];
             prop_assert!((1..=most).contains(&starts.len()), "{}: {}", effect.name, starts.len());
             for start in &starts {
                 prop_assert_eq!(start.len(), effect.parameters.len());
@@ -610,17 +610,26 @@ fn val_forces_by_hand() {
 
 #[test]
 fn val_drives_by_hand() {
-    for (name, parameter, value, expected) in [
-        ("dead_zone", 0.3, 1.0, 0.7),
-        ("dead_zone", 0.3, -1.0, -0.7),
-        ("dead_zone", 0.3, -0.2, 0.0),
-        ("saturation", 0.3, -1.0, -0.3),
-        ("saturation", 0.3, 0.2, 0.2),
-        ("torque_constant_nonlinearity", 0.1, -2.0, -1.6),
+    let peak = 1.0 / 0.03f64.sqrt();
+    for (name, parameters, value, expected) in [
+        ("dead_zone", &[0.3][..], 1.0, 0.7),
+        ("dead_zone", &[0.3], -1.0, -0.7),
+        ("dead_zone", &[0.3], -0.2, 0.0),
+        ("saturation", &[0.3], -1.0, -0.3),
+        ("saturation", &[0.3], 0.2, 0.2),
+        ("torque_constant_nonlinearity", &[0.1, 1.0], -2.0, -1.6),
         // No less beyond the peak at 1 / (2 a) = 5.
-        ("torque_constant_nonlinearity", 0.1, 8.0, 2.5),
+        ("torque_constant_nonlinearity", &[0.1, 1.0], 8.0, 2.5),
+        ("torque_constant_nonlinearity", &[0.1, 2.0], -2.0, -1.92),
+        // Nor beyond that at 1 / (a sqrt 3), where two thirds of the input arrive.
+        (
+            "torque_constant_nonlinearity",
+            &[0.1, 2.0],
+            8.0,
+            peak * 2.0 / 3.0,
+        ),
     ] {
-        assert_near(drive(name, &[parameter]).map(value), expected, 1e-15, name);
+        assert_near(drive(name, parameters).map(value), expected, 1e-14, name);
     }
     let time: Vec<f64> = (0..=20).map(|k| 0.05 * f64::from(k)).collect();
     let mut step: Vec<f64> = time

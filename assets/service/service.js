@@ -156,9 +156,9 @@ function showTrouble(now) {
   const advice = [];
   if (now.limits_assumed) {
     const [velocity, acceleration] = now.limits.map((limit) => number(limit * DEG));
-    advice.push(`Nothing says what ${now.name} may do: the embedded arm's limits are in force (${velocity} deg/s, ${acceleration} deg/s²). Set velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3, or service.description, in the configuration.`);
+    advice.push(`No limits were given for ${now.name}: those of the embedded arm are in force (${velocity} deg/s, ${acceleration} deg/s²). Set velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3.`);
   }
-  if (now.awaits_registration) advice.push("Where the tip's sensor stands is not known yet, so that nothing is learned from it: move by 20 deg or more. service.description must say where the tip is.");
+  if (now.awaits_registration) advice.push("Where the tip's sensor stands is not known yet: nothing is learned from it. A long move tells it; service.description must say where the tip is.");
   say("advice", advice);
 }
 
