@@ -77,10 +77,9 @@ impl Search<'_> {
         }
         let starts = screen(problem, point, linear, self.projector, SIZES);
         let candidate = |starts: Vec<Start>| {
-            let near = starts.iter().flat_map(|start| {
-                let with = |p: &Point| p.with(start.effect, start.place, start.values.clone());
-                [with(point), with(&believed)]
-            });
+            let with = |from: &Point, s: &Start| from.with(s.effect, s.place, s.values.clone());
+            let near = starts.iter().map(|start| with(point, start));
+            let near = near.chain([with(&believed, &starts[0])]);
             Candidate {
                 effect: (starts[0].effect.name, starts[0].place),
                 near: near.collect(),
