@@ -33,11 +33,14 @@
 
 mod axis;
 mod check;
+mod cruise;
 mod error;
 mod planner;
 mod problem;
 mod profile;
+mod read_back;
 mod sampled;
+mod solver;
 mod trajectory;
 
 pub use axis::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM};
