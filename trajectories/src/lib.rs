@@ -34,10 +34,13 @@
 mod axis;
 mod check;
 mod cruise;
+mod dip;
 mod error;
+mod path;
 mod planner;
 mod problem;
 mod profile;
+mod ramp;
 mod read_back;
 mod sampled;
 mod solver;

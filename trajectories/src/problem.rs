@@ -53,12 +53,11 @@ impl Problem<'_> {
         }
         let time = SEEN_AT * duration;
         let states = solver.solution.at_time(time);
-        let axes = (0..self.from.len())
-            .map(|index| {
-                let seen = (time, self.state(index, &states));
-                self.profile(index, &solver.solution, seen)
-            })
-            .collect::<Result<_, _>>()?;
+        let mut axes = Vec::with_capacity(self.from.len());
+        for index in 0..self.from.len() {
+            let seen = (time, self.state(index, &states));
+            axes.push(self.profile(index, &solver.solution, seen)?);
+        }
         Ok(Trajectory { axes, duration })
     }
 
@@ -80,7 +79,7 @@ impl Problem<'_> {
                 scale,
                 seen,
             };
-            if let Some(profile) = known.cruise() {
+            if let Some(profile) = known.profile() {
                 return Ok(profile);
             }
         }
