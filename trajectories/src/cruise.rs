@@ -1,62 +1,23 @@
-//! The usual move of an axis in closed form: a ramp to a cruise velocity, the cruise, a ramp to the target.
+//! The usual move of an axis: a ramp to a cruise velocity, the cruise, a ramp to the target.
 //!
-//! Ruckig's binding tells the duration and states at times, no phases. But nearly every profile is known once its
-//! cruise velocity `v_c` is: each ramp is the quickest to `v_c` (jerk at its limit, acceleration up to its limit),
-//! and the cruise takes what the ramps leave of the duration. `v_c` is read from a state, is the limit, or follows
-//! from the duration where there is no cruise. The duration, the target and the state that was seen are more than it
-//! takes, and so say whether the guess was right.
-//!
-//! Source: L. Berscheid, T. Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary
-//! Target States", Robotics: Science and Systems, 2021, for the profiles.
+//! Each ramp is the quickest to the cruise velocity `v_c` (jerk at its limit, acceleration up to its limit), and the
+//! cruise takes what the ramps leave of the duration, so that `v_c` says all.
 
-use crate::dip::dip;
+use crate::AxisState;
+use crate::closed_form::Known;
 use crate::path::Path;
 use crate::ramp::Ramp;
-use crate::read_back::Scale;
-use crate::{AxisProfile, AxisState, Limits};
 
 /// From a state in the cruise one or two are enough; the others look for a cruise that was not seen.
 const NEWTON_STEPS: usize = 8;
 
-/// What Ruckig itself accepts as the error of a profile (`profile.hpp`): rad, rad/s, rad/s^2.
-const PRECISION: AxisState = AxisState {
-    position: 1e-8,
-    velocity: 1e-8,
-    acceleration: 1e-10,
-};
-
-/// What is known of the move of one axis.
-pub(crate) struct Known {
-    pub(crate) from: AxisState,
-    pub(crate) to: AxisState,
-    pub(crate) limits: Limits,
-    pub(crate) scale: Scale,
-    /// A time within the move, s, and Ruckig's state there.
-    pub(crate) seen: (f64, AxisState),
-}
-
 impl Known {
-    /// The move, if a closed form explains all that is known of it.
-    pub(crate) fn profile(&self) -> Option<AxisProfile> {
-        let (limit, seen) = (self.limits.velocity, self.seen.1);
-        let path = if seen.acceleration.abs() <= self.scale.acceleration_rounding() {
-            self.cruise_near(seen.velocity)
-        } else {
-            let turnings = [1.0, -1.0].into_iter().map(|side| self.turning(side));
-            let mut guesses = turnings.chain([limit, -limit, seen.velocity]);
-            guesses
-                .find_map(|guess| self.cruise_near(guess))
-                .or_else(|| self.dip())
-        };
-        path.map(|path| path.profile(self.to, &self.scale))
-    }
-
     /// The path whose cruise velocity is near the guess and that ends at the target, if it is the one.
     ///
     /// Newton's method on the position at the end. As `v_c` grows by `d`, the velocity grows by `d` in the cruise,
     /// not at all before a ramp's peak is left, and the peak moves by half of what is left: the position grows by `d`
     /// times the cruise and half of the steps that lead into it and out of it.
-    fn cruise_near(&self, guess: f64) -> Option<Path> {
+    pub(crate) fn cruise_near(&self, guess: f64) -> Option<Path> {
         let mut cruise = guess;
         for _ in 0..NEWTON_STEPS {
             let (first, last) = self.ramps(cruise);
@@ -99,7 +60,7 @@ impl Known {
     /// With `c = v - s a^2 / 2 j` of start and target, peaks `A^2 = s j (v_c - c)`, and ramps of `(2 A - s a) / j`
     /// below the limit of the acceleration and `s (v_c - c) / a_max + (a_max - s a) / j` at it, the ramps of start
     /// and target add up to the duration.
-    fn turning(&self, side: f64) -> f64 {
+    pub(crate) fn turning(&self, side: f64) -> f64 {
         let (limit, jerk) = (self.limits.acceleration, self.limits.jerk);
         let along = |state: AxisState| {
             let (v, a) = (side * state.velocity, side * state.acceleration);
@@ -119,37 +80,5 @@ impl Known {
             return side * (high + peak * peak / jerk);
         }
         side * 0.5 * (limit * (total - 2.0 * limit / jerk) + low + high)
-    }
-
-    /// The short move without a cruise whose acceleration dips, if it is the one.
-    fn dip(&self) -> Option<Path> {
-        [1.0, -1.0].into_iter().find_map(|side| {
-            let steps = dip(self.from, self.to, self.limits, self.scale.duration, side);
-            let path = Path::new(self.from, steps, &self.scale)?;
-            (self.near(path.end(), self.to) && self.seen_on(&path)).then_some(path)
-        })
-    }
-
-    fn seen_on(&self, path: &Path) -> bool {
-        let (time, seen) = self.seen;
-        self.near(path.state_at(time), seen)
-    }
-
-    /// Whether two states are the same to Ruckig's own precision and to rounding.
-    fn near(&self, found: AxisState, expected: AxisState) -> bool {
-        let near = |error: f64, precision: f64, rounding: f64| error.abs() <= precision + rounding;
-        near(
-            found.position - expected.position,
-            PRECISION.position,
-            self.scale.position_rounding(),
-        ) && near(
-            found.velocity - expected.velocity,
-            PRECISION.velocity,
-            self.scale.velocity_rounding(),
-        ) && near(
-            found.acceleration - expected.acceleration,
-            PRECISION.acceleration,
-            self.scale.acceleration_rounding(),
-        )
     }
 }

@@ -33,6 +33,7 @@
 
 mod axis;
 mod check;
+mod closed_form;
 mod cruise;
 mod dip;
 mod error;
@@ -44,6 +45,7 @@ mod ramp;
 mod read_back;
 mod sampled;
 mod solver;
+mod stop;
 mod trajectory;
 
 pub use axis::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM};

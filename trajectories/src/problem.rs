@@ -2,7 +2,7 @@
 
 use ruckig::{ControlInterface, InputParameter, Synchronization};
 
-use crate::cruise::Known;
+use crate::closed_form::Known;
 use crate::read_back::{Scale, read_back};
 use crate::solver::Solver;
 use crate::{AxisProfile, AxisState, Limits, PlanError, Planner, Trajectory};
@@ -71,17 +71,19 @@ impl Problem<'_> {
         let duration = solution.get_duration();
         let scale = self.scale(index, duration);
         let (from, to, limits) = (self.from[index], self.to[index], self.limits[index]);
-        if self.interface == ControlInterface::Position {
-            let known = Known {
-                from,
-                to,
-                limits,
-                scale,
-                seen,
-            };
-            if let Some(profile) = known.profile() {
-                return Ok(profile);
-            }
+        let known = Known {
+            from,
+            to,
+            limits,
+            scale,
+            seen,
+        };
+        let closed = match self.interface {
+            ControlInterface::Position => known.profile(),
+            ControlInterface::Velocity => known.stop(),
+        };
+        if let Some(profile) = closed {
+            return Ok(profile);
         }
         let state_at = |time| self.state(index, &solution.at_time(time));
         let end = self.end(index, state_at(duration))?;

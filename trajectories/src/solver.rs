@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use ruckig::{InputParameter, Ruckig, Trajectory};
+use ruckig::{InputParameter, Ruckig};
 
 use crate::MAX_DEGREES_OF_FREEDOM;
 
@@ -12,7 +12,7 @@ use crate::MAX_DEGREES_OF_FREEDOM;
 /// and Ruckig derives all else from it: what was planned before changes nothing.
 pub(crate) struct Solver {
     pub(crate) input: InputParameter,
-    pub(crate) solution: Trajectory,
+    pub(crate) solution: ruckig::Trajectory,
     ruckig: Ruckig,
 }
 
@@ -20,7 +20,7 @@ impl Solver {
     pub(crate) fn new(axes: usize) -> Self {
         Self {
             input: InputParameter::new(axes),
-            solution: Trajectory::new_direct(axes),
+            solution: ruckig::Trajectory::new_direct(axes),
             ruckig: Ruckig::new_direct_and_offline(axes),
         }
     }
