@@ -4,8 +4,8 @@ use crate::path::{STEPS, Step};
 use crate::{AxisState, Limits};
 
 /// Jerk `-s j`, then `s j`, a hold at the limit of the acceleration if it gets there, then `-s j`: the quickest move
-/// to a target just beyond where the axis can come to rest, for example. `side` is `s`. A negative time, or none, says that
-/// there is no such move.
+/// to a target just beyond where the axis can come to rest, for example. `side` is `s`. A negative time, or one that
+/// is not a number, says that there is no such move.
 ///
 /// With the dip `b` and the peak `A` of the acceleration (both times `s`), `w = (j T - a_0 + a_1) / 2` and
 /// `q = s j (v_1 - v_0) - (a_0^2 - a_1^2) / 2`: without a hold `A - b = w` and `A^2 - b^2 = q`; with `A` at its limit

@@ -30,9 +30,7 @@ impl Path {
         let mut end = from;
         let states = steps.map(|(time, jerk)| {
             let state = end;
-            if time != 0.0 {
-                end = state.after(time, jerk);
-            }
+            end = state.after(time, jerk);
             state
         });
         Some(Self { steps, states, end })

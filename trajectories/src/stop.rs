@@ -10,7 +10,8 @@ const ROUNDING: f64 = 10.0 * f64::EPSILON;
 ///
 /// With `a` and the change of velocity `c = -s v j` along the direction `s`, the held acceleration `A` above `a`
 /// solves `A^2 - A (j T + a) + c + a^2 / 2 = 0`. Where less than `a` is enough, the jerk is `-s j` before the hold,
-/// too: `A = (c - a^2 / 2) / (j T - a)`. A negative time, or none, says that there is no such stop.
+/// too: `A = (c - a^2 / 2) / (j T - a)`. A negative time, or one that is not
+/// a number, says that there is no such stop.
 pub(crate) fn stop(from: AxisState, limits: Limits, duration: f64) -> [Step; STEPS] {
     let jerk = limits.jerk;
     let (velocity, acceleration) = (from.velocity, from.acceleration);
