@@ -48,7 +48,7 @@ fn problems(axes: usize) -> Vec<Problem> {
             // Slow enough that the acceleration can come to rest before the velocity is at its limit.
             (
                 state(0.5),
-                state(if k % 2 == 0 { 0.0 } else { 0.3 }),
+                state(if k.is_multiple_of(2) { 0.0 } else { 0.3 }),
                 limits,
             )
         };
@@ -149,6 +149,9 @@ fn ported<const AXES: usize>(problems: &[Problem]) -> Vec<f64> {
     problems.iter().map(duration).collect()
 }
 
+/// Solves all problems and tells their durations, s.
+type Solve<'a> = Box<dyn Fn() -> Vec<f64> + 'a>;
+
 /// Least time of a problem, s, and the durations.
 fn timed(solve: &dyn Fn() -> Vec<f64>, best: &mut (f64, Vec<f64>)) {
     let start = Instant::now();
@@ -178,7 +181,7 @@ fn differences(a: &[f64], b: &[f64]) -> (f64, usize, usize) {
 fn main() {
     for axes in [1, MOST_AXES] {
         let problems = problems(axes);
-        let solvers: [(&str, Box<dyn Fn() -> Vec<f64>>); 4] = [
+        let solvers: [(&str, Solve); 4] = [
             ("ruckig", Box::new(|| bare(&problems, axes))),
             ("kept", Box::new(|| bare_and_kept(&problems, axes))),
             (

@@ -8,10 +8,10 @@ const ROUNDING: f64 = 10.0 * f64::EPSILON;
 
 /// From a state to rest at jerk `s j`, a hold, and jerk `-s j`, where there is more time than the quickest ramp takes.
 ///
-/// With `a` and the change of velocity `c = -s v j` along the direction `s`, the held acceleration `A` above `a`
-/// solves `A^2 - A (j T + a) + c + a^2 / 2 = 0`. Where less than `a` is enough, the jerk is `-s j` before the hold,
-/// too: `A = (c - a^2 / 2) / (j T - a)`. A negative time, or one that is not
-/// a number, says that there is no such stop.
+/// With `a` and the change of velocity `c / j`, `c = -s j v`, along the direction `s`, the held acceleration `A` above
+/// `a` solves `A^2 - A (j T + a) + c + a^2 / 2 = 0`. Where less than `a` is enough, the jerk is `-s j` before the
+/// hold, too: `A = (c - a^2 / 2) / (j T - a)`. A negative time, or one that is not a number, says that there is no
+/// such stop.
 pub(crate) fn stop(from: AxisState, limits: Limits, duration: f64) -> [Step; STEPS] {
     let jerk = limits.jerk;
     let (velocity, acceleration) = (from.velocity, from.acceleration);
