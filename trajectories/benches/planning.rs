@@ -3,7 +3,8 @@
 //! `cargo bench -p quell-trajectories --bench planning`: 20 000 problems of 1 and of 7 axes, moving starts,
 //! targets at rest (half of them) or moving. The durations are compared, and the times set as ratios: each is
 //! the least of a few rounds over all problems, one after the other. Bare Ruckig only solves and tells the
-//! duration; a plan is checked, and says of each axis what it does when.
+//! duration, by objects made for each problem (`ruckig`) or once for all (`kept`); a plan is checked, and says of
+//! each axis what it does when.
 
 use quell_trajectories::{AxisState, Limits, Planner};
 use rsruckig::error::IgnoreErrorHandler;
@@ -47,7 +48,7 @@ fn problems(axes: usize) -> Vec<Problem> {
             // Slow enough that the acceleration can come to rest before the velocity is at its limit.
             (
                 state(0.5),
-                state(if k % 2 == 0 { 0.0 } else { 0.3 }),
+                state(if k.is_multiple_of(2) { 0.0 } else { 0.3 }),
                 limits,
             )
         };
@@ -76,9 +77,24 @@ fn planned(problems: &[Problem], axes: usize) -> Vec<f64> {
     problems.iter().map(duration).collect()
 }
 
-fn bare(problems: &[Problem], axes: usize) -> Vec<f64> {
-    let duration = |p: &Problem| {
-        let mut input = ruckig::InputParameter::new(axes);
+/// Ruckig's objects for a number of axes.
+struct Bare {
+    input: ruckig::InputParameter,
+    trajectory: ruckig::Trajectory,
+    solver: ruckig::Ruckig,
+}
+
+impl Bare {
+    fn new(axes: usize) -> Self {
+        Self {
+            input: ruckig::InputParameter::new(axes),
+            trajectory: ruckig::Trajectory::new_direct(axes),
+            solver: ruckig::Ruckig::new_direct_and_offline(axes),
+        }
+    }
+
+    fn duration(&mut self, p: &Problem) -> f64 {
+        let input = &mut self.input;
         let states = p.from.iter().zip(&p.to).zip(&p.limits);
         for (i, ((from, to), limits)) in states.enumerate() {
             input.current_position[i] = from.position;
@@ -91,14 +107,21 @@ fn bare(problems: &[Problem], axes: usize) -> Vec<f64> {
             input.max_acceleration[i] = limits.acceleration;
             input.max_jerk[i] = limits.jerk;
         }
-        let mut trajectory = ruckig::Trajectory::new_direct(axes);
-        let mut solver = ruckig::Ruckig::new_direct_and_offline(axes);
-        match solver.calculate(&mut input, &mut trajectory) {
-            ruckig::Result::Working => trajectory.get_duration(),
+        match self.solver.calculate(input, &mut self.trajectory) {
+            ruckig::Result::Working => self.trajectory.get_duration(),
             _ => f64::NAN,
         }
-    };
+    }
+}
+
+fn bare(problems: &[Problem], axes: usize) -> Vec<f64> {
+    let duration = |p| Bare::new(axes).duration(p);
     problems.iter().map(duration).collect()
+}
+
+fn bare_and_kept(problems: &[Problem], axes: usize) -> Vec<f64> {
+    let mut kept = Bare::new(axes);
+    problems.iter().map(|p| kept.duration(p)).collect()
 }
 
 fn ported<const AXES: usize>(problems: &[Problem]) -> Vec<f64> {
@@ -125,6 +148,9 @@ fn ported<const AXES: usize>(problems: &[Problem]) -> Vec<f64> {
     };
     problems.iter().map(duration).collect()
 }
+
+/// Solves all problems and tells their durations, s.
+type Solve<'a> = Box<dyn Fn() -> Vec<f64> + 'a>;
 
 /// Least time of a problem, s, and the durations.
 fn timed(solve: &dyn Fn() -> Vec<f64>, best: &mut (f64, Vec<f64>)) {
@@ -155,8 +181,9 @@ fn differences(a: &[f64], b: &[f64]) -> (f64, usize, usize) {
 fn main() {
     for axes in [1, MOST_AXES] {
         let problems = problems(axes);
-        let solvers: [(&str, Box<dyn Fn() -> Vec<f64>>); 3] = [
+        let solvers: [(&str, Solve); 4] = [
             ("ruckig", Box::new(|| bare(&problems, axes))),
+            ("kept", Box::new(|| bare_and_kept(&problems, axes))),
             (
                 "rsruckig",
                 Box::new(|| match axes {
@@ -166,7 +193,7 @@ fn main() {
             ),
             ("quell", Box::new(|| planned(&problems, axes))),
         ];
-        let mut best = [const { (f64::INFINITY, Vec::new()) }; 3];
+        let mut best = [const { (f64::INFINITY, Vec::new()) }; 4];
         for _ in 0..ROUNDS {
             for ((_, solve), best) in solvers.iter().zip(&mut best) {
                 timed(solve, best);

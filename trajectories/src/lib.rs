@@ -9,6 +9,10 @@
 //! wrong length makes it read past the end. So everything is checked on this side first, and what
 //! is wrong comes back as a [`PlanError`] that names the axis and the value.
 //!
+//! The binding tells the duration of a move and states at times, but no phases. They follow in closed form from the
+//! duration and one state, which Ruckig's own must agree with; where they do not (a start beyond the limits), they
+//! are recovered from many states.
+//!
 //! There are no waypoints. Ruckig's community edition sends intermediate positions to a service on
 //! the network; this crate never sets them, and a test proves that it opens no socket.
 //!
@@ -33,11 +37,19 @@
 
 mod axis;
 mod check;
+mod closed_form;
+mod cruise;
+mod dip;
 mod error;
+mod path;
 mod planner;
 mod problem;
 mod profile;
+mod ramp;
+mod read_back;
 mod sampled;
+mod solver;
+mod stop;
 mod trajectory;
 
 pub use axis::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM};

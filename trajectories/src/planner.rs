@@ -7,8 +7,8 @@ use crate::{AxisLabel, AxisState, Limits, MAX_DEGREES_OF_FREEDOM, PlanError, Tra
 
 /// Plans moves of a fixed number of axes.
 ///
-/// Planning allocates and takes from tens of microseconds to a few milliseconds: off the tick. The
-/// planner itself holds nothing of Ruckig's, so that it may be sent and shared.
+/// Planning allocates and takes from a microsecond to tens, in rare cases a millisecond: off the tick.
+/// The planner itself holds nothing of Ruckig's, so that it may be sent and shared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Planner {
     degrees_of_freedom: usize,

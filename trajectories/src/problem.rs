@@ -1,9 +1,11 @@
 //! A checked problem, as Ruckig takes it and answers it.
 
-use ruckig::{ControlInterface, InputParameter, Ruckig, Synchronization};
+use ruckig::{ControlInterface, InputParameter, Synchronization};
 
-use crate::profile::{Scale, read_back};
-use crate::{AxisState, Limits, PlanError, Planner, Trajectory};
+use crate::closed_form::Known;
+use crate::read_back::{Scale, read_back};
+use crate::solver::Solver;
+use crate::{AxisProfile, AxisState, Limits, PlanError, Planner, Trajectory};
 
 /// Ruckig refuses longer moves of several axes (`calculator_target.hpp`); of one axis, too, here.
 const LONGEST_MOVE: f64 = 7.6e3;
@@ -16,6 +18,12 @@ const END_TOLERANCES: [(&str, f64); 3] = [
     ("acceleration", 2e-10),
 ];
 
+/// Positions, velocities and accelerations of all axes, as Ruckig's binding tells them.
+type States = (Vec<f64>, Vec<f64>, Vec<f64>);
+
+/// Share of the duration at which all axes are seen: most of them cruise then.
+const SEEN_AT: f64 = 0.5;
+
 /// A checked problem: one entry for each axis in each list.
 pub(crate) struct Problem<'a> {
     pub(crate) planner: &'a Planner,
@@ -27,29 +35,59 @@ pub(crate) struct Problem<'a> {
 
 impl Problem<'_> {
     pub(crate) fn solve(&self) -> Result<Trajectory, PlanError> {
-        let mut input = self.input();
-        let mut solution = ruckig::Trajectory::new_direct(self.from.len());
-        let mut solver = Ruckig::new_direct_and_offline(self.from.len());
-        let result = solver.calculate(&mut input, &mut solution);
+        Solver::kept(self.from.len(), |solver| self.solve_by(solver))
+    }
+
+    fn solve_by(&self, solver: &mut Solver) -> Result<Trajectory, PlanError> {
+        self.set(&mut solver.input);
+        let result = solver.solve();
         if result != ruckig::Result::Working {
             return Err(self.failure(result));
         }
-        let duration = solution.get_duration();
+        let duration = solver.solution.get_duration();
         if !(0.0..=LONGEST_MOVE).contains(&duration) {
             return Err(PlanError::TooLong {
                 duration,
                 limit: LONGEST_MOVE,
             });
         }
-        let axes = (0..self.from.len())
-            .map(|index| {
-                let state_at = |time| self.state_at(&solution, index, time);
-                let end = self.end(index, state_at(duration))?;
-                let ends = (self.from[index], end);
-                Ok(read_back(state_at, self.scale(index, duration), ends))
-            })
-            .collect::<Result<_, _>>()?;
+        let time = SEEN_AT * duration;
+        let states = solver.solution.at_time(time);
+        let mut axes = Vec::with_capacity(self.from.len());
+        for index in 0..self.from.len() {
+            let seen = (time, self.state(index, &states));
+            axes.push(self.profile(index, &solver.solution, seen)?);
+        }
         Ok(Trajectory { axes, duration })
+    }
+
+    /// What an axis does: in closed form if that is what was seen of it, else recovered from many states.
+    fn profile(
+        &self,
+        index: usize,
+        solution: &ruckig::Trajectory,
+        seen: (f64, AxisState),
+    ) -> Result<AxisProfile, PlanError> {
+        let duration = solution.get_duration();
+        let scale = self.scale(index, duration);
+        let (from, to, limits) = (self.from[index], self.to[index], self.limits[index]);
+        let known = Known {
+            from,
+            to,
+            limits,
+            scale,
+            seen,
+        };
+        let closed = match self.interface {
+            ControlInterface::Position => known.profile(),
+            ControlInterface::Velocity => known.stop(),
+        };
+        if let Some(profile) = closed {
+            return Ok(profile);
+        }
+        let state_at = |time| self.state(index, &solution.at_time(time));
+        let end = self.end(index, state_at(duration))?;
+        Ok(read_back(state_at, scale, (from, end)))
     }
 
     /// The exact end of an axis, after a check that Ruckig's end is there.
@@ -95,26 +133,26 @@ impl Problem<'_> {
         }
     }
 
-    /// Ruckig's input. Positions count from the start of each axis: its tolerances are absolute,
+    /// Sets Ruckig's input. Positions count from the start of each axis: its tolerances are absolute,
     /// and a move does not depend on where it begins.
-    fn input(&self) -> InputParameter {
-        let per_axis = |pick: &dyn Fn(usize) -> f64| (0..self.from.len()).map(pick).collect();
-        let mut input = InputParameter::new(self.from.len());
+    fn set(&self, input: &mut InputParameter) {
         input.control_interface = self.interface;
         input.synchronization = Synchronization::Time;
-        input.current_velocity = per_axis(&|i| self.from[i].velocity);
-        input.current_acceleration = per_axis(&|i| self.from[i].acceleration);
-        input.target_position = per_axis(&|i| self.to[i].position - self.from[i].position);
-        input.target_velocity = per_axis(&|i| self.to[i].velocity);
-        input.target_acceleration = per_axis(&|i| self.to[i].acceleration);
-        input.max_velocity = per_axis(&|i| self.limits[i].velocity);
-        input.max_acceleration = per_axis(&|i| self.limits[i].acceleration);
-        input.max_jerk = per_axis(&|i| self.limits[i].jerk);
-        input
+        let axes = self.from.iter().zip(self.to).zip(self.limits);
+        for (i, ((from, to), limits)) in axes.enumerate() {
+            input.current_velocity[i] = from.velocity;
+            input.current_acceleration[i] = from.acceleration;
+            input.target_position[i] = to.position - from.position;
+            input.target_velocity[i] = to.velocity;
+            input.target_acceleration[i] = to.acceleration;
+            input.max_velocity[i] = limits.velocity;
+            input.max_acceleration[i] = limits.acceleration;
+            input.max_jerk[i] = limits.jerk;
+        }
     }
 
-    fn state_at(&self, solution: &ruckig::Trajectory, index: usize, time: f64) -> AxisState {
-        let (positions, velocities, accelerations) = solution.at_time(time);
+    /// The state of one axis among Ruckig's positions, velocities and accelerations.
+    fn state(&self, index: usize, (positions, velocities, accelerations): &States) -> AxisState {
         AxisState {
             position: self.from[index].position + positions[index],
             velocity: velocities[index],
@@ -137,17 +175,16 @@ impl Problem<'_> {
     fn first_unsolvable_axis(&self) -> usize {
         let fails = |&index: &usize| {
             let one = index..index + 1;
-            let mut input = Problem {
+            let problem = Problem {
                 planner: self.planner,
                 from: &self.from[one.clone()],
                 to: &self.to[one.clone()],
                 limits: &self.limits[one],
                 interface: self.interface,
-            }
-            .input();
-            let mut solution = ruckig::Trajectory::new_direct(1);
-            let result = Ruckig::new_direct_and_offline(1).calculate(&mut input, &mut solution);
-            result != ruckig::Result::Working
+            };
+            let mut solver = Solver::new(1);
+            problem.set(&mut solver.input);
+            solver.solve() != ruckig::Result::Working
         };
         (0..self.from.len()).find(fails).unwrap_or(0)
     }
