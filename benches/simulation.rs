@@ -51,6 +51,7 @@ fn scales() -> Scales {
         suspects: vec![4.0],
         suspect_frequencies: vec![TAU * 20.0],
         suspect_orders: vec![30.0],
+        suspect_stops: vec![[0.5, 1.0]],
         forced: false,
         tracked: false,
         rigid: false,
