@@ -78,7 +78,10 @@ pub fn diagnose(
     // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
     // many minima. In windows there are few, and what was found in them says where to start. But what is
     // small shows in one piece only.
-    let (in_windows, points) = look(windowed, &Known::default());
+    let (mut in_windows, points) = look(windowed, &Known::default());
+    let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
+        drives an axis freely add up without bound.";
+    in_windows.diagnosis.remarks.push(remark.into());
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
     let (in_one, _) = look(whole, &Known { points, alone });
     if alone || explains(&in_one) {
