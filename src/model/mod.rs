@@ -20,6 +20,7 @@ mod rigid_axis;
 mod roots;
 mod runge_kutta;
 mod stepper;
+mod tally;
 mod trace;
 mod two_mass;
 mod windows;
@@ -31,6 +32,7 @@ pub use integrate::{Kick, Restart, Timed, integrate};
 pub use kind::{KINDS, Key, Kind};
 pub use piecewise::{Cubic, Grid, Hold};
 pub use predict::{Prediction, Simulated, Term, simulate, simulate_windows};
+pub use tally::simulations;
 pub use trace::{Kinematics, Trace, hermite};
 pub use windows::Window;
 

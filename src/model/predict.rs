@@ -69,6 +69,7 @@ pub fn simulate_windows(
     experiment: &Experiment,
     departures: &[[f64; 8]],
 ) -> Simulated {
+    super::tally::count();
     let linear = (kind.linear)(keys, experiment.input);
     let mut chain = Chain::new(linear);
     let (mut sensors, mut drives, mut timed) = (Vec::new(), Vec::new(), Timed::default());
