@@ -1,5 +1,7 @@
 //! Everything that this crate can refuse.
 
+use crate::Mode;
+
 /// Why a train, a grid or a filter was refused; carries the value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShaperError {
@@ -90,4 +92,23 @@ pub enum ShaperError {
         /// Delay of the shortest shaper, s.
         shortest: f64,
     },
+}
+
+impl ShaperError {
+    /// The mode's damping ratio, where it is at most the highest for which a shaper is solved.
+    pub(crate) fn solved_damping(
+        shaper: &'static str,
+        mode: Mode,
+        limit: f64,
+    ) -> Result<f64, Self> {
+        let damping_ratio = mode.damping_ratio();
+        match damping_ratio > limit {
+            true => Err(Self::DampingTooHigh {
+                shaper,
+                damping_ratio,
+                limit,
+            }),
+            false => Ok(damping_ratio),
+        }
+    }
 }

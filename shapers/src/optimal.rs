@@ -104,16 +104,7 @@ impl Optimal {
                 return Err(ShaperError::OutOfRange { name, value });
             }
         }
-        let damping_ratio = mode.damping_ratio();
-        if damping_ratio > HIGHEST_DAMPING {
-            let (shaper, limit) = (self.name(), HIGHEST_DAMPING);
-            return Err(ShaperError::DampingTooHigh {
-                shaper,
-                damping_ratio,
-                limit,
-            });
-        }
-        Ok(())
+        ShaperError::solved_damping(self.name(), mode, HIGHEST_DAMPING).map(drop)
     }
 }
 

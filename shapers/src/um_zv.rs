@@ -37,15 +37,7 @@ impl Shaper for UmZv {
     }
 
     fn design(&self, mode: Mode) -> Result<ImpulseTrain, ShaperError> {
-        let damping_ratio = mode.damping_ratio();
-        if damping_ratio > HIGHEST_DAMPING {
-            let (shaper, limit) = (self.name(), HIGHEST_DAMPING);
-            return Err(ShaperError::DampingTooHigh {
-                shaper,
-                damping_ratio,
-                limit,
-            });
-        }
+        let damping_ratio = ShaperError::solved_damping(self.name(), mode, HIGHEST_DAMPING)?;
         let mut delays = [2.0 * PI / 3.0, PI / 3.0];
         for step in 1..=STEPS {
             let xi = damping_ratio * step as f64 / STEPS as f64;
