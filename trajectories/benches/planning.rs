@@ -77,6 +77,24 @@ fn planned(problems: &[Problem], axes: usize) -> Vec<f64> {
     problems.iter().map(duration).collect()
 }
 
+/// Sets the input of either library to a problem: their fields bear the same names.
+macro_rules! set {
+    ($input:ident, $problem:expr) => {
+        let states = $problem.from.iter().zip(&$problem.to);
+        for (i, ((from, to), limits)) in states.zip(&$problem.limits).enumerate() {
+            $input.current_position[i] = from.position;
+            $input.current_velocity[i] = from.velocity;
+            $input.current_acceleration[i] = from.acceleration;
+            $input.target_position[i] = to.position;
+            $input.target_velocity[i] = to.velocity;
+            $input.target_acceleration[i] = to.acceleration;
+            $input.max_velocity[i] = limits.velocity;
+            $input.max_acceleration[i] = limits.acceleration;
+            $input.max_jerk[i] = limits.jerk;
+        }
+    };
+}
+
 /// Ruckig's objects for a number of axes.
 struct Bare {
     input: ruckig::InputParameter,
@@ -95,18 +113,7 @@ impl Bare {
 
     fn duration(&mut self, p: &Problem) -> f64 {
         let input = &mut self.input;
-        let states = p.from.iter().zip(&p.to).zip(&p.limits);
-        for (i, ((from, to), limits)) in states.enumerate() {
-            input.current_position[i] = from.position;
-            input.current_velocity[i] = from.velocity;
-            input.current_acceleration[i] = from.acceleration;
-            input.target_position[i] = to.position;
-            input.target_velocity[i] = to.velocity;
-            input.target_acceleration[i] = to.acceleration;
-            input.max_velocity[i] = limits.velocity;
-            input.max_acceleration[i] = limits.acceleration;
-            input.max_jerk[i] = limits.jerk;
-        }
+        set!(input, p);
         match self.solver.calculate(input, &mut self.trajectory) {
             ruckig::Result::Working => self.trajectory.get_duration(),
             _ => f64::NAN,
@@ -127,18 +134,7 @@ fn bare_and_kept(problems: &[Problem], axes: usize) -> Vec<f64> {
 fn ported<const AXES: usize>(problems: &[Problem]) -> Vec<f64> {
     let duration = |p: &Problem| {
         let mut input = rsruckig::input_parameter::InputParameter::<AXES>::new(None);
-        let states = p.from.iter().zip(&p.to).zip(&p.limits);
-        for (i, ((from, to), limits)) in states.enumerate() {
-            input.current_position[i] = from.position;
-            input.current_velocity[i] = from.velocity;
-            input.current_acceleration[i] = from.acceleration;
-            input.target_position[i] = to.position;
-            input.target_velocity[i] = to.velocity;
-            input.target_acceleration[i] = to.acceleration;
-            input.max_velocity[i] = limits.velocity;
-            input.max_acceleration[i] = limits.acceleration;
-            input.max_jerk[i] = limits.jerk;
-        }
+        set!(input, p);
         let mut trajectory = rsruckig::trajectory::Trajectory::<AXES>::new(None);
         let mut solver = rsruckig::ruckig::Ruckig::<AXES, IgnoreErrorHandler>::new(None, 0.001);
         match solver.calculate(&input, &mut trajectory) {
