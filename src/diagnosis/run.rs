@@ -84,14 +84,10 @@ pub fn diagnose(
     in_windows.diagnosis.remarks.push(remark.into());
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
     let (in_one, _) = look(whole, &Known { points, alone });
-    if alone || explains(&in_one) {
-        return Ok(if explains(&in_one) {
-            in_one
-        } else {
-            in_windows
-        });
+    if explains(&in_one) {
+        return Ok(in_one);
     }
-    let better = misses(&in_windows.model, train) < misses(&in_one.model, train);
+    let better = alone || misses(&in_windows.model, train) < misses(&in_one.model, train);
     Ok(if better { in_windows } else { in_one })
 }
 

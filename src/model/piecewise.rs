@@ -69,11 +69,11 @@ impl Grid {
     /// [`SignalError`] for fewer than two samples, values that are not finite, times that do not
     /// advance.
     pub fn new(time: &[f64], values: &[f64], hold: Hold, step: f64) -> Result<Self, SignalError> {
+        let spline = CubicSpline::new(time, values, End::NotAKnot)?;
         if hold == Hold::Smooth {
             let (time, values) = smooth(time, values, step);
             return Self::new(&time, &values, Hold::Spline, step);
         }
-        let spline = CubicSpline::new(time, values, End::NotAKnot)?;
         let mut grid = Self {
             time: vec![time[0]],
             input: Vec::new(),
