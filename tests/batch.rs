@@ -20,6 +20,12 @@ fn quell(arguments: &[&str], folder: &Path) -> Output {
     command.output().expect("it runs")
 }
 
+/// `quell diagnose --batch` of the folder `fleet`.
+fn batch(more: &[&str], here: &Path) -> Output {
+    let arguments = ["diagnose", "--batch", "--model", "model.toml", "fleet"];
+    quell(&[&arguments, more].concat(), here)
+}
+
 fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
 }
@@ -52,15 +58,7 @@ fn a_batch_is_its_recordings_one_by_one() {
         let copy = here.join("fleet/twin").join(file);
         fs::copy(fleet[1].join(file), copy).expect("a copy");
     }
-    let arguments = [
-        "diagnose",
-        "--batch",
-        "--model",
-        "model.toml",
-        "fleet",
-        "--json",
-    ];
-    let ran = quell(&arguments, here);
+    let ran = batch(&["--json"], here);
     assert_eq!(ran.status.code(), Some(2), "one is set aside: {ran:?}");
     let told: Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     assert_eq!(told.as_array().map(Vec::len), Some(4));
@@ -94,7 +92,7 @@ fn a_batch_is_its_recordings_one_by_one() {
     assert_eq!(model(&one), model(&here.join("alone")));
 
     let before = fs::read(one.join("result.json")).expect("a result");
-    let again = quell(&arguments, here);
+    let again = batch(&["--json"], here);
     assert_eq!(again.stdout, ran.stdout);
     assert_eq!(before, fs::read(one.join("result.json")).expect("a result"));
 }
@@ -107,16 +105,7 @@ fn shares_make_the_whole() {
     fs::write(here.join("model.toml"), small::MODEL).expect("a file");
     small::fleet(&here.join("fleet"), 8);
     let run = |out: &str, more: &[&str]| {
-        let arguments = [
-            "diagnose",
-            "--batch",
-            "--model",
-            "model.toml",
-            "fleet",
-            "--out",
-            out,
-        ];
-        let ran = quell(&[&arguments, more].concat(), here);
+        let ran = batch(&[&["--out", out], more].concat(), here);
         assert!(ran.status.success(), "{ran:?}");
         results(&here.join(out))
     };
@@ -131,16 +120,8 @@ fn shares_make_the_whole() {
     let union: BTreeSet<_> = shares.iter().flatten().cloned().collect();
     assert_eq!(union, whole);
     for wrong in ["0/3", "4/3", "x", "1/0"] {
-        let arguments = [
-            "diagnose",
-            "--batch",
-            "--model",
-            "model.toml",
-            "fleet",
-            "--shard",
-            wrong,
-        ];
-        assert_eq!(quell(&arguments, here).status.code(), Some(2), "{wrong}");
+        let ran = batch(&["--shard", wrong], here);
+        assert_eq!(ran.status.code(), Some(2), "{wrong}");
     }
 }
 
