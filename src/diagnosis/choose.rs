@@ -2,7 +2,7 @@
 
 use super::explanation::Explanation;
 use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
-use crate::effects::{contains, parts};
+use crate::effects::{Quantity, contains, parts};
 use crate::model::Term;
 use crate::recording::Role;
 
@@ -41,7 +41,8 @@ impl Search<'_> {
     }
 
     /// Whether a parameter of an effect that was added lies within a thousandth of its range of a bound,
-    /// other than the value at which it does nothing.
+    /// other than the value at which it does nothing, and than the ends of a share or a side, which are
+    /// laws of their own.
     fn is_stretched(&self, explanation: &Explanation) -> bool {
         let point = &explanation.fitted.point;
         point.terms[point.given_terms..].iter().any(|term| {
@@ -49,9 +50,10 @@ impl Search<'_> {
             let mut ends = parameters.map(|(parameter, value)| {
                 let (low, high) = (parameter.bounds)(&self.problem.scales);
                 let near = |bound: f64| (value - bound).abs() < 1e-3 * (high - low);
+                let whole = |bound: f64| parameter.quantity == Quantity::NUMBER && bound.abs() == 1.0;
                 [low, high]
                     .into_iter()
-                    .any(|bound| bound != parameter.neutral && near(bound))
+                    .any(|bound| bound != parameter.neutral && !whole(bound) && near(bound))
             });
             ends.any(|at_end| at_end)
         })

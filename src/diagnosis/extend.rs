@@ -4,9 +4,9 @@ use super::descent::Descent;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::problem::Point;
-use super::screen::{Start, screen};
+use super::screen::{Start, candidates, screen};
 use super::search::{GATE, LONG, STRONG, Search, Trial, ratio, sort};
-use crate::effects::Place;
+use crate::effects::{Effect, Place, has_many_minima};
 use rayon::prelude::*;
 
 /// Candidates that are fitted after the screen.
@@ -20,6 +20,10 @@ const FIRST: usize = 2;
 const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 const SHORT: usize = 6;
+/// Parts into which the way from one size to the next is cut near the best one.
+const SLOWER: u32 = 8;
+/// Cost over that of the start of a walk, from which it has gone too far.
+const LOST: f64 = 4.0;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 
@@ -46,12 +50,13 @@ impl Search<'_> {
     pub fn extend(&self, from: &Explanation) -> Vec<Trial> {
         let (problem, projector) = (self.problem, self.projector);
         let linear = (!self.known.alone).then(|| problem.linearise(&from.fitted.point, projector));
-        let mut candidates = match &linear {
-            Some(linear) => self.screened(from, linear),
-            None => Vec::new(),
-        };
-        self.add_known(from, &mut candidates);
-        let begun: Vec<Descent> = candidates
+        let mut found = Vec::new();
+        if let Some(linear) = &linear {
+            found = self.screened(from, linear);
+            self.add_walked(from, &mut found);
+        }
+        self.add_known(from, &mut found);
+        let begun: Vec<Descent> = found
             .into_par_iter()
             .filter_map(|candidate| self.begin(from, linear.as_ref(), candidate))
             .collect();
@@ -89,8 +94,67 @@ impl Search<'_> {
         chosen(starts).into_iter().map(candidate).collect()
     }
 
+    /// Adds starts from walks over the sizes of effects whose misfit has many minima, whatever the screen
+    /// says: it moves the rest in one step only.
+    fn add_walked(&self, from: &Explanation, found: &mut Vec<Candidate>) {
+        let own = from.effects();
+        let winding = candidates(self.problem).into_iter();
+        let winding = winding.filter(|(effect, place)| {
+            has_many_minima(effect.name) && !own.contains(&(effect.name, *place))
+        });
+        for (effect, place) in winding {
+            add_far(found, (effect.name, place), self.walked(from, effect, place));
+        }
+    }
+
+    /// The best places on a walk over the sizes of an effect, and on a slower one around the best of these.
+    /// At each size the rest is fitted from where it was at the last one: a large size makes the rest (a
+    /// frequency, mostly) other than it is without the effect, and a fit of both at once would rather make
+    /// the size small.
+    ///
+    /// Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
+    pub(super) fn walked(
+        &self,
+        from: &Explanation,
+        effect: &'static Effect,
+        place: Place,
+    ) -> Vec<Point> {
+        let lost = LOST * from.fitted.cost;
+        let from = &from.fitted.point;
+        let step = |last: &Point, values: &[f64]| {
+            let mut held = last.with(effect, place, values.to_vec());
+            held.given_terms = held.terms.len();
+            let mut descent = Descent::new(self.problem, self.projector, &held, None);
+            descent.run(FIRST);
+            let (cost, mut point) = (descent.cost(), descent.end().point);
+            point.given_terms = from.given_terms;
+            (cost, point)
+        };
+        let walk = |start: &Point, sizes: &[Vec<f64>]| {
+            let mut ends: Vec<(f64, Point)> = Vec::new();
+            for values in sizes {
+                let last = ends.last();
+                let last = last.map_or(start.clone(), |(_, end)| end.without(from.terms.len()));
+                ends.push(step(&last, values));
+                if ends.last().is_some_and(|(cost, _)| *cost > lost) {
+                    break;
+                }
+            }
+            ends
+        };
+        let starts = (effect.starts)(&self.problem.scales);
+        let mut ends = walk(from, &starts);
+        let best = (0..ends.len()).min_by(|a, b| ends[*a].0.total_cmp(&ends[*b].0));
+        let before = best.unwrap_or(0).saturating_sub(1);
+        let nearer: Vec<Vec<f64>> = between(&starts[before..ends.len().min(before + 3)]);
+        ends.extend(walk(&ends[before].1.without(from.terms.len()), &nearer));
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ends.truncate(SECOND);
+        ends.into_iter().map(|(_, point)| point).collect()
+    }
+
     /// What is known with one effect more than the explanation has.
-    fn add_known(&self, from: &Explanation, candidates: &mut Vec<Candidate>) {
+    fn add_known(&self, from: &Explanation, found: &mut Vec<Candidate>) {
         let own = from.effects();
         for known in &self.known.points {
             let added = known.terms[known.given_terms..].iter();
@@ -104,14 +168,7 @@ impl Search<'_> {
                 locals: from.fitted.point.locals.clone(),
                 ..known.clone()
             };
-            match candidates.iter_mut().find(|c| c.effect == effect) {
-                Some(candidate) => candidate.far.push(point),
-                None => candidates.push(Candidate {
-                    effect,
-                    near: Vec::new(),
-                    far: vec![point],
-                }),
-            }
+            add_far(found, effect, vec![point]);
         }
     }
 
@@ -165,6 +222,29 @@ impl Search<'_> {
             held_out_ratio: 1.0,
             passed: false,
         }
+    }
+}
+
+/// Sizes between those of a grid, the other values as they are.
+fn between(sizes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let part = |pair: &[Vec<f64>], k: u32| {
+        let mut values = pair[0].clone();
+        values[0] *= (pair[1][0] / pair[0][0]).powf(f64::from(k) / f64::from(SLOWER));
+        values
+    };
+    let parts = |pair| (1..SLOWER).map(move |k| part(pair, k));
+    sizes.windows(2).flat_map(parts).collect()
+}
+
+/// Adds starts elsewhere to those of an effect.
+fn add_far(found: &mut Vec<Candidate>, effect: (&'static str, Place), mut far: Vec<Point>) {
+    match found.iter_mut().find(|candidate| candidate.effect == effect) {
+        Some(candidate) => candidate.far.append(&mut far),
+        None => found.push(Candidate {
+            effect,
+            near: Vec::new(),
+            far,
+        }),
     }
 }
 

@@ -6,7 +6,14 @@
 //! (2003) on separable least squares.
 
 use super::problem::{Global, Point, Problem, Run};
+use crate::effects::has_many_minima;
 use nalgebra::{DMatrix, DVector};
+
+/// Step of a derivative in typical sizes.
+const FINE: f64 = 1e-3;
+/// The same of an effect whose misfit has many minima: wider than the ripples, of contacts that come or
+/// go.
+const COARSE: f64 = 3e-2;
 
 /// A fitted structure.
 #[derive(Clone)]
@@ -182,7 +189,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Derivative by a difference of a thousandth of the typical size, away from a bound.
+    /// Derivative by a difference of a small share of the typical size, away from a bound.
     fn slope(
         &self,
         p: &Point,
@@ -193,7 +200,17 @@ impl Problem<'_> {
     ) -> DVector<f64> {
         let mut moved = p.clone();
         let here = self.get(p, global);
-        let step = 1e-3 * self.typical(p, global).max(0.1 * here.abs().min(1e3));
+        let typical = self.typical(p, global);
+        let step = match global {
+            Global::Parameter(term, parameter)
+                if has_many_minima(p.terms[term].effect.name) =>
+            {
+                // Its size may be far from typical.
+                let own = parameter == 0 && here != 0.0;
+                COARSE * if own { here.abs() } else { typical }
+            }
+            _ => FINE * typical.max(0.1 * here.abs().min(1e3)),
+        };
         self.set(&mut moved, global, here + step);
         let mut change = self.get(&moved, global) - here;
         if change.abs() < 0.5 * step {

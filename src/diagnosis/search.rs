@@ -4,6 +4,7 @@ use super::explanation::{Explanation, Judge};
 use super::extend::Known;
 use super::fit::Projector;
 use super::problem::{Point, Problem};
+use crate::effects::has_many_minima;
 use rayon::prelude::*;
 
 /// Bayesian information criterion by which an effect must be better to be named: 10 is "very strong"
@@ -105,7 +106,18 @@ impl Search<'_> {
     /// The same fits, refitted and ranked where the noise was measured anew.
     pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
         let refit = |mut trial: Trial| {
-            trial.explanation = self.refitted(&trial.explanation.fitted.point);
+            let point = &trial.explanation.fitted.point;
+            let own = &point.terms[point.terms.len() - 1];
+            let far = match has_many_minima(own.effect.name) {
+                true => self.walked(baseline, own.effect, own.place),
+                false => Vec::new(),
+            };
+            let ends = std::iter::once(point).chain(&far);
+            let ends = ends.map(|start| self.problem.fit(start, self.projector, LONG));
+            let best = ends.min_by(|a, b| a.cost.total_cmp(&b.cost));
+            if let Some(best) = best {
+                trial.explanation = self.judge.judge(self.problem, best);
+            }
             trial
         };
         let mut trials: Vec<Trial> = trials.into_par_iter().map(refit).collect();

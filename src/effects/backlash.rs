@@ -1,17 +1,20 @@
 //! Backlash: free play with lift-off.
 
-use super::grid::sizes;
+use super::grid::product;
 use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
 
 struct Backlash {
     half_gap: f64,
+    /// Share of the damper that does not need contact.
+    film: f64,
 }
 
 impl Backlash {
     /// How deep a flank is in contact, and its force as a deformation where that is above 0.
     fn contact(&self, side: f64, motion: &Motion, x: f64, v: f64) -> [f64; 2] {
         let depth = side * x - self.half_gap;
-        [depth, depth + motion.damping / motion.stiffness * side * v]
+        let damper = (1.0 - self.film) * motion.damping / motion.stiffness;
+        [depth, depth + damper * side * v]
     }
 }
 
@@ -19,13 +22,13 @@ impl Force for Backlash {
     /// What the model's spring and damper did is taken away; a flank pushes and never pulls.
     fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
         let side = memory.state;
-        let linear = motion.stiffness * x + motion.damping * v;
+        let lost = motion.stiffness * x + (1.0 - self.film) * motion.damping * v;
         if self.half_gap == 0.0 {
             0.0
         } else if side == 0.0 {
-            -linear
+            -lost
         } else {
-            side * motion.stiffness * self.contact(side, motion, x, v)[1] - linear
+            side * motion.stiffness * self.contact(side, motion, x, v)[1] - lost
         }
     }
 
@@ -51,34 +54,46 @@ impl Force for Backlash {
     }
 }
 
-/// Free play of width `gap`: no force inside, spring and damper beyond, `k (|x| - gap / 2) + c |x|'`
-/// where that pushes.
+/// Free play of width `gap`: no elastic force inside, `k (|x| - gap / 2) + (1 - s) c |x|'` beyond, where
+/// that pushes, and `s c x'` everywhere, with `s` the share of the damper that acts in the gap, too.
 pub const BACKLASH: Effect = Effect {
     name: "backlash",
     places: &[Place::Transmission],
-    physics: "Teeth have play: inside the gap the link is free, neither elastic nor damping force acts. \
-        At a flank spring and damper act again, and the flank lifts off when their sum would pull. \
-        Small vibration is slower than large, and the link knocks at reversals. Source: Nordin and \
-        Gutman, Automatica 38 (2002).",
-    parameters: &[Parameter {
-        name: "gap",
-        quantity: Quantity::POSITION,
-        bounds: |scales| (0.0, 4.0 * scales.deformation),
-        neutral: 0.0,
-        typical: |scales| 0.1 * scales.deformation,
-    }],
+    physics: "Teeth have play: inside the gap the spring does not act, and of the damper only what does \
+        not need contact, the oil between the flanks (`damping_in_gap` times the damper). At a flank \
+        spring and damper act again, and the flank lifts off when their sum would pull. Small vibration \
+        is slower than large, and the link knocks at reversals. Source: Nordin and Gutman, Automatica \
+        38 (2002), which has both the dead zone with a damper beside it and the one with the damper \
+        behind the gap.",
+    parameters: &[
+        Parameter {
+            name: "gap",
+            quantity: Quantity::POSITION,
+            bounds: |scales| (0.0, 4.0 * scales.deformation),
+            neutral: 0.0,
+            typical: |scales| 0.1 * scales.deformation,
+        },
+        Parameter {
+            name: "damping_in_gap",
+            quantity: Quantity::NUMBER,
+            bounds: |_| (0.0, 1.0),
+            neutral: 0.0,
+            typical: |_| 1.0,
+        },
+    ],
     law: |p| {
         Law::Force(Box::new(Backlash {
             half_gap: 0.5 * p[0],
+            film: p[1],
         }))
     },
-    // Dense: the misfit has many minima over the gap.
     starts: |scales| {
-        sizes(
-            scales.deformation,
-            [
-                0.003, 0.006, 0.012, 0.02, 0.035, 0.06, 0.1, 0.17, 0.3, 0.5, 0.85, 1.5,
-            ],
-        )
+        // Dense, and the smallest first: the misfit has many minima over the gap.
+        let gaps = [
+            5e-4, 0.001, 0.002, 0.004, 0.008, 0.015, 0.025, 0.04, 0.065, 0.1, 0.17, 0.3, 0.5, 0.85,
+            1.5,
+        ];
+        let gaps = gaps.map(|size| size * scales.deformation);
+        product(&[&gaps, &[0.0]])
     },
 };

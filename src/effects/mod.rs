@@ -182,6 +182,15 @@ const NESTED: &[(&str, &str)] = &[
     ("sensor_lag_second_order", "sensor_lag"),
 ];
 
+/// Effects whose misfit has many minima over their size: the frequency falls with it, and what fits is
+/// found where both are right.
+const WINDING: &[&str] = &["backlash"];
+
+/// Whether the sizes of an effect are to be walked through one by one, the smallest first.
+pub fn has_many_minima(effect: &str) -> bool {
+    WINDING.contains(&effect)
+}
+
 /// Whether the law of one effect contains that of another as a limit.
 ///
 /// # Example

@@ -49,7 +49,8 @@ enum Stop {
 ///
 /// Smooth chains err by the fourth power of the step; steps end where friction stops to slide or to
 /// stick, where a force has a corner, where the input has a node and where something happens at a
-/// given time. Allocates the trace and nothing else, once.
+/// given time. Each such end is a node of the trace: between two nodes the motion is smooth. Allocates the
+/// trace and nothing else.
 pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed) -> Trace {
     let steps = grid.input.len();
     let mut trace = Trace::with_capacity(steps + 1, !chain.resonances.is_empty());
@@ -74,9 +75,14 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
             last: t1,
             input: &grid.input[k],
         };
-        let mut happen = |stepper: &mut Stepper, state: &mut State, span: &Span| {
+        let mut happen = |stepper: &mut Stepper, state: &mut State, span: &Span, trace: &mut Trace| {
             while let Some(&(time, stop)) = stops.get(next).filter(|stop| stop.0 <= span.from) {
                 debug_assert!(time <= span.from);
+                if matches!(stop, Stop::Kick(_) | Stop::Restart(_)) && !trace.time.is_empty() {
+                    let mut before = stepper.settle(state, span);
+                    before.motion.time = span.from.next_down();
+                    trace.push(&before, state);
+                }
                 match stop {
                     Stop::Break => {}
                     Stop::Kick(size) => *state = kicked(stepper.chain, *state, size),
@@ -87,20 +93,21 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
             }
             stops.get(next).map_or(f64::INFINITY, |stop| stop.0)
         };
-        let mut stop = happen(&mut stepper, &mut state, &span);
+        let mut stop = happen(&mut stepper, &mut state, &span, &mut trace);
         let mut instant = stepper.settle(&state, &span);
         trace.push(&instant, &state);
         loop {
             let to = stop.min(t1);
             // What happens at the end of a step has not happened within it.
             span.last = if stop <= t1 { to.next_down() } else { to };
-            stepper.advance(&mut state, span, to, instant);
+            stepper.advance(&mut state, span, to, instant, &mut trace);
             if to == t1 {
                 break;
             }
             (span.from, span.last) = (to, t1);
-            stop = happen(&mut stepper, &mut state, &span);
+            stop = happen(&mut stepper, &mut state, &span, &mut trace);
             instant = stepper.settle(&state, &span);
+            trace.push(&instant, &state);
         }
     }
     let span = Span {

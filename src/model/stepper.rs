@@ -12,6 +12,7 @@ mod events;
 
 use super::chain::{Chain, Constants, Instant, SEATS, Seat, State, coordinate};
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
+use super::trace::Trace;
 
 /// Events in one step after which it is taken as it is: a contact that chatters.
 const MOST_EVENTS: usize = 16;
@@ -137,9 +138,16 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// From the start of the span, whose instant is given, to `to`.
+    /// From the start of the span, whose instant is given, to `to`. What ends a step before that is a node.
     #[inline]
-    pub fn advance(&mut self, state: &mut State, span: Span, to: f64, start: Instant) {
+    pub fn advance(
+        &mut self,
+        state: &mut State,
+        span: Span,
+        to: f64,
+        start: Instant,
+        trace: &mut Trace,
+    ) {
         if self.given {
             // Nothing is integrated: forces remember, and at the next instant friction has the sign of
             // the motion that is given.
@@ -159,7 +167,7 @@ impl<'a> Stepper<'a> {
             }
             return;
         }
-        self.advance_between_events(state, span, to, start);
+        self.advance_between_events(state, span, to, start, trace);
     }
 
     fn advance_between_events(
@@ -168,6 +176,7 @@ impl<'a> Stepper<'a> {
         mut span: Span,
         to: f64,
         mut start: Instant,
+        trace: &mut Trace,
     ) {
         let (shortest, mut events) = ((to - span.from) / FINEST, 0);
         while to > span.from {
@@ -201,6 +210,7 @@ impl<'a> Stepper<'a> {
             self.accept(state, span.from, input);
             if span.from < to {
                 start = self.settle(state, &span);
+                trace.push(&start, state);
             }
         }
     }

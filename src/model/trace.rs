@@ -1,11 +1,12 @@
-//! A simulated motion at the nodes of its grid.
+//! A simulated motion at the nodes of its grid and where it is not smooth between them.
 
 use super::chain::{Instant, RESONANCES, State};
 
 /// Position, velocity and acceleration.
 pub type Kinematics = [f64; 3];
 
-/// A simulated motion; all series have one entry a node.
+/// A simulated motion; all series have one entry a node. Where a velocity jumps there are two nodes, a
+/// rounding error apart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Node times, s.
@@ -32,7 +33,11 @@ impl Trace {
         }
     }
 
+    /// Adds a node; one that is not later than the last is the same.
     pub(super) fn push(&mut self, instant: &Instant, state: &State) {
+        if self.time.last().is_some_and(|last| *last >= instant.motion.time) {
+            return;
+        }
         let [u, v] = instant.encoder;
         let [y, rate] = instant.motion.link;
         self.time.push(instant.motion.time);

@@ -26,6 +26,23 @@ pub struct Hose {
     pub length_ratio: f64,
 }
 
+/// A filter in the sensor, of gain 1; time constants in s.
+#[derive(Clone, Copy, Debug)]
+pub enum Lag {
+    /// `T s' + s = y`.
+    First {
+        /// `T`.
+        time_constant: f64,
+    },
+    /// `T^2 s'' + 2 d T s' + s = y`.
+    Second {
+        /// `T`.
+        time_constant: f64,
+        /// `d`.
+        damping_ratio: f64,
+    },
+}
+
 /// The joint with what is hidden in it; absent or 0 where nothing is.
 #[derive(Clone, Debug, Default)]
 pub struct Joint {
@@ -81,8 +98,8 @@ pub struct Joint {
     pub stop: Option<Stop>,
     /// Knocks on the link.
     pub knocks: Vec<Knock>,
-    /// Time constant of the sensor, s, and whether there are two such lags in a row.
-    pub lag: Option<(f64, bool)>,
+    /// How the sensor lags.
+    pub lag: Option<Lag>,
 }
 
 /// What the sensor is fixed to.

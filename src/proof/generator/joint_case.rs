@@ -191,7 +191,7 @@ fn instruments(draw: &mut Draw, arm: &Arm) -> Instruments {
 }
 
 /// What is hidden. Each is sized in the arm without the other, so that neither is only seen by the
-/// other's light.
+/// other's light, and must show beside it.
 fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concealed> {
     let (count, in_catalogue) = plan.effects();
     let mut hidden: Vec<Concealed> = Vec::new();
@@ -213,7 +213,12 @@ fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concea
         let Some(entry) = draw.pick(&suitable).copied() else {
             break;
         };
-        hidden.extend(bench.conceal(draw, entry));
+        let Some(found) = bench.conceal(draw, entry) else {
+            continue;
+        };
+        if hidden.iter().all(|other| bench.both_show([other, &found])) {
+            hidden.push(found);
+        }
     }
     hidden
 }

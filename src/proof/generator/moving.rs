@@ -5,7 +5,7 @@
 //! `x = y - b - m`.
 
 use super::integrate::{Contact, Plant, State};
-use super::joint::{Joint, Seen};
+use super::joint::{Joint, Lag, Seen};
 use super::programme::Programme;
 
 const Y: usize = 0;
@@ -20,7 +20,7 @@ const CREEP: usize = 8;
 const SWING: usize = 9;
 const SWING_RATE: usize = 10;
 const LAG: usize = 11;
-const LAG_2: usize = 12;
+const LAG_RATE: usize = 12;
 
 /// A joint on its way through a programme.
 pub struct Moving<'a> {
@@ -67,7 +67,7 @@ impl Moving<'_> {
             Seen::Link => state[Y],
             Seen::Deformation => x,
         };
-        (state[LAG], state[LAG_2]) = (lagging, lagging);
+        state[LAG] = lagging;
         state
     }
 
@@ -296,15 +296,21 @@ impl Plant for Moving<'_> {
 }
 
 impl Moving<'_> {
-    /// One lag or two in a row behind the sensor's target.
+    /// What the sensor shows of its target, and the rate of that.
     fn lag(&self, time: f64, state: &State, rates: &mut State) {
-        let Some((tau, twice)) = self.joint.lag else {
-            return;
-        };
-        let [tip, _] = self.tip(time, state);
-        rates[LAG_2] = (tip - state[LAG_2]) / tau;
-        let source = if twice { state[LAG_2] } else { tip };
-        rates[LAG] = (source - state[LAG]) / tau;
+        let behind = |time_constant: f64| (self.tip(time, state)[0] - state[LAG]) / time_constant;
+        match self.joint.lag {
+            None => {}
+            Some(Lag::First { time_constant }) => rates[LAG] = behind(time_constant),
+            Some(Lag::Second {
+                time_constant,
+                damping_ratio,
+            }) => {
+                rates[LAG] = state[LAG_RATE];
+                rates[LAG_RATE] = (behind(time_constant) - 2.0 * damping_ratio * state[LAG_RATE])
+                    / time_constant;
+            }
+        }
     }
 
     /// Where the sensor's target is, and its rate.

@@ -15,13 +15,14 @@ pub fn leftover(arm: &Arm, programme: &Programme, stamps: &[f64], columns: &[Vec
     leftover_beside(arm, programme, stamps, columns, &|_, _| ())
 }
 
-/// The same, where another law is fitted, too: `grow` puts it into an arm at a multiple of a size.
+/// The same, where another law is fitted, too: `grow` puts it into an arm with its force and its length
+/// multiplied.
 pub fn leftover_beside(
     arm: &Arm,
     programme: &Programme,
     stamps: &[f64],
     columns: &[Vec<f64>],
-    grow: &dyn Fn(&mut Arm, f64),
+    grow: &dyn Fn(&mut Arm, [f64; 2]),
 ) -> f64 {
     let angles = angles(arm, columns);
     let plain = Arm {
@@ -41,21 +42,25 @@ pub fn leftover_beside(
     let step = 0.1 / (plain.joint.stiffness / plain.joint.inertia).sqrt();
     let mut fit = Fit {
         plain,
-        size: 1.0,
+        by: [1.0; 2],
         grow,
     };
     let predict = |fit: &Fit| fit.arm().read(programme, stamps, step).swap_remove(0);
     let mut best = predict(&fit);
     let mut left = centred_rms(&angles, &best);
     for _ in 0..ITERATIONS {
-        let trial = improved(&fit, &angles, &best, predict);
-        let predicted = predict(&trial);
-        let now = centred_rms(&angles, &predicted);
-        // A clone that did not get better ends the search; not a number does, too.
-        if now.is_nan() || now >= left * (1.0 - 1e-4) {
+        let step = newton(&fit, &angles, &best, predict);
+        // A law with a corner may ask for less than the whole step.
+        let trials = [1.0, 0.3, 0.1].map(|share| fit.changed(step.map(|part| share * part)));
+        let better = trials.into_iter().find_map(|trial| {
+            let predicted = predict(&trial);
+            let now = centred_rms(&angles, &predicted);
+            (now < left * (1.0 - 1e-4)).then_some((trial, predicted, now))
+        });
+        let Some(better) = better else {
             break;
-        }
-        (fit, best, left) = (trial, predicted, now);
+        };
+        (fit, best, left) = better;
     }
     match arm.channel {
         Channel::Tip => {
@@ -86,57 +91,61 @@ fn centred_rms(measured: &[f64], predicted: &[f64]) -> f64 {
     (left.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// A nominal arm, and the size of the other law in it.
+/// A nominal arm, and force and length of the other law in it.
 #[derive(Clone)]
 struct Fit<'a> {
     plain: Arm,
-    size: f64,
-    grow: &'a dyn Fn(&mut Arm, f64),
+    by: [f64; 2],
+    grow: &'a dyn Fn(&mut Arm, [f64; 2]),
 }
+
+/// Log frequency, log damping, clock offset, log force and log length.
+type Step = [f64; 5];
 
 impl Fit<'_> {
     fn arm(&self) -> Arm {
         let mut arm = self.plain.clone();
-        (self.grow)(&mut arm, self.size);
+        (self.grow)(&mut arm, self.by);
         arm
     }
 
-    /// Changed in log frequency, log damping, clock offset and log size.
-    fn changed(&self, [frequency, damping, clock, size]: [f64; 4]) -> Self {
+    fn changed(&self, [frequency, damping, clock, force, length]: Step) -> Self {
         let mut fit = self.clone();
         fit.plain.joint.stiffness *= (2.0 * frequency).exp();
         fit.plain.joint.damping *= (frequency + damping).exp();
         fit.plain.clock_offset += clock;
-        fit.size *= size.exp();
+        fit.by = [fit.by[0] * force.exp(), fit.by[1] * length.exp()];
         fit
     }
 }
 
-/// One step of Gauss and Newton, an output offset among the unknowns.
-fn improved<'a>(
-    fit: &Fit<'a>,
+/// The step of Gauss and Newton, an output offset among the unknowns.
+fn newton(
+    fit: &Fit,
     measured: &[f64],
     predicted: &[f64],
     predict: impl Fn(&Fit) -> Vec<f64>,
-) -> Fit<'a> {
-    const SMALL: [f64; 4] = [1e-3, 1e-2, 1e-5, 1e-2];
-    const MOST: [f64; 4] = [0.1, 1.0, 0.01, 1.0];
-    let columns = [0, 1, 2, 3].map(|index| {
-        let mut step = [0.0; 4];
+) -> Step {
+    const SMALL: Step = [1e-3, 1e-2, 1e-5, 1e-2, 1e-2];
+    const MOST: Step = [0.1, 1.0, 0.01, 1.0, 1.0];
+    let columns = [0, 1, 2, 3, 4].map(|index| {
+        let mut step = [0.0; 5];
         step[index] = SMALL[index];
         let moved = predict(&fit.changed(step));
         let difference = moved.iter().zip(predicted);
         difference.map(|(a, b)| (a - b) / SMALL[index]).collect()
     });
     let left: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
-    match solved(&columns, &left) {
-        Some(step) => fit.changed([0, 1, 2, 3].map(|i| step[i].clamp(-MOST[i], MOST[i]))),
-        None => fit.clone(),
-    }
+    let solution = solved(&columns, &left);
+    [0, 1, 2, 3, 4].map(|i| {
+        solution
+            .as_ref()
+            .map_or(0.0, |step| step[i].clamp(-MOST[i], MOST[i]))
+    })
 }
 
 /// Least squares with columns and a constant, each scaled to length 1; what does nothing stays.
-fn solved(columns: &[Vec<f64>; 4], left: &[f64]) -> Option<DVector<f64>> {
+fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<DVector<f64>> {
     let ones = vec![1.0; left.len()];
     let all: Vec<DVector<f64>> = columns
         .iter()

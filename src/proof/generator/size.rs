@@ -147,11 +147,27 @@ impl<'a> Bench<'a> {
         let mut arm = self.arm.clone();
         (concealed.entry.hide)(&mut arm, self.scales, concealed.shape, concealed.size);
         let columns = self.read(&arm);
-        let grow = |arm: &mut Arm, times: f64| {
-            simpler(arm, self.scales, concealed.shape, concealed.size * times);
+        let grow = |arm: &mut Arm, by: [f64; 2]| {
+            simpler(arm, self.scales, concealed.shape, concealed.size, by);
         };
         let left = leftover_beside(&arm, self.programme, &self.stamps, &columns, &grow);
         (left / self.noise).hypot(1.0) >= HIDDEN
+    }
+
+    /// Whether neither of two is hidden by a refit of the nominal structure with the other in it.
+    pub fn both_show(&self, two: [&Concealed; 2]) -> bool {
+        let mut arm = self.arm.clone();
+        for one in two {
+            (one.entry.hide)(&mut arm, self.scales, one.shape, one.size);
+        }
+        let columns = self.read(&arm);
+        two.iter().all(|other| {
+            let grow = |arm: &mut Arm, by: [f64; 2]| {
+                (other.entry.hide)(arm, self.scales, other.shape, other.size * by[0]);
+            };
+            let left = leftover_beside(&arm, self.programme, &self.stamps, &columns, &grow);
+            (left / self.noise).hypot(1.0) >= HIDDEN
+        })
     }
 
     fn share(&self, columns: &[Vec<f64>]) -> f64 {

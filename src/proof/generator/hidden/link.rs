@@ -12,7 +12,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     entry("viscous_drag", PLACE, [0.1, 1.0], viscous_drag),
     entry("quadratic_drag", PLACE, [0.1, 1.0], quadratic_drag),
     entry("gravity_load", PLACE, [0.1, 1.0], gravity),
-    entry("second_mode", PLACE, [0.15, 0.6], second_mode),
+    entry("second_mode", PLACE, [0.15, 0.6], second_mode).more_than(only_its_flexibility),
     entry("pose_dependent_frequency", PLACE, [0.1, 0.5], pose).in_a_programme(),
     entry("payload_change", PLACE, [0.1, 0.8], payload).in_a_programme(),
     entry("end_stop", PLACE, [0.3, 1.5], end_stop).in_a_programme(),
@@ -40,7 +40,7 @@ fn gravity(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parame
 
 /// Two bodies in a chain; the size is the outer one's share of the inertia.
 fn second_mode(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
-    let frequency = scales.natural_frequency * log_between(1.8, 5.0, shape[0]);
+    let frequency = scales.natural_frequency * outer_ratio(shape);
     let damping_ratio = log_between(0.005, 0.05, shape[1]);
     let outer = hung(size * arm.joint.inertia, frequency, damping_ratio);
     let inner = (1.0 - size) * arm.joint.inertia;
@@ -48,8 +48,25 @@ fn second_mode(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Pa
         [inner, outer.inertia],
         [arm.joint.stiffness, outer.stiffness],
     );
-    arm.joint.outer = Some((outer, shape[2] < 0.6));
+    arm.joint.outer = Some((outer, on_outer(shape)));
     vec![("natural_frequency", high), ("inertia_share", size)]
+}
+
+/// Frequency of the outer body on its own spring, over the joint's.
+fn outer_ratio(shape: [f64; 4]) -> f64 {
+    log_between(1.8, 5.0, shape[0])
+}
+
+/// Whether the sensor's target is on the outer body.
+fn on_outer(shape: [f64; 4]) -> bool {
+    shape[2] < 0.6
+}
+
+/// Far above the motion a further spring only bends with the first one.
+fn only_its_flexibility(arm: &mut Arm, _: &Scales, shape: [f64; 4], _: f64, by: [f64; 2]) {
+    if on_outer(shape) {
+        arm.faults.deformation_gain = by[0] / outer_ratio(shape).powi(2);
+    }
 }
 
 /// A body whose own spring gives it this frequency (rad/s) and damping ratio.

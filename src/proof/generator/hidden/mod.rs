@@ -38,6 +38,10 @@ pub struct Scales {
 /// Puts something of a shape and a size into an arm, and tells its parameters.
 pub type Hide = fn(&mut Arm, &Scales, [f64; 4], f64) -> Parameters;
 
+/// Puts a law that another one contains into an arm: for a shape and a size of that one, and what its
+/// own force and length are multiplied by.
+pub type Simpler = fn(&mut Arm, &Scales, [f64; 4], f64, [f64; 2]);
+
 /// Something that can be hidden.
 pub struct Entry {
     /// Name, as in the catalogue of effects.
@@ -51,7 +55,7 @@ pub struct Entry {
     /// Whether one move does not show it.
     pub needs_programme: bool,
     /// A law that this one contains: it is hidden only where it shows as more than that.
-    pub contains: Option<Hide>,
+    pub contains: Option<Simpler>,
     /// First size to try, and the greatest one that makes sense.
     pub sizes: [f64; 2],
     /// Puts it into the arm and tells its parameters.
@@ -99,7 +103,7 @@ impl Entry {
         self
     }
 
-    const fn more_than(mut self, simpler: Hide) -> Self {
+    const fn more_than(mut self, simpler: Simpler) -> Self {
         self.contains = Some(simpler);
         self
     }

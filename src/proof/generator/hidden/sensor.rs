@@ -1,7 +1,8 @@
 //! In the sensor.
 
 use super::super::Channel;
-use super::{Arm, Entry, OUTER, Parameters, Scales, entry, log_between, sign};
+use super::super::joint::Lag;
+use super::{Arm, Entry, OUTER, Parameters, Scales, between, entry, log_between, sign};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -9,7 +10,7 @@ const PLACE: &str = "sensor";
 
 pub(super) const ENTRIES: &[Entry] = &[
     entry("sensor_lag", PLACE, [0.05, 0.8], lag),
-    entry("sensor_lag_second_order", PLACE, [0.05, 0.8], second_order).more_than(lag),
+    entry("sensor_lag_second_order", PLACE, [0.05, 0.8], second_order).more_than(only_lag),
     entry("sensor_gain", PLACE, [0.1, 1.0], gain).seen_by(OUTER),
     entry("deformation_gain", PLACE, [0.05, 0.4], deformation_gain),
     entry("misalignment", PLACE, [0.1, 1.0], misalignment).seen_by(&[Channel::Link]),
@@ -21,15 +22,26 @@ pub(super) const ENTRIES: &[Entry] = &[
 
 fn lag(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
     let time_constant = size / scales.natural_frequency;
-    arm.joint.lag = Some((time_constant, false));
+    arm.joint.lag = Some(Lag::First { time_constant });
     vec![("time_constant", time_constant)]
 }
 
-/// Two lags in a row.
-fn second_order(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
+fn only_lag(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f64; 2]) {
+    lag(arm, scales, shape, size * by[0]);
+}
+
+/// From a filter that hardly overshoots to two lags in a row.
+fn second_order(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let time_constant = size / scales.natural_frequency;
-    arm.joint.lag = Some((time_constant, true));
-    vec![("time_constant", time_constant), ("damping_ratio", 1.0)]
+    let damping_ratio = between(0.5, 1.0, shape[0]);
+    arm.joint.lag = Some(Lag::Second {
+        time_constant,
+        damping_ratio,
+    });
+    vec![
+        ("time_constant", time_constant),
+        ("damping_ratio", damping_ratio),
+    ]
 }
 
 /// All coordinates, or the angle.

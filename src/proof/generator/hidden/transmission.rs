@@ -8,10 +8,10 @@ const PLACE: &str = "transmission";
 
 pub(super) const ENTRIES: &[Entry] = &[
     entry("coulomb_friction", PLACE, [0.05, 0.8], coulomb),
-    entry("stribeck_friction", PLACE, [0.05, 0.6], stribeck).more_than(coulomb),
-    entry("asymmetric_friction", PLACE, [0.05, 0.6], asymmetric).more_than(coulomb),
-    entry("presliding_hysteresis", PLACE, [0.05, 0.8], presliding).more_than(coulomb),
-    entry("hysteretic_stiffness", PLACE, [0.1, 0.5], bouc_wen),
+    entry("stribeck_friction", PLACE, [0.05, 0.6], stribeck).more_than(only_coulomb),
+    entry("asymmetric_friction", PLACE, [0.05, 0.6], asymmetric).more_than(only_coulomb),
+    entry("presliding_hysteresis", PLACE, [0.05, 0.8], presliding).more_than(only_coulomb),
+    entry("hysteretic_stiffness", PLACE, [0.1, 0.5], bouc_wen).more_than(only_dahl),
     entry("backlash", PLACE, [0.05, 0.8], backlash),
     entry("cubic_stiffness", PLACE, [0.1, 3.0], cubic),
     entry("bilinear_stiffness", PLACE, [0.05, 0.5], bilinear),
@@ -25,6 +25,10 @@ fn coulomb(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters
     let friction = size * scales.deformation;
     arm.joint.dry = Some(DryFriction::coulomb(friction * arm.joint.stiffness));
     vec![("friction", friction)]
+}
+
+fn only_coulomb(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f64; 2]) {
+    coulomb(arm, scales, shape, size * by[0]);
 }
 
 fn stribeck(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
@@ -100,6 +104,15 @@ fn bouc_wen(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Param
         ("yield_deformation", distance),
         ("unloading", 2.0 * lean - 1.0),
     ]
+}
+
+/// Without a lean the loop is that of Dahl's friction.
+fn only_dahl(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f64; 2]) {
+    bouc_wen(arm, scales, [shape[0], 1.0, 0.0, 0.0], size);
+    if let Some(law) = &mut arm.joint.hysteresis {
+        law.stiffness *= by[0] / by[1];
+        law.beta /= by[1];
+    }
 }
 
 fn backlash(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
