@@ -50,7 +50,8 @@ impl Search<'_> {
             let mut ends = parameters.map(|(parameter, value)| {
                 let (low, high) = (parameter.bounds)(&self.problem.scales);
                 let near = |bound: f64| (value - bound).abs() < 1e-3 * (high - low);
-                let whole = |bound: f64| parameter.quantity == Quantity::NUMBER && bound.abs() == 1.0;
+                let whole =
+                    |bound: f64| parameter.quantity == Quantity::NUMBER && bound.abs() == 1.0;
                 [low, high]
                     .into_iter()
                     .any(|bound| bound != parameter.neutral && !whole(bound) && near(bound))

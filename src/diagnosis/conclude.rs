@@ -10,10 +10,6 @@ use super::search::{EQUAL, Found, Search, Trial};
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
 
-/// Residual, in times the noise, that is a mismatch even if it cannot be located: no estimate of a noise
-/// level is that far off.
-const CERTAIN: f64 = 1.5;
-
 /// Residual, in times the noise, that anyone sees in a plot of it.
 const PLAIN: f64 = 2.0;
 
@@ -69,10 +65,7 @@ pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
 /// of the catalogue has the shape of nature to better than a tenth in amplitude).
 fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     if found.best.effects().is_empty() {
-        let quiet = search.at_floor(&found.baseline) && search.held_at_floor(&found.baseline);
-        // A little above the floor may be noise of another colour, unless it has a place in the chain.
-        let little = search.below(&found.baseline, CERTAIN) && located.location.place.is_none();
-        return match quiet || little {
+        return match search.is_quiet(&found.baseline, located) {
             true => Verdict::NoMismatch,
             false => Verdict::Unexplained,
         };

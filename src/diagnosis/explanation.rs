@@ -102,24 +102,29 @@ impl<'a> Judge<'a> {
         if !self.data.apart.is_empty() {
             return self.apart(problem, point).1.cost;
         }
-        let sum = |e: usize| -> f64 {
+        let finite = |r: f64| {
+            if r.is_finite() {
+                r.min(1e12).powi(2)
+            } else {
+                1e24
+            }
+        };
+        let rows = self.held_out_rows_of(problem, point);
+        rows.into_iter().map(finite).sum()
+    }
+
+    /// Whitened residuals on the held-out rows of the recordings that were fitted.
+    pub fn held_out_rows_of(&self, problem: &Problem, point: &Point) -> Vec<f64> {
+        let mut rows = Vec::new();
+        for (e, held_out) in self.data.held_out.iter().enumerate() {
             let residual = problem.explained(point, e);
-            let mut rows = Vec::new();
-            for (k, ranges) in self.data.held_out[e].iter().enumerate() {
+            for (k, ranges) in held_out.iter().enumerate() {
                 for range in ranges {
                     problem.whitening[e][k].apply(&residual[k][range.clone()], &mut rows);
                 }
             }
-            let finite = |r: &f64| {
-                if r.is_finite() {
-                    r.min(1e12).powi(2)
-                } else {
-                    1e24
-                }
-            };
-            rows.iter().map(finite).sum()
-        };
-        (0..problem.experiments.len()).map(sum).sum()
+        }
+        rows
     }
 
     /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the

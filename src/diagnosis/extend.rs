@@ -21,7 +21,7 @@ const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 const SHORT: usize = 6;
 /// Parts into which the way from one size to the next is cut near the best one.
-const SLOWER: u32 = 8;
+const SLOWER: u32 = 4;
 /// Cost over that of the start of a walk, from which it has gone too far.
 const LOST: f64 = 4.0;
 /// Predicted fall of the cost below which a candidate is not fitted.
@@ -103,7 +103,11 @@ impl Search<'_> {
             has_many_minima(effect.name) && !own.contains(&(effect.name, *place))
         });
         for (effect, place) in winding {
-            add_far(found, (effect.name, place), self.walked(from, effect, place));
+            add_far(
+                found,
+                (effect.name, place),
+                self.walked(from, effect, place),
+            );
         }
     }
 
@@ -238,7 +242,10 @@ fn between(sizes: &[Vec<f64>]) -> Vec<Vec<f64>> {
 
 /// Adds starts elsewhere to those of an effect.
 fn add_far(found: &mut Vec<Candidate>, effect: (&'static str, Place), mut far: Vec<Point>) {
-    match found.iter_mut().find(|candidate| candidate.effect == effect) {
+    match found
+        .iter_mut()
+        .find(|candidate| candidate.effect == effect)
+    {
         Some(candidate) => candidate.far.append(&mut far),
         None => found.push(Candidate {
             effect,

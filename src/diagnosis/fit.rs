@@ -202,9 +202,7 @@ impl Problem<'_> {
         let here = self.get(p, global);
         let typical = self.typical(p, global);
         let step = match global {
-            Global::Parameter(term, parameter)
-                if has_many_minima(p.terms[term].effect.name) =>
-            {
+            Global::Parameter(term, parameter) if has_many_minima(p.terms[term].effect.name) => {
                 // Its size may be far from typical.
                 let own = parameter == 0 && here != 0.0;
                 COARSE * if own { here.abs() } else { typical }

@@ -21,6 +21,7 @@ mod noise_colour;
 mod normal;
 mod problem;
 mod quality;
+mod quiet;
 mod remarks;
 mod run;
 mod scale;

@@ -75,24 +75,25 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
             last: t1,
             input: &grid.input[k],
         };
-        let mut happen = |stepper: &mut Stepper, state: &mut State, span: &Span, trace: &mut Trace| {
-            while let Some(&(time, stop)) = stops.get(next).filter(|stop| stop.0 <= span.from) {
-                debug_assert!(time <= span.from);
-                if matches!(stop, Stop::Kick(_) | Stop::Restart(_)) && !trace.time.is_empty() {
-                    let mut before = stepper.settle(state, span);
-                    before.motion.time = span.from.next_down();
-                    trace.push(&before, state);
+        let mut happen =
+            |stepper: &mut Stepper, state: &mut State, span: &Span, trace: &mut Trace| {
+                while let Some(&(time, stop)) = stops.get(next).filter(|stop| stop.0 <= span.from) {
+                    debug_assert!(time <= span.from);
+                    if matches!(stop, Stop::Kick(_) | Stop::Restart(_)) && !trace.time.is_empty() {
+                        let mut before = stepper.settle(state, span);
+                        before.motion.time = span.from.next_down();
+                        trace.push(&before, state);
+                    }
+                    match stop {
+                        Stop::Break => {}
+                        Stop::Kick(size) => *state = kicked(stepper.chain, *state, size),
+                        Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
+                        Stop::Tick => ticks.tick(stepper.chain, state, span.at(0.0).1[0]),
+                    }
+                    next += 1;
                 }
-                match stop {
-                    Stop::Break => {}
-                    Stop::Kick(size) => *state = kicked(stepper.chain, *state, size),
-                    Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
-                    Stop::Tick => ticks.tick(stepper.chain, state, span.at(0.0).1[0]),
-                }
-                next += 1;
-            }
-            stops.get(next).map_or(f64::INFINITY, |stop| stop.0)
-        };
+                stops.get(next).map_or(f64::INFINITY, |stop| stop.0)
+            };
         let mut stop = happen(&mut stepper, &mut state, &span, &mut trace);
         let mut instant = stepper.settle(&state, &span);
         trace.push(&instant, &state);

@@ -35,7 +35,11 @@ impl Trace {
 
     /// Adds a node; one that is not later than the last is the same.
     pub(super) fn push(&mut self, instant: &Instant, state: &State) {
-        if self.time.last().is_some_and(|last| *last >= instant.motion.time) {
+        if self
+            .time
+            .last()
+            .is_some_and(|last| *last >= instant.motion.time)
+        {
             return;
         }
         let [u, v] = instant.encoder;

@@ -7,6 +7,7 @@ use super::surfaces::DryFriction;
 const POSITION: usize = 0;
 const VELOCITY: usize = 1;
 const DELIVERED: usize = 2;
+const IMPULSE: usize = 3;
 
 /// The axis with what is hidden in it; absent or 0 where nothing is.
 #[derive(Clone, Debug, Default)]
@@ -41,8 +42,8 @@ pub struct Driven<'a> {
     pub axis: &'a Axis,
     /// What it shall do.
     pub programme: &'a Programme,
-    /// Whether the commanded force is shown, or the position.
-    pub shows_force: bool,
+    /// Whether the impulse of the commanded force is shown, or the position.
+    pub shows_impulse: bool,
 }
 
 impl Driven<'_> {
@@ -102,6 +103,7 @@ impl Plant for Driven<'_> {
             let command = self.arriving(self.commanded(time, state));
             rates[DELIVERED] = (command - state[DELIVERED]) / axis.lag;
         }
+        rates[IMPULSE] = self.commanded(time, state);
         rates
     }
 
@@ -133,14 +135,10 @@ impl Plant for Driven<'_> {
         [beyond(axis.dead_zone), beyond(axis.saturation), 1.0, 1.0]
     }
 
-    fn shown(&self, time: f64, state: &State, rates: &State) -> [f64; 2] {
-        if !self.shows_force {
-            return [state[POSITION], state[VELOCITY]];
+    fn shown(&self, _: f64, state: &State, rates: &State) -> [f64; 2] {
+        match self.shows_impulse {
+            true => [state[IMPULSE], rates[IMPULSE]],
+            false => [state[POSITION], state[VELOCITY]],
         }
-        let [_, v, a] = self.programme.at(time);
-        let w = self.axis.bandwidth;
-        let back = w * w * (v - state[VELOCITY]) + 1.6 * w * (a - rates[VELOCITY]);
-        // The jerk of the plan is left out: it only helps to interpolate within a step.
-        [self.commanded(time, state), self.axis.believed_mass * back]
     }
 }

@@ -57,9 +57,6 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     })
 }
 
-/// Parts of a drive's cycle over which the mean of the force is taken.
-const FINER: usize = 8;
-
 fn axis(draw: &mut Draw) -> Axis {
     let mass = draw.log_uniform(5.0, 200.0);
     Axis {
@@ -107,11 +104,11 @@ fn conceal(
     hidden
 }
 
-fn run(axis: &Axis, programme: &Programme, times: &[f64], shows_force: bool) -> Vec<f64> {
+fn run(axis: &Axis, programme: &Programme, times: &[f64], shows_impulse: bool) -> Vec<f64> {
     let driven = Driven {
         axis,
         programme,
-        shows_force,
+        shows_impulse,
     };
     let mut breaks: Vec<f64> = programme.corners().collect();
     breaks.sort_by(f64::total_cmp);
@@ -122,7 +119,7 @@ fn forces(axis: &Axis, programme: &Programme) -> Forces {
     let spacing = 2e-3;
     let count = (programme.duration / spacing) as usize;
     let times: Vec<f64> = (1..count).map(|k| k as f64 * spacing).collect();
-    let force = run(axis, programme, &times, true);
+    let force = told(axis, programme, spacing, count - 1);
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         (values.map(|x| x * x).sum::<f64>() / count as f64).sqrt()
     };
@@ -157,7 +154,7 @@ fn record(
         time: time.clone(),
         columns: vec![column],
     };
-    let force = told(axis, programme, rate, count);
+    let force = told(axis, programme, 1.0 / rate, count);
     let force = force.iter().map(|force| rounded(*force, 1e-6)).collect();
     let channels = vec![
         channel(Role::Force, "N", force),
@@ -175,12 +172,13 @@ fn record(
 
 /// The force as a drive tells it: its mean over the cycle that begins at each stamp. So a record at the
 /// rate of the cycle holds all of the impulse, whatever the force does within one.
-fn told(axis: &Axis, programme: &Programme, rate: f64, count: usize) -> Vec<f64> {
-    let within = |k: usize| (k as f64 + 0.5) / (rate * FINER as f64);
-    let times: Vec<f64> = (0..count * FINER).map(within).collect();
-    let force = run(axis, programme, &times, true);
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / FINER as f64;
-    force.chunks(FINER).map(mean).collect()
+fn told(axis: &Axis, programme: &Programme, cycle: f64, count: usize) -> Vec<f64> {
+    let times: Vec<f64> = (0..=count).map(|k| k as f64 * cycle).collect();
+    let impulse = run(axis, programme, &times, true);
+    impulse
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]) / cycle)
+        .collect()
 }
 
 fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -> Truth {

@@ -307,8 +307,8 @@ impl Moving<'_> {
                 damping_ratio,
             }) => {
                 rates[LAG] = state[LAG_RATE];
-                rates[LAG_RATE] = (behind(time_constant) - 2.0 * damping_ratio * state[LAG_RATE])
-                    / time_constant;
+                rates[LAG_RATE] =
+                    (behind(time_constant) - 2.0 * damping_ratio * state[LAG_RATE]) / time_constant;
             }
         }
     }
