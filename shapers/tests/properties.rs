@@ -216,7 +216,9 @@ impl Run {
             // may by chance be nothing, so the scale is the larger of it and a thousandth of the move.
             let scale = unshaped.amplitude().max(1e-3 * command.distance.abs());
             let left = shaped.amplitude() / scale;
-            prop_assert!(left < 1e-9, "{left}");
+            // Beside a slow mode a fast one that is damped grows backwards in time by exp(xi omega t), some 1e5.
+            let rounding = if self.modes.len() == 1 { 1e-9 } else { 1e-5 };
+            prop_assert!(left < rounding, "{left}");
         }
         Ok(matches!(outcome, Some(RetuneOutcome::Refused(_))))
     }
