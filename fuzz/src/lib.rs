@@ -49,7 +49,12 @@ pub fn check_channel(channel: &Channel) {
 pub fn check_recording(mut recording: Recording, folder: &Folder) {
     recording.channels.iter().for_each(check_channel);
     let copy = folder.path().join("copy");
-    recording.write(&copy, false).expect("what was read can be written");
+    recording
+        .write(&copy, false)
+        .expect("what was read can be written");
     assert_eq!(Recording::from_path(&copy).as_ref(), Ok(&recording));
-    recording.channels.iter_mut().for_each(Channel::unwrap_turns);
+    recording
+        .channels
+        .iter_mut()
+        .for_each(Channel::unwrap_turns);
 }

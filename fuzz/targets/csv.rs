@@ -21,7 +21,9 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     for rate_hz in [250.0, 1.0] {
-        let _ = table.stamps_at_rate(first, rate_hz).map_err(|error| error.to_string());
+        let _ = table
+            .stamps_at_rate(first, rate_hz)
+            .map_err(|error| error.to_string());
     }
     let (time, columns) = match (table.stamps(first), table.numbers(&[second])) {
         (Ok(time), Ok(columns)) => (time, columns),
@@ -31,6 +33,18 @@ fuzz_target!(|bytes: &[u8]| {
         }
     };
     let (role, unit) = (Role::MotorPosition, "rad".into());
-    let channels = vec![quell::recording::Channel { role, unit, time, columns }];
-    check_recording(Recording { name: String::new(), payload: None, channels }, &FOLDER);
+    let channels = vec![quell::recording::Channel {
+        role,
+        unit,
+        time,
+        columns,
+    }];
+    check_recording(
+        Recording {
+            name: String::new(),
+            payload: None,
+            channels,
+        },
+        &FOLDER,
+    );
 });

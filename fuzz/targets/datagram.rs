@@ -12,7 +12,11 @@ use quell_trajectories::Limits;
 const LARGEST: f64 = 1e12;
 
 const BOUNDS: Bounds = Bounds {
-    limits: Limits { velocity: 2.6, acceleration: 10.0, jerk: 80.0 },
+    limits: Limits {
+        velocity: 2.6,
+        acceleration: 10.0,
+        jerk: 80.0,
+    },
     radius: 1.7,
     deformation: 0.1,
     resolution: 1e-6,

@@ -7,9 +7,7 @@ use axum::http::{Request as Asked, Response, StatusCode, header};
 use axum::routing::Router;
 use libfuzzer_sys::fuzz_target;
 use quell::cli::diagnose::page::page;
-use quell::service::contract::{
-    Accepted, EngineEnds, JointSnapshot, Request, Snapshot, channels,
-};
+use quell::service::contract::{Accepted, EngineEnds, JointSnapshot, Request, Snapshot, channels};
 use quell::service::http::{Settings, routes};
 use quell_shapers::{Mode, SHAPERS};
 use std::cell::RefCell;
@@ -64,7 +62,11 @@ impl Service {
         let last = Last::default();
         runtime.spawn(listen(ends, Arc::clone(&last)));
         drop(_entered);
-        Self { runtime, routes, last }
+        Self {
+            runtime,
+            routes,
+            last,
+        }
     }
 
     fn answer(&self, path: &str, body: &[u8]) -> (StatusCode, Vec<u8>) {
@@ -110,10 +112,18 @@ fuzz_target!(|bytes: &[u8]| {
     });
     let answer: serde_json::Value = serde_json::from_slice(&answer).expect("an answer in JSON");
     assert!(!status.is_server_error(), "{status}: {answer}");
-    assert_eq!(status == StatusCode::OK, asked.is_some(), "{status}: {answer}");
+    assert_eq!(
+        status == StatusCode::OK,
+        asked.is_some(),
+        "{status}: {answer}"
+    );
     match asked {
         Some(request) => check(request, body),
-        None => assert!(answer["error"].as_str().is_some_and(|sentence| !sentence.is_empty())),
+        None => assert!(
+            answer["error"]
+                .as_str()
+                .is_some_and(|sentence| !sentence.is_empty())
+        ),
     }
 });
 
@@ -121,14 +131,19 @@ fuzz_target!(|bytes: &[u8]| {
 /// shapers have a train or a word.
 fn check(request: Request, body: &[u8]) {
     let is_object = body.trim_ascii_start().first() == Some(&b'{');
-    assert!(is_object || request == Request::Stop, "values without names: {request:?}");
+    assert!(
+        is_object || request == Request::Stop,
+        "values without names: {request:?}"
+    );
     match request {
         Request::Move { target, .. } => assert!(RANGE[0] <= target && target <= RANGE[1]),
         Request::Payload { mass } => assert!(mass.is_finite() && mass >= 0.0),
         Request::Shaping(change) => {
             let mode = change.mode.map(Mode::try_from);
             if let Some(Ok(mode)) = mode {
-                let trains = SHAPERS.iter().flat_map(|shaper| shaper.on_grid(mode, 0.004));
+                let trains = SHAPERS
+                    .iter()
+                    .flat_map(|shaper| shaper.on_grid(mode, 0.004));
                 for train in trains {
                     let sum: f64 = train.taps().iter().map(|tap| tap.amplitude).sum();
                     assert!((sum - 1.0).abs() < 1e-12, "{mode:?}: {sum}");

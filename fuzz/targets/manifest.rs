@@ -8,7 +8,10 @@ use std::sync::LazyLock;
 
 static FOLDER: LazyLock<Folder> = LazyLock::new(|| {
     let folder = Folder::default();
-    folder.write("a.csv", b"t,q,x,y,z\n0,1,0,0,1\n0.1,2,0,1,1\n0.2,-3,0,2,1e300\n");
+    folder.write(
+        "a.csv",
+        b"t,q,x,y,z\n0,1,0,0,1\n0.1,2,0,1,1\n0.2,-3,0,2,1e300\n",
+    );
     folder.write("b.csv", b"t;q\n0;1e-310\n0.001;nan\n");
     let path = folder.path().join("run.mcap");
     let mut writer = McapWriter::create_at(&path, &["hip"], 1_000_000_000).expect("a file");

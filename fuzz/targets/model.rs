@@ -18,11 +18,16 @@ fuzz_target!(|text: &str| {
     for value in values(&model) {
         assert!(!value.value.is_nan());
         assert!(value.std.is_none_or(|std| std.is_finite() && std > 0.0));
-        assert!(value.bounds.is_none_or(|(low, high)| low <= value.value && value.value <= high));
+        assert!(
+            value
+                .bounds
+                .is_none_or(|(low, high)| low <= value.value && value.value <= high)
+        );
     }
     assert!(!model.fastest().is_nan());
     let written = model.to_toml();
-    let again = Model::from_toml(&written, "written.toml").unwrap_or_else(|error| panic!("{error}\n{written}"));
+    let again = Model::from_toml(&written, "written.toml")
+        .unwrap_or_else(|error| panic!("{error}\n{written}"));
     assert!(values(&model).eq(values(&again)), "{written}");
     assert_eq!(again.to_toml(), written);
     assert!(again.kind.name == model.kind.name && again.hold == model.hold);

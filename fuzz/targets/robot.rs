@@ -23,5 +23,11 @@ fuzz_target!(|text: &str| {
     };
     // At most as many samples as the fastest sensor has in a tenth of a millisecond.
     let period = (1.0 / robot.control_rate).min(1e-4);
-    arm.step(Command { position: robot.default_move.target, velocity: None }, period);
+    arm.step(
+        Command {
+            position: robot.default_move.target,
+            velocity: None,
+        },
+        period,
+    );
 });
