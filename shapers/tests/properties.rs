@@ -243,3 +243,22 @@ impl Run {
         Ok(())
     }
 }
+
+/// Beside a mode that rings for long one that damps well decides nothing of what is left.
+#[test]
+fn a_mode_that_damps_well_does_not_hide_the_other() {
+    let mode = |hertz, xi| Mode::from_hertz(hertz, xi).unwrap();
+    let run = Run {
+        tick: 0.008,
+        modes: vec![mode(2.9447314953, 0.0), mode(5.8688292781, 0.250625444)],
+        command: Move {
+            distance: 0.962275863,
+            phases: [0.02, 0.0, 0.0],
+        },
+        wrong: 0.4,
+        which: 0,
+        moments: vec![(1.3563, 0.5), (0.0, 0.5)],
+    };
+    let refused = run.check().unwrap();
+    assert!(!refused);
+}
