@@ -2,10 +2,10 @@
 
 use crate::Setpoint;
 use crate::complex::Complex;
-use crate::linear::solve;
 use crate::modal_state::ModalState;
 use crate::smooth_step::step_at;
 use arrayvec::ArrayVec;
+use num_traits::Float;
 
 /// Modes that one correction can cancel.
 pub const CORRECTED_MODES: usize = 3;
@@ -15,6 +15,8 @@ pub(crate) const CORRECTION_STEPS: usize = 25;
 pub(crate) const SCHEDULED_STEPS: usize = 96;
 /// Zero sum, and real and imaginary part of value and slope for each mode.
 const CONDITIONS: usize = 1 + 4 * CORRECTED_MODES;
+/// A number for each step.
+type Steps = [f64; CORRECTION_STEPS];
 /// A least norm needs freedom: with as many steps as conditions there is only one solution.
 const SPARE: usize = 2;
 
@@ -179,20 +181,21 @@ impl Comb {
             .for_each(|column| column[0] = 1.0);
         right[0] = total;
         for ((pole, state), first) in modes.iter().zip((1..).step_by(per_mode)) {
-            // Referred to the start of the comb, and the slope in units of the step's width, so that
-            // rows and columns are of like size.
+            // Referred to the end of the comb, and the slope in units of the step's width, so that rows are
+            // of like size: at the start what damps well would outweigh all else by exp(2 xi omega t).
             let rows = first..first + per_mode;
-            let wanted = self.parts(state.later(*pole, (self.start - now) as f64));
+            let end = (self.start - now) as f64 + self.span() as f64;
+            let wanted = self.parts(state.later(*pole, end));
             for (value, part) in right[rows.clone()].iter_mut().zip(wanted) {
                 *value = -part;
             }
             let single = self.single(*pole);
             for (i, column) in columns.iter_mut().enumerate().take(self.count) {
-                let state = single.later(*pole, -((i * self.spacing) as f64));
+                let state = single.later(*pole, (self.span() - i * self.spacing) as f64);
                 column[rows.clone()].copy_from_slice(&self.parts(state)[..per_mode]);
             }
         }
-        least_norm(size, &columns, &mut right)
+        least_norm(size, &columns, &right)
     }
 
     fn parts(&self, state: ModalState) -> [f64; 4] {
@@ -237,22 +240,40 @@ impl Comb {
     }
 }
 
-/// The `x` of least norm with `M x = right`, `M` given by columns: `x = M' (M M')^-1 right`.
+/// The `x` of least norm with `M x = right`, `M` given by columns: each condition in turn adds its part that
+/// is orthogonal to those before (modified Gram-Schmidt, twice, as the conditions of a mode that damps well
+/// are nearly those of its slope). `M' (M M')^-1 right` is the same, and squares how ill they are.
+///
+/// Source: A. Bjorck, "Numerical Methods for Least Squares Problems", SIAM 1996, section 2.4.
 fn least_norm(
     size: usize,
     columns: &[[f64; CONDITIONS]; CORRECTION_STEPS],
-    right: &mut [f64; CONDITIONS],
+    right: &[f64; CONDITIONS],
 ) -> Option<[f64; CORRECTION_STEPS]> {
-    let mut gram = [[0.0; CONDITIONS]; CONDITIONS];
-    for column in columns {
-        for (row, a) in gram.iter_mut().zip(column).take(size) {
-            for (entry, b) in row.iter_mut().zip(column) {
-                *entry += a * b;
-            }
+    let dot = |a: &Steps, b: &Steps| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let add = |to: &mut Steps, by: f64, what: &Steps| {
+        to.iter_mut()
+            .zip(what)
+            .for_each(|(to, what)| *to += by * what);
+    };
+    let mut basis = ArrayVec::<Steps, CONDITIONS>::new();
+    let mut solution = [0.0; CORRECTION_STEPS];
+    for (condition, right) in right.iter().enumerate().take(size) {
+        let row = columns.map(|column| column[condition]);
+        let mut own = row;
+        for before in basis.iter().chain(&basis) {
+            let shared = dot(&own, before);
+            add(&mut own, -shared, before);
         }
+        let length = Float::sqrt(dot(&own, &own));
+        if length <= f64::EPSILON * Float::sqrt(dot(&row, &row)) {
+            return None;
+        }
+        let direction = own.map(|part| part / length);
+        let missing = right - dot(&row, &solution);
+        add(&mut solution, missing / length, &direction);
+        basis.push(direction);
     }
-    let multipliers = solve(size, &mut gram, right)?;
-    let solution = columns.map(|column| column.iter().zip(&multipliers).map(|(a, b)| a * b).sum());
     solution
         .iter()
         .all(|value: &f64| value.is_finite())

@@ -78,6 +78,25 @@ impl PeakRatios {
         }
     }
 
+    /// What a command reaches between two ticks at least, whatever happens there: the means of velocity and
+    /// acceleration, and by `v1 - v0 - h (a0 + a1) / 2 = -int (t - h/2) j dt` the jerk, as that is at most
+    /// `h^2 / 4` of its peak. A step that is over within two ticks shows in nothing else.
+    pub(crate) fn between(
+        before: Setpoint,
+        now: Setpoint,
+        limits: &MotionLimits,
+        sample_time: f64,
+    ) -> Self {
+        let velocity = (now.position - before.position) / sample_time;
+        let acceleration = (now.velocity - before.velocity) / sample_time;
+        let bend = acceleration - 0.5 * (before.acceleration + now.acceleration);
+        Self {
+            velocity: velocity.abs() / limits.velocity,
+            acceleration: acceleration.abs() / limits.acceleration,
+            jerk: 4.0 * bend.abs() / (sample_time * limits.jerk),
+        }
+    }
+
     pub(crate) fn max(self, other: Self) -> Self {
         Self {
             velocity: self.velocity.max(other.velocity),

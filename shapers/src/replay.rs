@@ -186,8 +186,9 @@ impl Forecast<'_> {
 
     fn holds(&self, before: Setpoint, now: Setpoint, ticks: usize) -> bool {
         let time = self.sample_time * ticks as f64;
-        let peaks = PeakRatios::of_tick(before, now, &self.limits, time);
-        peaks.worst() <= CORRECTION_OVERSHOOT
+        let keeps = |peaks: PeakRatios| peaks.worst() <= CORRECTION_OVERSHOOT;
+        keeps(PeakRatios::of_tick(before, now, &self.limits, time))
+            && keeps(PeakRatios::between(before, now, &self.limits, time))
     }
 
     /// First and last tick at which the future exceeds the limits without a correction.

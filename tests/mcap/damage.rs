@@ -80,6 +80,46 @@ fn a_length_that_lies_takes_no_memory() {
     }
 }
 
+/// A file that defines one message and announces so many topics of it, none of which has any.
+fn announced(definition: &str, topics: usize) -> Vec<u8> {
+    let options = mcap::WriteOptions::new().compression(None);
+    let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
+    let schema = out.add_schema("far/msg/T0", "ros2msg", definition.as_bytes());
+    let schema = schema.unwrap();
+    for topic in 0..topics {
+        let name = format!("/{topic}");
+        out.add_channel(schema, &name, "cdr", &Default::default())
+            .unwrap();
+    }
+    out.finish().unwrap();
+    out.into_inner().into_inner()
+}
+
+#[test]
+fn records_of_two_records_each_are_not_all_visited() {
+    // The deepest holds no number: 2^31 ways lead to nothing.
+    let mut definition = String::from("far/T1 left\nfar/T1 right\nint8 here\n");
+    for depth in 1..31 {
+        let next = depth + 1;
+        definition += &format!("MSG: far/T{depth}\nfar/T{next} left\nfar/T{next} right\n");
+    }
+    definition += "MSG: far/T31\nstring text\n";
+    let folder = TempDir::new().unwrap();
+    let file = McapFile::open(&save(&folder, &announced(&definition, 1))).unwrap();
+    assert_eq!(file.topics()[0].fields(), ["here"]);
+}
+
+#[test]
+fn topics_of_one_type_share_its_definition() {
+    let definition: String = (0..2000)
+        .map(|field| format!("int8 field_{field}\n"))
+        .collect();
+    let bytes = announced(&definition, 2000);
+    let used = allocation_counter::measure(|| look(&bytes));
+    let most = 64 * bytes.len() as u64;
+    assert!(used.bytes_max < most, "{} of {most}", used.bytes_max);
+}
+
 /// A file without compression and sums, so that changed bytes reach definitions and messages.
 fn bare() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();

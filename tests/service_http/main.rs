@@ -18,6 +18,12 @@ const REFUSED: &[(&str, &str, u16, &str)] = &[
     ("/api/move", "", 400, "EOF"),
     ("/api/move", "{", 400, "EOF"),
     ("/api/move", "[]", 400, "the body is not what it should be"),
+    (
+        "/api/move",
+        r#" ["joint_1", 1, null, null]"#,
+        400,
+        "an object is wanted, not an array",
+    ),
     ("/api/move", "\u{0}", 400, "expected value"),
     ("/api/move", "{}", 400, "missing field `joint`"),
     (

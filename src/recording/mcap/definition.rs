@@ -151,11 +151,27 @@ impl Layout {
     /// Names of the fields that hold numbers, `[]` where there are many, for a message to the user.
     pub(super) fn numbers(&self) -> Vec<String> {
         let mut names = Vec::new();
-        self.collect(0, "", &mut names);
+        self.collect(0, "", &self.hold_numbers(), &mut names);
         names
     }
 
-    fn collect(&self, record: usize, prefix: &str, names: &mut Vec<String>) {
+    /// Which records hold a number, at any depth.
+    fn hold_numbers(&self) -> Vec<bool> {
+        let mut known = vec![false; self.records.len()];
+        for _ in 0..=DEPTH {
+            let holds = |field: &Field| match field.kind {
+                Kind::Number(_) => true,
+                Kind::Record(inner) => known[inner],
+                _ => false,
+            };
+            let records = self.records.iter();
+            known = records.map(|fields| fields.iter().any(holds)).collect();
+        }
+        known
+    }
+
+    /// Goes only where there are numbers: records of two records each, 32 deep, are 2^32.
+    fn collect(&self, record: usize, prefix: &str, holds: &[bool], names: &mut Vec<String>) {
         for field in &self.records[record] {
             if names.len() >= SHOWN {
                 return;
@@ -164,7 +180,9 @@ impl Layout {
             let name = format!("{prefix}{}{brackets}", field.name);
             match field.kind {
                 Kind::Number(_) => names.push(name),
-                Kind::Record(inner) => self.collect(inner, &format!("{name}."), names),
+                Kind::Record(inner) if holds[inner] => {
+                    self.collect(inner, &format!("{name}."), holds, names);
+                }
                 _ => {}
             }
         }

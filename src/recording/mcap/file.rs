@@ -9,6 +9,7 @@ use crate::recording::error::{Place, Problem, RecordingError};
 use crate::recording::table::from_io;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An MCAP file in memory, and what it holds.
 #[derive(Debug)]
@@ -32,8 +33,8 @@ pub struct Topic {
     pub logged: Option<[u64; 2]>,
     /// Names that the first message gives to what is in it, as joint states do.
     pub names: Vec<String>,
-    /// The layout of its messages, or why they cannot be read.
-    layout: Result<Layout, String>,
+    /// The layout of its messages, or why they cannot be read; many topics may share a long one.
+    layout: Result<Arc<Layout>, String>,
 }
 
 impl McapFile {
@@ -158,7 +159,7 @@ impl Topic {
     pub fn fields(&self) -> Vec<String> {
         self.layout
             .as_ref()
-            .map_or_else(|_| Vec::new(), Layout::numbers)
+            .map_or_else(|_| Vec::new(), |layout| layout.numbers())
     }
 
     /// Messages a second of log time.
@@ -172,7 +173,7 @@ impl Topic {
 /// What the first walk over a file finds.
 #[derive(Default)]
 struct Index {
-    schemas: HashMap<u16, (String, Result<Layout, String>)>,
+    schemas: HashMap<u16, (String, Result<Arc<Layout>, String>)>,
     topics: Vec<Topic>,
     /// Index of the topic of a channel.
     channels: HashMap<u16, usize>,
@@ -188,7 +189,7 @@ impl Index {
                 data,
             } => {
                 let layout = match encoding {
-                    "ros2msg" => Layout::parse(name, &String::from_utf8_lossy(data)),
+                    "ros2msg" => Layout::parse(name, &String::from_utf8_lossy(data)).map(Arc::new),
                     other => Err(format!(
                         "definitions in \"{other}\" are not read, ros2msg is"
                     )),

@@ -133,17 +133,33 @@ pub async fn serve(
 ) -> Result<(), HttpError> {
     check(listener.local_addr()?, settings.token.as_deref())?;
     let most = settings.max_connections;
-    let app = Arc::new(App {
+    let app = app(handle, settings)?;
+    let router = router(Arc::clone(&app));
+    connections::accept(listener, router, most, &app.counters, shutdown).await;
+    Ok(())
+}
+
+/// All that [`serve`] answers, without a socket: for a test, or behind a server of one's own that checks who
+/// may connect.
+///
+/// # Errors
+/// [`HttpError::System`] where the system makes no thread.
+///
+/// # Panics
+/// Outside a runtime of tokio.
+pub fn routes(handle: Handle, settings: Settings) -> Result<Router, HttpError> {
+    Ok(router(app(handle, settings)?))
+}
+
+fn app(handle: Handle, settings: Settings) -> Result<Arc<App>, HttpError> {
+    Ok(Arc::new(App {
         feed: Feed::start(&handle),
         jobs: Jobs::start(settings.report)?,
         handle,
         settings,
         counters: Counters::default(),
         streams: Arc::new(Semaphore::new(STREAMS)),
-    });
-    let router = router(Arc::clone(&app));
-    connections::accept(listener, router, most, &app.counters, shutdown).await;
-    Ok(())
+    }))
 }
 
 fn router(app: Arc<App>) -> Router {

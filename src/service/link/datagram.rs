@@ -40,7 +40,20 @@ pub struct FromRobot<'a> {
 impl<'a> FromRobot<'a> {
     /// Reads a datagram; `None` where it is not what it should be, or carries a value that no robot
     /// has.
+    ///
+    /// # Example
+    /// ```
+    /// use quell::service::link::datagram::FromRobot;
+    /// let datagram = br#"{"t": 0.1, "joint": "joint_1", "deformation": 1e-3}"#;
+    /// assert_eq!(FromRobot::parse(datagram).and_then(|read| read.deformation), Some(1e-3));
+    /// let nameless = br#"[0.1, null, "joint_1", null, null, 1e-3, null, null]"#;
+    /// assert!(FromRobot::parse(nameless).is_none());
+    /// ```
     pub fn parse(bytes: &'a [u8]) -> Option<Self> {
+        // The library takes an array for the values of an object in their order: what they are of is not said.
+        if bytes.trim_ascii_start().starts_with(b"[") {
+            return None;
+        }
         let datagram: Self = serde_json::from_slice(bytes).ok()?;
         let usual = |value: &f64| value.abs() <= LARGEST;
         let mut quantities = datagram.quantities().peekable();
