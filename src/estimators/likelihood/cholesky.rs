@@ -1,0 +1,101 @@
+//! A small Cholesky factor that grows row by row.
+
+/// What rounding of the sums may leave on an exactly dependent pair of columns.
+const RIDGE: f64 = 1e-13;
+
+/// `S A S + 1e-13 I = L L^T` with `S` such that the diagonal of `S A S` is 1.
+///
+/// Source: G. Golub, C. Van Loan, Matrix Computations, 4th ed., ch. 4.2.
+#[derive(Clone, Copy, Debug)]
+pub struct Cholesky<const N: usize> {
+    factor: [[f64; N]; N],
+    /// Inverse of the factor's diagonal.
+    pivot: [f64; N],
+    scale: [f64; N],
+}
+
+impl<const N: usize> Default for Cholesky<N> {
+    fn default() -> Self {
+        Self {
+            factor: [[0.0; N]; N],
+            pivot: [0.0; N],
+            scale: [0.0; N],
+        }
+    }
+}
+
+impl<const N: usize> Cholesky<N> {
+    /// Adds row `n` of the matrix, of which the first `n + 1` numbers count; `None` where the matrix is not
+    /// positive definite.
+    pub fn append(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
+        if !(row[n].is_finite() && row[n] > 0.0) {
+            return None;
+        }
+        self.scale[n] = row[n].sqrt().recip();
+        let mut square = 1.0 + RIDGE;
+        for j in 0..n {
+            let mut sum = row[j] * self.scale[n] * self.scale[j];
+            for k in 0..j {
+                sum -= self.factor[n][k] * self.factor[j][k];
+            }
+            let entry = sum * self.pivot[j];
+            self.factor[n][j] = entry;
+            square -= entry * entry;
+        }
+        if square.is_nan() || square <= 0.0 {
+            return None;
+        }
+        self.factor[n][n] = square.sqrt();
+        self.pivot[n] = self.factor[n][n].recip();
+        Some(())
+    }
+
+    /// The first `size` of `L^-1 S rhs`, the rest 0.
+    pub fn forward(&self, rhs: &[f64; N], size: usize) -> [f64; N] {
+        let mut result = [0.0; N];
+        for n in 0..size {
+            result[n] = self.next_forward(&result, n, rhs[n]);
+        }
+        result
+    }
+
+    /// Number `n` of `L^-1 S rhs`, those before it known.
+    pub fn next_forward(&self, known: &[f64; N], n: usize, rhs: f64) -> f64 {
+        let mut sum = rhs * self.scale[n];
+        for k in 0..n {
+            sum -= self.factor[n][k] * known[k];
+        }
+        sum * self.pivot[n]
+    }
+
+    /// The first `size` of `S L^-T forward`: the solution, where `forward` is that of its right-hand side.
+    pub fn backward(&self, forward: &[f64; N], size: usize) -> [f64; N] {
+        let mut result = [0.0; N];
+        for n in (0..size).rev() {
+            let mut sum = forward[n];
+            for k in n + 1..size {
+                sum -= self.factor[k][n] * result[k];
+            }
+            result[n] = sum * self.pivot[n];
+        }
+        for (value, scale) in result.iter_mut().zip(&self.scale) {
+            *value *= scale;
+        }
+        result
+    }
+
+    /// Element `(i, j)` of the inverse of `A`.
+    pub fn inverse(&self, i: usize, j: usize) -> f64 {
+        let unit = |n: usize| {
+            let mut column = [0.0; N];
+            column[n] = 1.0;
+            self.forward(&column, N)
+        };
+        unit(i).iter().zip(unit(j)).map(|(a, b)| a * b).sum()
+    }
+
+    /// Element `(n, n)` of `A`.
+    pub fn diagonal(&self, n: usize) -> f64 {
+        (self.scale[n] * self.scale[n]).recip()
+    }
+}
