@@ -32,6 +32,12 @@ impl ModalState {
         self.value.re += increment;
     }
 
+    /// An increment more, `term = du exp(lambda tau)`, of age `tau` in ticks.
+    pub fn add(&mut self, term: Complex, age: f64) {
+        self.value = self.value + term;
+        self.slope = self.slope + term.scale(age);
+    }
+
     /// State left, referred to now, by positions at the ticks after now.
     pub fn of_future(pole: Complex, now: f64, positions: impl Iterator<Item = f64>) -> Self {
         let turn = pole.scale(-1.0).exp();

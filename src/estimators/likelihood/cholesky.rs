@@ -84,14 +84,24 @@ impl<const N: usize> Cholesky<N> {
         result
     }
 
-    /// Element `(i, j)` of the inverse of `A`.
+    /// Element `(i, j)` of the inverse of `A`; the later they stand, the less work.
     pub fn inverse(&self, i: usize, j: usize) -> f64 {
-        let unit = |n: usize| {
-            let mut column = [0.0; N];
-            column[n] = 1.0;
-            self.forward(&column, N)
-        };
-        unit(i).iter().zip(unit(j)).map(|(a, b)| a * b).sum()
+        let (left, right) = (self.column(i), self.column(j));
+        (i.max(j)..N).map(|n| left[n] * right[n]).sum()
+    }
+
+    /// Column `i` of `L^-1 S`.
+    fn column(&self, i: usize) -> [f64; N] {
+        let mut result = [0.0; N];
+        result[i] = self.scale[i] * self.pivot[i];
+        for n in i + 1..N {
+            let mut sum = 0.0;
+            for k in i..n {
+                sum -= self.factor[n][k] * result[k];
+            }
+            result[n] = sum * self.pivot[n];
+        }
+        result
     }
 
     /// Element `(n, n)` of `A`.

@@ -111,12 +111,16 @@ struct Profile {
     cost: f64,
 }
 
-/// What past stretches add to a pair of unknowns; the residual is the seventh of [`Past`].
-fn of_past(track: &Track, i: usize, j: Option<usize>) -> f64 {
-    match (PLACE[i], j.map_or(Some(6), |j| PLACE[j])) {
-        (Some(p), Some(q)) if track.has_past => track.past[(p, q)],
-        _ => 0.0,
+/// Adds to a row of the normal equations, and to its right-hand side, what past stretches say; the residual
+/// is the seventh of [`Past`].
+fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
+    let (true, Some(p)) = (track.has_past, PLACE[i]) else {
+        return;
+    };
+    for (entry, place) in row.iter_mut().zip(PLACE).take(i + 1) {
+        *entry += place.map_or(0.0, |q| track.past[(p, q)]);
     }
+    *rhs += track.past[(p, 6)];
 }
 
 fn solve_linear(track: &Track, priors: &Priors, variance: f64) -> Option<Profile> {
@@ -126,11 +130,12 @@ fn solve_linear(track: &Track, priors: &Priors, variance: f64) -> Option<Profile
     for (i, &p) in LINEAR.iter().enumerate() {
         let mut row = [0.0; 8];
         for (j, &q) in LINEAR.iter().enumerate().take(i + 1) {
-            row[j] = moments[p][q] + of_past(track, i, Some(j));
+            row[j] = moments[p][q];
         }
+        rhs[i] = moments[p][RESIDUAL];
+        add_past(track, i, &mut row, &mut rhs[i]);
         row[i] += variance * priors.precision[i + 2];
         factor.append(i, &row)?;
-        rhs[i] = moments[p][RESIDUAL] + of_past(track, i, None);
     }
     let forward = factor.forward(&rhs, MODE);
     let miss = [
@@ -203,17 +208,16 @@ fn add_mode(
         }
         let mut row = [0.0; 8];
         for (i, &column) in LINEAR.iter().enumerate() {
-            row[i] = products[k][column] + of_past(track, MODE + k, Some(i));
+            row[i] = products[k][column];
         }
         for other in 0..=k {
             let across: f64 = slopes[k].iter().map(|&(c, w)| w * products[other][c]).sum();
-            row[MODE + other] = across + of_past(track, MODE + k, Some(MODE + other));
+            row[MODE + other] = across;
         }
         let weight = variance * priors.precision[k];
+        let mut rhs = products[k][RESIDUAL] + weight * (priors.mean[k] - point[k]);
+        add_past(track, MODE + k, &mut row, &mut rhs);
         row[MODE + k] += weight;
-        let rhs = products[k][RESIDUAL]
-            + of_past(track, MODE + k, None)
-            + weight * (priors.mean[k] - point[k]);
         profile.factor.append(MODE + k, &row)?;
         profile.forward[MODE + k] = profile.factor.next_forward(&profile.forward, MODE + k, rhs);
     }

@@ -14,7 +14,7 @@ impl Likelihood {
     /// Whether a row is a spike: it lies where neither the noise nor the doubt about
     /// the mode can have put it.
     fn is_spike(&mut self, row: &[f64; WIDTH]) -> bool {
-        let Some(fit) = self.fit.filter(|_| self.knows_noise()) else {
+        let Some(fit) = self.fit.as_ref().filter(|_| self.knows_noise()) else {
             return false;
         };
         let innovation: f64 = fit.residual.iter().zip(row).map(|(w, x)| w * x).sum();

@@ -165,9 +165,9 @@ impl Likelihood {
 
     /// Pools a given noise level with the residual's.
     fn update_variance(&mut self) {
-        let unknowns = self.fit.map_or(UNKNOWNS, |fit| fit.unknowns);
+        let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
         let spare = (self.active.taken() - unknowns).max(0.0);
-        let residual = self.fit.map_or(0.0, |fit| fit.cost_after.max(0.0));
+        let residual = self.fit.as_ref().map_or(0.0, |fit| fit.cost_after.max(0.0));
         let smallest = (1e-24 * self.largest * self.largest).max(1e-60);
         (self.variance, self.freedom) = match self.settings.noise_std {
             Some(std) => {
@@ -184,7 +184,7 @@ impl Likelihood {
 
     /// Whether there are enough samples to know the noise's level, beside the mode.
     fn knows_noise(&self) -> bool {
-        let unknowns = self.fit.map_or(UNKNOWNS, |fit| fit.unknowns);
+        let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
         self.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
     }
 
@@ -219,11 +219,11 @@ impl Likelihood {
     fn conclude(&mut self, time: f64) {
         // A step that failed is tried again once there are more data.
         self.shrink = (1.1 * self.shrink).clamp(1e-3, 1.0);
-        let Some(fit) = self.fit else { return };
+        let Some(fit) = &self.fit else { return };
         if !self.knows_noise() {
             return;
         }
-        let [log_std, damping_std, gain_std] = self.spread(&fit);
+        let [log_std, damping_std, gain_std] = self.spread(fit);
         // What an offset and a gain explain as well is no vibration: noise always has a best mode.
         let explained = self.active.without_vibration() - fit.cost_after;
         let heard = self.evidence(explained) > RULED_OUT + UNKNOWNS;

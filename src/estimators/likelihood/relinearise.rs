@@ -3,7 +3,7 @@
 use quell_shapers::Mode;
 
 use super::fit::profile;
-use super::region::{bounded, trusted};
+use super::region::{bounded, log_point, trusted};
 use super::{Likelihood, Track};
 
 /// Samples that replays may take in one tick.
@@ -51,32 +51,33 @@ impl Likelihood {
     /// `d^2 / 2` times the phase that the vibration runs through before it has died, and more than a tenth
     /// of a standard deviation of that is too much.
     fn propose(&mut self) -> bool {
-        let Some(fit) = self.fit else { return false };
-        let [x, y] = fit.step;
-        let square = x * x + y * y;
-        let elapsed = match (self.samples.first(), self.samples.last()) {
-            (Some(first), Some(last)) => last.time - first.time,
-            _ => 0.0,
+        let Some(fit) = &self.fit else { return false };
+        let target = |shrink| bounded(&self.settings, trusted(self.active.mode, fit.step, shrink));
+        let (Some(end), Some(next)) = (target(1.0), target(self.shrink)) else {
+            return false;
         };
-        let (w, xi) = (
-            self.active.mode.natural_frequency(),
-            self.active.mode.damping_ratio(),
-        );
-        let phase = (w * elapsed).min(xi.recip()).max(1.0);
-        let missed = 0.5 * square * phase;
+        // At the end of the range the step may lead nowhere.
+        let (from, to) = (log_point(self.active.mode), log_point(end));
+        let [x, y] = [0, 1].map(|k| to[k] - from[k]);
+        let missed = 0.5 * (x * x + y * y) * self.phase();
         let least = fit.covariance[0][0].min(fit.covariance[1][1]);
         let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
-        if negligible || missed * missed <= 0.01 * least * self.variance || self.shrink < 1e-3 {
+        let exact = missed * missed <= 0.01 * least * self.variance;
+        if negligible || exact || self.shrink < 1e-3 || next == self.active.mode {
             return false;
         }
-        let point = trusted(self.active.mode, fit.step, self.shrink);
-        match bounded(&self.settings, point) {
-            Some(mode) if mode != self.active.mode => {
-                self.start_candidate(mode);
-                true
-            }
-            _ => false,
-        }
+        self.start_candidate(next);
+        true
+    }
+
+    /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
+    fn phase(&self) -> f64 {
+        let ends = self.samples.first().zip(self.samples.last());
+        let elapsed = ends.map_or(0.0, |(first, last)| last.time - first.time);
+        let mode = self.active.mode;
+        (mode.natural_frequency() * elapsed)
+            .min(mode.damping_ratio().recip())
+            .max(1.0)
     }
 
     /// Takes the candidate that has caught up where it explains the data better.
@@ -86,7 +87,7 @@ impl Likelihood {
         };
         let priors = self.priors();
         let cost = profile(&candidate, &priors, self.variance).unwrap_or(f64::INFINITY);
-        let present = self.fit.map_or(f64::INFINITY, |fit| fit.cost);
+        let present = self.fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost);
         if self.must_replace || cost <= present {
             self.must_replace = false;
             self.active = candidate;
