@@ -20,6 +20,8 @@ use std::time::Instant;
 
 const PERIOD: f64 = 0.004;
 const TICKS: usize = 20_000;
+/// Ticks of which instructions are counted.
+const COUNTED: usize = 5_000;
 /// Ticks between two moves: the vibration has died.
 const PAUSE: usize = 600;
 const ROUNDS: usize = 5;
@@ -74,7 +76,7 @@ fn plan(axes: usize, from: f64, to: f64) -> Outcome<SampledTrajectory> {
 }
 
 /// Controller and arm in a loop.
-fn tape(estimator: &'static EstimatorEntry) -> Outcome<Tape> {
+fn tape(ticks: usize, estimator: &'static EstimatorEntry) -> Outcome<Tape> {
     let mut arm = ArmSimulation::new(&Robot::rx170(), 0, &SimulationOptions::default())?;
     let mut controller = controller(1, estimator)?;
     let mut tape = Tape {
@@ -82,7 +84,7 @@ fn tape(estimator: &'static EstimatorEntry) -> Outcome<Tape> {
         moves: Vec::new(),
     };
     let mut since = 0;
-    for tick in 0..TICKS {
+    for tick in 0..ticks {
         since += 1;
         if since >= PAUSE && controller.is_settled() {
             arm.set_payload([0.0, 40.0, 15.0, 60.0][tape.moves.len() % 4])?;
@@ -118,17 +120,17 @@ fn inbox(measured: &[Measurement], axes: usize) -> Vec<AxisMeasurement> {
 fn replay(
     tape: &Tape,
     axes: usize,
-    ticks: usize,
     estimator: &'static EstimatorEntry,
     hears: bool,
 ) -> Outcome<(Vec<f64>, f64)> {
     let mut controller = controller(axes, estimator)?;
-    let inboxes: Vec<_> = tape.measured[..ticks]
+    let inboxes: Vec<_> = tape
+        .measured
         .iter()
         .map(|measured| inbox(if hears { measured } else { &[] }, axes))
         .collect();
     let (mut moves, mut sum) = (tape.moves.iter().peekable(), 0.0);
-    let mut seconds = Vec::with_capacity(ticks);
+    let mut seconds = Vec::with_capacity(inboxes.len());
     for (tick, inbox) in inboxes.iter().enumerate() {
         if let Some(&(_, from, to)) = moves.next_if(|planned| planned.0 == tick) {
             controller
@@ -149,30 +151,31 @@ fn total(setpoint: &Setpoint) -> f64 {
     setpoint.position + setpoint.velocity + setpoint.acceleration
 }
 
-/// Instructions of one tick: this program under valgrind with all ticks and with half of them.
+/// Instructions of one tick: this program under valgrind, the recording replayed once and twice.
 fn instructions(axes: usize, name: &str) -> Option<f64> {
     let program = std::env::current_exe().ok()?;
-    let count = |ticks: usize| -> Option<f64> {
+    let count = |rounds: &str| -> Option<f64> {
         let output = std::process::Command::new("valgrind")
             .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-            .args(["--toggle-collect=*Controller*tick*"])
+            .arg("--toggle-collect=*Controller*tick*")
             .arg(&program)
-            .args(["only", &axes.to_string(), name, &ticks.to_string()])
+            .args(["only", &axes.to_string(), name, rounds])
             .output()
             .ok()?;
         let text = String::from_utf8(output.stderr).ok()?;
         let line = text.lines().find(|line| line.contains("Collected"))?;
         line.rsplit(' ').next()?.parse().ok()
     };
-    Some(count(TICKS / 4)? / (TICKS / 4) as f64)
+    Some((count("2")? - count("1")?) / COUNTED as f64)
 }
 
 fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -> Outcome<()> {
     let mut least: Option<Vec<f64>> = None;
     for _ in 0..ROUNDS {
-        let (seconds, _) = replay(tape, axes, TICKS, line, hears)?;
-        let least = least.get_or_insert_with(|| seconds.clone());
-        for (least, now) in least.iter_mut().zip(&seconds) {
+        let (seconds, _) = replay(tape, axes, line, hears)?;
+        let seconds = &seconds[..TICKS];
+        let least = least.get_or_insert_with(|| seconds.to_vec());
+        for (least, now) in least.iter_mut().zip(seconds) {
             *least = least.min(*now);
         }
     }
@@ -180,7 +183,7 @@ fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -
     let mean = 1e9 * least.iter().sum::<f64>() / TICKS as f64;
     least.sort_by(f64::total_cmp);
     let at = |part: f64| 1e9 * least[((TICKS - 1) as f64 * part) as usize];
-    let counted = match hears {
+    let counted = match hears && line.name == ESTIMATORS[0].name {
         true => instructions(axes, line.name).map_or("no valgrind".into(), |n| format!("{n:.0}")),
         false => "-".into(),
     };
@@ -196,17 +199,14 @@ fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -
 
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().collect();
-    if let [_, only, axes, name, ticks] = arguments.as_slice()
+    if let [_, only, axes, name, rounds] = arguments.as_slice()
         && only == "only"
     {
         let line = quell::estimators::estimator(name).ok_or("no such estimator")?;
-        black_box(replay(
-            &tape(line)?,
-            axes.parse()?,
-            ticks.parse()?,
-            line,
-            true,
-        )?);
+        let tape = tape(COUNTED, line)?;
+        for _ in 0..rounds.parse()? {
+            black_box(replay(&tape, axes.parse()?, line, true)?);
+        }
         return Ok(());
     }
     println!(
@@ -217,7 +217,7 @@ fn main() -> Outcome<()> {
         "", "axes", "mean", "median", "99 %", "most", "instructions"
     );
     for line in ESTIMATORS {
-        let tape = tape(line)?;
+        let tape = tape(TICKS, line)?;
         if line.name == ESTIMATORS[0].name {
             print(&tape, 1, line, false)?;
         }

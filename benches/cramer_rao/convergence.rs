@@ -23,7 +23,7 @@ fn run(case: &Case, line: &EstimatorEntry) -> [f64; 2] {
     let (mut since, mut converged) = (f64::INFINITY, f64::INFINITY);
     for sample in case.measured(PERIODS) {
         estimator.observe(sample);
-        let now = sample.time * case.truth.frequency_hz;
+        let now = sample.time * case.mode.hertz();
         since = match is_within(case, &*estimator) {
             true => since.min(now),
             false => f64::INFINITY,

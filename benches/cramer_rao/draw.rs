@@ -1,17 +1,15 @@
 //! Conditions at random.
 
-use crate::decay::decay;
-use crate::generator::{Truth, add_noise, stamps};
 use quell::estimators::{Bound, Sample, Settings, cramer_rao};
 use quell_shapers::Mode;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 const RATES: [f64; 4] = [250.0, 1000.0 / 3.0, 1000.0, 4000.0];
 
 /// A free decay that somebody measures.
 pub struct Case {
-    pub truth: Truth,
     pub mode: Mode,
     pub amplitude: f64,
     pub phase: f64,
@@ -27,15 +25,10 @@ impl Case {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut between =
             |low: f64, high: f64| -> f64 { low * (high / low).powf(random.random::<f64>()) };
-        let truth = Truth {
-            frequency_hz: between(1.0, 60.0),
-            damping_ratio: between(0.005, 0.15),
-            across: false,
-        };
-        let belief = truth.frequency_hz * between(0.75, 1.25);
+        let frequency_hz = between(1.0, 60.0);
+        let belief = frequency_hz * between(0.75, 1.25);
         Some(Self {
-            truth,
-            mode: Mode::from_hertz(truth.frequency_hz, truth.damping_ratio).ok()?,
+            mode: Mode::from_hertz(frequency_hz, between(0.005, 0.15)).ok()?,
             amplitude: between(0.1e-3, 2e-3),
             noise: between(5e-6, 50e-6),
             belief: Mode::from_hertz(belief, between(0.005, 0.15)).ok()?,
@@ -54,16 +47,29 @@ impl Case {
         }
     }
 
-    /// The decay without noise.
+    /// The decay without noise, the motor side at 30 degrees.
     pub fn clean(&self, periods: f64) -> Vec<Sample> {
-        let times = stamps(self.rate, periods / self.truth.frequency_hz);
-        decay(&self.truth, self.amplitude, self.phase, &times)
+        let count = (self.rate * periods / self.mode.hertz()).round() as usize;
+        let envelope = |time: f64| self.amplitude * (-self.mode.decay_rate() * time).exp();
+        (0..count)
+            .map(|k| k as f64 / self.rate)
+            .map(|time| Sample {
+                time,
+                motor_position: 30f64.to_radians(),
+                deformation: envelope(time)
+                    * (self.mode.damped_frequency() * time + self.phase).cos(),
+            })
+            .collect()
     }
 
     /// The decay as it is measured.
     pub fn measured(&self, periods: f64) -> Vec<Sample> {
+        let mut random = ChaCha8Rng::seed_from_u64(!self.seed);
         let mut samples = self.clean(periods);
-        add_noise(&mut samples, self.noise, self.seed);
+        for sample in &mut samples {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            sample.deformation += self.noise * noise;
+        }
         samples
     }
 

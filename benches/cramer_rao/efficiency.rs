@@ -29,6 +29,15 @@ impl Class {
         }
     }
 
+    fn join(&mut self, other: &Class) {
+        self.cases += other.cases;
+        self.silent += other.silent;
+        for k in 0..2 {
+            self.squares[k].extend(&other.squares[k]);
+            self.inside[k] += other.inside[k];
+        }
+    }
+
     fn print(&self, name: &str) {
         let answers = self.squares[0].len();
         let efficiency = |k: usize| answers as f64 / self.squares[k].iter().sum::<f64>();
@@ -104,9 +113,14 @@ pub fn print() {
                 "efficiency f xi",
                 "inside f xi, %"
             );
+            let mut informative = Class::default();
             for (index, class) in classes.iter().enumerate() {
                 class.print(&name(index));
+                if CLASSES[index].is_finite() {
+                    informative.join(class);
+                }
             }
+            informative.print("all below 30 %");
         }
     }
 }

@@ -4,12 +4,8 @@
 //! does not answer, and where the bound itself says little, is counted and printed.
 
 mod convergence;
-#[path = "../../tests/generator/decay.rs"]
-mod decay;
 mod draw;
 mod efficiency;
-#[path = "../../tests/generator/mod.rs"]
-mod generator;
 mod spoiled;
 mod statistics;
 

@@ -43,7 +43,7 @@ const SPOILS: [(&str, Spoil); 6] = [
         samples
     }),
     ("drifting sensor", |case, mut samples, _| {
-        let length = PERIODS / case.truth.frequency_hz;
+        let length = PERIODS / case.mode.hertz();
         for sample in &mut samples {
             sample.deformation += SHARE * case.amplitude * sample.time / length;
         }

@@ -224,6 +224,30 @@ fn add_mode(
     Some(())
 }
 
+/// Weights of a row's columns that give the residual of a solution.
+fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
+    let mut residual = [0.0; WIDTH];
+    for (&column, unknown) in LINEAR.iter().zip(solution) {
+        residual[column] = -unknown;
+    }
+    for (slope, unknown) in slopes.iter().zip(&solution[MODE..]) {
+        for &(column, weight) in slope {
+            residual[column] -= unknown * weight;
+        }
+    }
+    residual[RESIDUAL] = 1.0;
+    residual
+}
+
+/// How many unknowns the samples determine.
+fn determined(factor: &Cholesky<8>, priors: &Priors, variance: f64) -> f64 {
+    let share = |i: usize| {
+        let precision = priors.precision[(i + 2) % 8];
+        1.0 - (variance * precision / factor.diagonal(i)).min(1.0)
+    };
+    (0..8).map(share).sum()
+}
+
 /// One Gauss-Newton step of all eight unknowns.
 pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
     let mut profile = solve_linear(track, priors, variance)?;
@@ -236,20 +260,6 @@ pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
         cost,
     } = profile;
     let solution = factor.backward(&forward, 8);
-    let mut residual = [0.0; WIDTH];
-    for (&column, unknown) in LINEAR.iter().zip(&solution) {
-        residual[column] = -unknown;
-    }
-    for (slope, unknown) in slopes.iter().zip(&solution[MODE..]) {
-        for &(column, weight) in slope {
-            residual[column] -= unknown * weight;
-        }
-    }
-    residual[RESIDUAL] = 1.0;
-    let unknowns = (0..8).map(|i| {
-        let precision = priors.precision[(i + 2) % 8];
-        1.0 - (variance * precision / factor.diagonal(i)).min(1.0)
-    });
     Some(Fit {
         cost,
         // What the step gains beyond the best linear unknowns.
@@ -258,8 +268,8 @@ pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
         covariance: [MODE, MODE + 1]
             .map(|i| [factor.inverse(i, MODE), factor.inverse(i, MODE + 1)]),
         gain: (solution[GAIN], factor.inverse(GAIN, GAIN)),
-        residual,
-        unknowns: unknowns.sum(),
+        residual: residual(&solution, &slopes),
+        unknowns: determined(&factor, priors, variance),
         slopes,
         factor,
     })

@@ -16,6 +16,9 @@
 //! replays the stored window, a bounded number of samples a tick. A coarse grid of tracks runs
 //! beside the active one until no other start can explain the data.
 //!
+//! A sample that lies where neither noise nor doubt can have put it is a spike: of it only the input is
+//! kept. Three in a row are believed.
+//!
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
 
