@@ -23,8 +23,8 @@ struct Class {
 impl Class {
     /// Takes errors and stated deviations of one answer.
     fn add(&mut self, error: [f64; 2], stated: [f64; 2], bound: [f64; 2]) {
-        for k in 0..2 {
-            self.squares[k].push((error[k] / bound[k]).powi(2));
+        for (k, squares) in self.squares.iter_mut().enumerate() {
+            squares.push((error[k] / bound[k]).powi(2));
             self.inside[k] += usize::from(error[k].abs() <= 1.96 * stated[k]);
         }
     }

@@ -33,8 +33,8 @@ impl<const N: usize> Cholesky<N> {
         }
         self.scale[n] = row[n].sqrt().recip();
         let mut square = 1.0 + RIDGE;
-        for j in 0..n {
-            let mut sum = row[j] * self.scale[n] * self.scale[j];
+        for (j, &value) in row.iter().enumerate().take(n) {
+            let mut sum = value * self.scale[n] * self.scale[j];
             for k in 0..j {
                 sum -= self.factor[n][k] * self.factor[j][k];
             }
@@ -53,8 +53,8 @@ impl<const N: usize> Cholesky<N> {
     /// The first `size` of `L^-1 S rhs`, the rest 0.
     pub fn forward(&self, rhs: &[f64; N], size: usize) -> [f64; N] {
         let mut result = [0.0; N];
-        for n in 0..size {
-            result[n] = self.next_forward(&result, n, rhs[n]);
+        for (n, &value) in rhs.iter().enumerate().take(size) {
+            result[n] = self.next_forward(&result, n, value);
         }
         result
     }
@@ -62,8 +62,8 @@ impl<const N: usize> Cholesky<N> {
     /// Number `n` of `L^-1 S rhs`, those before it known.
     pub fn next_forward(&self, known: &[f64; N], n: usize, rhs: f64) -> f64 {
         let mut sum = rhs * self.scale[n];
-        for k in 0..n {
-            sum -= self.factor[n][k] * known[k];
+        for (entry, value) in self.factor[n].iter().zip(known).take(n) {
+            sum -= entry * value;
         }
         sum * self.pivot[n]
     }
@@ -73,8 +73,8 @@ impl<const N: usize> Cholesky<N> {
         let mut result = [0.0; N];
         for n in (0..size).rev() {
             let mut sum = forward[n];
-            for k in n + 1..size {
-                sum -= self.factor[k][n] * result[k];
+            for (row, value) in self.factor.iter().zip(result).take(size).skip(n + 1) {
+                sum -= row[n] * value;
             }
             result[n] = sum * self.pivot[n];
         }
@@ -96,8 +96,8 @@ impl<const N: usize> Cholesky<N> {
         result[i] = self.scale[i] * self.pivot[i];
         for n in i + 1..N {
             let mut sum = 0.0;
-            for k in i..n {
-                sum -= self.factor[n][k] * result[k];
+            for (entry, value) in self.factor[n].iter().zip(result).take(n).skip(i) {
+                sum -= entry * value;
             }
             result[n] = sum * self.pivot[n];
         }

@@ -200,8 +200,8 @@ fn add_mode(
         track.mode.damping_ratio(),
     ];
     let mut products = [[0.0; WIDTH]; 2];
-    for k in 0..2 {
-        for &(column, weight) in &slopes[k] {
+    for (k, slope) in slopes.iter().enumerate() {
+        for &(column, weight) in slope {
             for (product, moment) in products[k].iter_mut().zip(&track.moments[column]) {
                 *product += weight * moment;
             }
@@ -210,9 +210,8 @@ fn add_mode(
         for (i, &column) in LINEAR.iter().enumerate() {
             row[i] = products[k][column];
         }
-        for other in 0..=k {
-            let across: f64 = slopes[k].iter().map(|&(c, w)| w * products[other][c]).sum();
-            row[MODE + other] = across;
+        for (entry, product) in row[MODE..].iter_mut().zip(&products).take(k + 1) {
+            *entry = slope.iter().map(|&(c, w)| w * product[c]).sum();
         }
         let weight = variance * priors.precision[k];
         let mut rhs = products[k][RESIDUAL] + weight * (priors.mean[k] - point[k]);
