@@ -11,6 +11,8 @@ pub struct Entry {
     sent: f64,
     /// Whether the output was constant: nothing sent before can be half of a move.
     settled: bool,
+    /// Ticks without an increment, this one the last of them.
+    still: u32,
 }
 
 /// A ring of positions planned and sent, one entry a tick.
@@ -28,6 +30,15 @@ pub(crate) struct History<E> {
 pub(crate) struct Vibration {
     pub planned: ModalState,
     pub sent: ModalState,
+}
+
+/// Ticks after which nothing is left of an increment: `exp(-50)` times an age of a hundred thousand ticks
+/// is below the rounding of what is newer.
+fn remembered(pole: Complex) -> usize {
+    match 50.0 / -pole.re {
+        ticks if ticks.is_finite() && ticks > 0.0 => ticks as usize + 1,
+        _ => usize::MAX,
+    }
 }
 
 /// Fewest ticks of the past that are a past: an increment needs two.
@@ -53,10 +64,21 @@ impl<E: Buffer<Entry>> History<E> {
     }
 
     pub fn push(&mut self, planned: f64, sent: f64, settled: bool) {
+        let newest = match self.next {
+            0 => self.ring.len() - 1,
+            next => next - 1,
+        };
+        let last = self.ring[newest];
+        let rests = self.count > 0 && last.planned == planned && last.sent == sent;
         self.ring[self.next] = Entry {
             planned,
             sent,
             settled,
+            still: if rests {
+                last.still.saturating_add(1)
+            } else {
+                0
+            },
         };
         self.next = if self.next + 1 == self.ring.len() {
             0
@@ -94,10 +116,25 @@ impl<E: Buffer<Entry>> History<E> {
         };
         let turn = pole.exp();
         let mut vibration = Vibration::default();
-        for k in start + 1..self.count {
-            let (before, now) = (entry(k - 1), entry(k));
-            vibration.planned.tick(turn, now.planned - before.planned);
-            vibration.sent.tick(turn, now.sent - before.sent);
+        let (mut weight, mut age, mut k) = (Complex::ONE, 0, self.count - 1);
+        while k > start && age < remembered(pole) {
+            // At rest a command adds nothing: such ticks are passed over at once.
+            let still = (entry(k).still as usize).min(k - start);
+            if still > 0 {
+                weight = weight * pole.scale(still as f64).exp();
+            } else {
+                let (before, now) = (entry(k - 1), entry(k));
+                let term = |increment: f64| weight.scale(increment);
+                let (planned, sent) = (
+                    term(now.planned - before.planned),
+                    term(now.sent - before.sent),
+                );
+                vibration.planned.add(planned, age as f64);
+                vibration.sent.add(sent, age as f64);
+                weight = weight * turn;
+            }
+            age += still.max(1);
+            k -= still.max(1);
         }
         Some(vibration)
     }

@@ -25,11 +25,10 @@ impl ModalState {
         }
     }
 
-    /// One tick later, `turn = exp(lambda)`, with an increment at the new tick.
-    pub fn tick(&mut self, turn: Complex, increment: f64) {
-        self.slope = (self.slope + self.value) * turn;
-        self.value = self.value * turn;
-        self.value.re += increment;
+    /// An increment more, `term = du exp(lambda tau)`, of age `tau` in ticks.
+    pub fn add(&mut self, term: Complex, age: f64) {
+        self.value = self.value + term;
+        self.slope = self.slope + term.scale(age);
     }
 
     /// State left, referred to now, by positions at the ticks after now.

@@ -16,12 +16,19 @@
 //! replays the stored window, a bounded number of samples a tick. A coarse grid of tracks runs
 //! beside the active one until no other start can explain the data.
 //!
+//! A sample that lies where neither noise nor doubt can have put it is a spike: of it only the input is
+//! kept. Three in a row are believed.
+//!
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
 
+mod cholesky;
 mod correlation;
 mod fit;
+mod gate;
 mod region;
+mod relinearise;
+mod search;
 mod track;
 
 use quell_shapers::Mode;
@@ -30,19 +37,20 @@ pub(super) use self::fit::{Priors, fit};
 pub(super) use self::track::{Folding, Track};
 
 use self::correlation::Correlation;
-use self::fit::{Fit, profile};
+use self::fit::Fit;
 use self::region::{DAMPING_RANGE, TRUST, bounded, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
 
-/// Samples that replays may take in one tick.
-const REPLAY_BUDGET: usize = 128;
 /// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.
 const GRID_RATIO: f64 = 1.25;
 /// Weight of a given noise level in samples, against the residual's own.
 const NOISE_SAMPLES: f64 = 10.0;
 /// Window, in periods, over which the estimates must agree before they count as converged.
 const CONVERGENCE_PERIODS: f64 = 0.25;
+/// Samples beyond the unknowns from which a noise level is learned: its distribution (Student's) has a
+/// variance from three on.
+const SPARE: f64 = 4.0;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
 /// A standard deviation of `ln w` above which there is no estimate to speak of.
@@ -68,6 +76,10 @@ pub struct Likelihood {
     locked: bool,
     largest: f64,
     variance: f64,
+    /// Degrees of freedom of `variance`.
+    freedom: f64,
+    /// Samples in a row that were taken for spikes, or would have been.
+    outside: u32,
     correlation: Correlation,
     convergence: Convergence,
     converged: bool,
@@ -107,6 +119,8 @@ impl Likelihood {
             locked: false,
             largest: 0.0,
             variance: 0.0,
+            freedom: 0.0,
+            outside: 0,
             correlation: Correlation::default(),
             convergence: Convergence::over(CONVERGENCE_PERIODS),
             converged: false,
@@ -154,34 +168,37 @@ impl Likelihood {
 
     /// Pools a given noise level with the residual's.
     fn update_variance(&mut self) {
-        let count = self.samples.len() as f64;
-        let spare = (count - UNKNOWNS).max(0.0);
-        let residual = self.fit.map_or(0.0, |fit| fit.cost_after.max(0.0));
-        self.variance = match self.settings.noise_std {
+        let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
+        let spare = (self.active.taken() - unknowns).max(0.0);
+        let residual = self.fit.as_ref().map_or(0.0, |fit| fit.cost_after.max(0.0));
+        let smallest = (1e-24 * self.largest * self.largest).max(1e-60);
+        (self.variance, self.freedom) = match self.settings.noise_std {
             Some(std) => {
-                (NOISE_SAMPLES * std * std + if spare > 0.0 { residual } else { 0.0 })
-                    / (NOISE_SAMPLES + spare)
+                let residual = if spare > 0.0 { residual } else { 0.0 };
+                let freedom = NOISE_SAMPLES + spare;
+                let variance = (NOISE_SAMPLES * std * std + residual) / freedom;
+                (variance, freedom)
             }
-            None if spare > UNKNOWNS => residual / spare,
-            None => 1e-4 * self.largest * self.largest,
-        }
-        .max(1e-24 * self.largest * self.largest)
-        .max(1e-60);
+            None if spare >= SPARE => (residual / spare, spare),
+            None => (1e-4 * self.largest * self.largest, 0.0),
+        };
+        self.variance = self.variance.max(smallest);
     }
 
-    /// Keeps the younger half of a full window and replays it from its own first sample.
-    fn slide(&mut self) {
-        let half = self.samples.len() / 2;
-        self.samples.drain(..half);
-        self.start_candidate(self.active.mode);
-        self.must_replace = true;
-        // The active track goes on with its old sums; only its place in the window has moved.
-        self.active.count -= half;
-        self.locked = true;
+    /// Whether there are enough samples to know the noise's level, beside the mode.
+    fn knows_noise(&self) -> bool {
+        let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
+        self.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
     }
 
-    fn start_candidate(&mut self, mode: Mode) {
-        self.candidate = Some(Track::new(mode, self.settings.sample_time));
+    /// `-2 ln` of the odds against a sum of squares that is larger by so much, the noise's level known as
+    /// well as it is: `n ln(1 + d / (n s^2))`, which for many samples is `d / s^2`.
+    ///
+    /// Source: T. W. Anderson, An Introduction to Multivariate Statistical Analysis, ch. 8 (likelihood ratio
+    /// with an unknown variance).
+    fn evidence(&self, difference: f64) -> f64 {
+        let freedom = self.freedom.max(1.0);
+        freedom * (difference / (freedom * self.variance)).max(0.0).ln_1p()
     }
 
     fn refit(&mut self) {
@@ -189,119 +206,30 @@ impl Likelihood {
         self.fit = fit(&self.active, &priors, self.variance);
     }
 
-    /// Moves to the start of the grid that explains the data best.
-    fn search_grid(&mut self) {
-        let priors = self.priors();
-        let folding = self.folding();
-        for track in &mut self.grid {
-            track.absorb(&self.samples, &folding);
-        }
-        let Some(active) = self.fit else { return };
-        let mut best = None;
-        let mut best_cost = active.cost;
-        let mut second = f64::INFINITY;
-        for (index, track) in self.grid.iter().enumerate() {
-            let Some((_, cost)) = profile(track, &priors, self.variance) else {
-                continue;
-            };
-            second = second.min(cost);
-            if cost < best_cost {
-                best_cost = cost;
-                best = Some(index);
-            }
-        }
-        if let Some(index) = best {
-            self.active = self.grid[index];
-            self.candidate = None;
-            self.shrink = 1.0;
-            self.refit();
-        } else if second - active.cost_after > RULED_OUT * self.variance {
-            self.locked = self.spread(&active)[0] < 0.25 * USABLE;
-        }
-    }
-
-    /// Standard deviations of `ln w`, `xi` and the gain.
+    /// Standard deviations of `ln w`, `xi` and the gain; where the noise's level was learned, those of
+    /// Student's distribution.
     fn spread(&self, fit: &Fit) -> [f64; 3] {
-        let variance = self.variance * self.correlation.inflation();
+        let student = match self.settings.noise_std {
+            None if self.freedom >= SPARE => self.freedom / (self.freedom - 2.0),
+            _ => 1.0,
+        };
+        let variance = self.variance * student * self.correlation.inflation();
         [fit.covariance[0][0], fit.covariance[1][1], fit.gain.1]
             .map(|unit| (unit * variance).sqrt())
-    }
-
-    /// Iterates: new linearisations while the step matters and the tick's budget lasts.
-    fn relinearise(&mut self) {
-        let mut budget = REPLAY_BUDGET;
-        let folding = self.folding();
-        while budget > 0 {
-            if self.candidate.is_none() && !self.propose() {
-                return;
-            }
-            let Some(candidate) = &mut self.candidate else {
-                return;
-            };
-            while budget > 0 && candidate.count < self.samples.len() {
-                candidate.absorb(&self.samples, &folding);
-                budget -= 1;
-            }
-            if candidate.count < self.samples.len() {
-                return;
-            }
-            self.judge();
-        }
-    }
-
-    /// Starts a candidate at the end of the step, if the step is more than a tenth of a standard
-    /// deviation.
-    fn propose(&mut self) -> bool {
-        let Some(fit) = self.fit else { return false };
-        let [[a, b], [_, d]] = fit.covariance;
-        let determinant = a * d - b * b;
-        let [x, y] = fit.step;
-        let distance = (d * x * x - 2.0 * b * x * y + a * y * y) / determinant;
-        let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
-        if negligible || distance <= 0.01 * self.variance || self.shrink < 1e-3 {
-            return false;
-        }
-        let point = trusted(self.active.mode, fit.step, self.shrink);
-        match bounded(&self.settings, point) {
-            Some(mode) if mode != self.active.mode => {
-                self.start_candidate(mode);
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// Takes the candidate that has caught up where it explains the data better.
-    fn judge(&mut self) {
-        let Some(candidate) = self.candidate.take() else {
-            return;
-        };
-        let priors = self.priors();
-        let cost =
-            profile(&candidate, &priors, self.variance).map_or(f64::INFINITY, |(_, cost)| cost);
-        let present = self.fit.map_or(f64::INFINITY, |fit| fit.cost);
-        if self.must_replace || cost <= present {
-            self.must_replace = false;
-            self.active = candidate;
-            self.shrink = (4.0 * self.shrink).min(1.0);
-            self.refit();
-        } else {
-            self.shrink *= 0.25;
-        }
     }
 
     /// Writes the estimate that goes with the present fit.
     fn conclude(&mut self, time: f64) {
         // A step that failed is tried again once there are more data.
         self.shrink = (1.1 * self.shrink).clamp(1e-3, 1.0);
-        let Some(fit) = self.fit else { return };
-        if (self.samples.len() as f64) < 2.0 * UNKNOWNS {
+        let Some(fit) = &self.fit else { return };
+        if !self.knows_noise() {
             return;
         }
-        let [log_std, damping_std, gain_std] = self.spread(&fit);
+        let [log_std, damping_std, gain_std] = self.spread(fit);
         // What an offset and a gain explain as well is no vibration: noise always has a best mode.
         let explained = self.active.without_vibration() - fit.cost_after;
-        let heard = explained > (RULED_OUT + UNKNOWNS) * self.variance;
+        let heard = self.evidence(explained) > RULED_OUT + UNKNOWNS;
         let usable = log_std < USABLE && fit.step[0].abs() < TRUST[0];
         if !(heard && usable) {
             return;
@@ -313,7 +241,10 @@ impl Likelihood {
         let residual = (0..self.active.row.len())
             .map(|k| fit.residual[k] * self.active.row[k])
             .sum();
-        self.correlation.observe(residual);
+        // The row of a spike has no residual.
+        if f64::is_finite(residual) {
+            self.correlation.observe(residual);
+        }
         self.convergence.push(time, log_point(mode));
         // What the noise leaves is in the standard deviations, what the model leaves in the spread;
         // where the residual turns out coloured the word is taken back.
@@ -347,9 +278,7 @@ impl Estimator for Likelihood {
             self.slide();
         }
         self.samples.push(sample);
-        self.largest = self.largest.max(sample.deformation.abs());
-        let folding = self.folding();
-        self.active.absorb(&self.samples, &folding);
+        self.take_youngest();
         self.update_variance();
         self.refit();
         if !self.locked {
@@ -377,6 +306,8 @@ impl Estimator for Likelihood {
         self.locked = false;
         self.largest = 0.0;
         self.variance = 0.0;
+        self.freedom = 0.0;
+        self.outside = 0;
         self.correlation = Correlation::default();
         self.convergence = Convergence::over(CONVERGENCE_PERIODS);
         self.converged = false;

@@ -17,9 +17,11 @@ pub struct Track {
     pub moments: Moments,
     /// What past stretches say, when the vibration was set free again after them.
     pub past: Past,
+    /// Whether there is any.
+    pub has_past: bool,
     /// The last row.
     pub row: [f64; WIDTH],
-    /// Samples of the window taken so far.
+    /// Samples of the window seen so far.
     pub count: usize,
     /// Sums of products of 1, the input and the deformation, of which an offset and a gain are
     /// fitted without any vibration.
@@ -49,6 +51,7 @@ impl Track {
             response: ModalResponse::new(mode, sample_time),
             moments: [[0.0; WIDTH]; WIDTH],
             past: Past::zeros(),
+            has_past: false,
             row: [0.0; WIDTH],
             count: 0,
             still: [[0.0; 3]; 3],
@@ -60,9 +63,14 @@ impl Track {
 
     /// Takes the next sample of the window, if there is one.
     pub fn absorb(&mut self, samples: &[Sample], folding: &Folding) {
-        let Some(sample) = samples.get(self.count) else {
-            return;
-        };
+        if let Some(sample) = self.approach(samples, folding) {
+            self.take(sample);
+        }
+    }
+
+    /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
+    pub fn approach<'a>(&mut self, samples: &'a [Sample], folding: &Folding) -> Option<&'a Sample> {
+        let sample = samples.get(self.count)?;
         if self.count == 0 {
             self.origin = sample.motor_position;
             self.stretch_origin = self.origin;
@@ -75,20 +83,33 @@ impl Track {
         let input = sample.motor_position - self.stretch_origin;
         self.row = self.response.row(input, sample.deformation);
         // The gain is on the input since the first sample, whatever the stretch.
-        let input = sample.motor_position - self.origin;
-        self.row[INPUT] = input;
-        for i in 0..WIDTH {
-            for j in i..WIDTH {
-                self.moments[i][j] += self.row[i] * self.row[j];
+        self.row[INPUT] = sample.motor_position - self.origin;
+        self.count += 1;
+        Some(sample)
+    }
+
+    /// Adds the last row to the sums, unless its deformation was left out.
+    pub fn take(&mut self, sample: &Sample) {
+        if !sample.deformation.is_finite() {
+            return;
+        }
+        let row = self.row;
+        for (sums, x) in self.moments.iter_mut().zip(row) {
+            for (sum, y) in sums.iter_mut().zip(row) {
+                *sum += x * y;
             }
         }
-        let measured = [1.0, input, sample.deformation];
+        let measured = [1.0, row[INPUT], sample.deformation];
         for (sums, x) in self.still.iter_mut().zip(measured) {
             for (sum, y) in sums.iter_mut().zip(measured) {
                 *sum += x * y;
             }
         }
-        self.count += 1;
+    }
+
+    /// Samples in the sums.
+    pub fn taken(&self) -> f64 {
+        self.still[0][0]
     }
 
     fn advance(&mut self, samples: &[Sample], sample: &Sample) {
@@ -111,6 +132,7 @@ impl Track {
     fn set_free(&mut self, sample: &Sample, folding: &Folding) {
         if let Some(past) = fold(self, &folding.priors, folding.variance) {
             self.past = past;
+            self.has_past = true;
         }
         self.moments = [[0.0; WIDTH]; WIDTH];
         self.response.restart();

@@ -1,0 +1,228 @@
+//! Cost of a tick of one axis and of seven: trajectory, shaper, estimation, adaptation.
+//!
+//! `cargo bench --bench tick`: the embedded arm at 250 Hz with its tracker at 333 Hz makes moves with
+//! payloads that change, so that there is always something to learn. What its sensors said is
+//! recorded first; timed is the controller alone, on that recording. Times are the least of some rounds.
+//! Where valgrind is there, it counts instructions.
+
+use quell::adaptation::AdaptationSettings;
+use quell::controller::{
+    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint,
+};
+use quell::estimators::{ESTIMATORS, EstimatorEntry, Settings};
+use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
+use quell::signal::{Measurement, RestRule};
+use quell_shapers::{Mode, shaper_by_name};
+use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
+use std::error::Error;
+use std::hint::black_box;
+use std::time::Instant;
+
+const PERIOD: f64 = 0.004;
+const TICKS: usize = 20_000;
+/// Ticks of which instructions are counted.
+const COUNTED: usize = 5_000;
+/// Ticks between two moves: the vibration has died.
+const PAUSE: usize = 600;
+const ROUNDS: usize = 5;
+const LIMITS: Limits = Limits {
+    velocity: 2.6,
+    acceleration: 10.0,
+    jerk: 80.0,
+};
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// What the sensors said before each tick, and the moves: tick, from, to.
+struct Tape {
+    measured: Vec<Vec<Measurement>>,
+    moves: Vec<(usize, f64, f64)>,
+}
+
+fn controller(axes: usize, estimator: &'static EstimatorEntry) -> Outcome<Controller> {
+    let robot = Robot::rx170();
+    let belief = Mode::from_hertz(10.15, 0.084)?;
+    let settings = (0..axes)
+        .map(|_| {
+            Ok(AxisSettings {
+                sample_time: PERIOD,
+                limits: LIMITS,
+                shaper: shaper_by_name("zvd"),
+                belief,
+                adaptive: true,
+                retune: RetunePolicy::InMotion,
+                estimator,
+                estimation: Settings::around(belief, 0.003),
+                adaptation: AdaptationSettings::around(belief),
+                rest: RestRule::new(0.0, robot.encoder.resolution),
+                sensor: robot.deformation_sensor(&robot.home(), 0)?,
+                longest_train: 0.5,
+                longest_move: 20.0,
+            })
+        })
+        .collect::<Outcome<Vec<_>>>()?;
+    Ok(Controller::new(
+        settings,
+        &vec![0.0; axes],
+        PathPolicy::Independent,
+    )?)
+}
+
+fn plan(axes: usize, from: f64, to: f64) -> Outcome<SampledTrajectory> {
+    let ends = [from, to].map(|position| vec![AxisState::at_rest(position); axes]);
+    let limits = vec![LIMITS; axes];
+    let trajectory = Planner::new(axes)?.plan(&ends[0], &ends[1], &limits)?;
+    Ok(trajectory.sample(PERIOD)?)
+}
+
+/// Controller and arm in a loop.
+fn tape(ticks: usize, estimator: &'static EstimatorEntry) -> Outcome<Tape> {
+    let mut arm = ArmSimulation::new(&Robot::rx170(), 0, &SimulationOptions::default())?;
+    let mut controller = controller(1, estimator)?;
+    let mut tape = Tape {
+        measured: vec![Vec::new()],
+        moves: Vec::new(),
+    };
+    let mut since = 0;
+    for tick in 0..ticks {
+        since += 1;
+        if since >= PAUSE && controller.is_settled() {
+            arm.set_payload([0.0, 40.0, 15.0, 60.0][tape.moves.len() % 4])?;
+            let from = controller.planned()[0].position;
+            let to = if from < 0.25 { 0.5 } else { 0.0 };
+            controller
+                .load(plan(1, from, to)?)
+                .map_err(|(_, error)| error)?;
+            tape.moves.push((tick, from, to));
+            since = 0;
+        }
+        let setpoint = controller.tick(&inbox(&tape.measured[tick], 1))[0];
+        let command = Command {
+            position: setpoint.position,
+            velocity: Some(setpoint.velocity),
+        };
+        tape.measured.push(arm.step(command, PERIOD).to_vec());
+    }
+    Ok(tape)
+}
+
+fn inbox(measured: &[Measurement], axes: usize) -> Vec<AxisMeasurement> {
+    (0..axes)
+        .flat_map(|axis| {
+            measured
+                .iter()
+                .map(move |&measurement| AxisMeasurement { axis, measurement })
+        })
+        .collect()
+}
+
+/// Seconds of each tick, the clock's own cost taken off, and the sum of all setpoints.
+fn replay(
+    tape: &Tape,
+    axes: usize,
+    estimator: &'static EstimatorEntry,
+    hears: bool,
+) -> Outcome<(Vec<f64>, f64)> {
+    let mut controller = controller(axes, estimator)?;
+    let inboxes: Vec<_> = tape
+        .measured
+        .iter()
+        .map(|measured| inbox(if hears { measured } else { &[] }, axes))
+        .collect();
+    let (mut moves, mut sum) = (tape.moves.iter().peekable(), 0.0);
+    let mut seconds = Vec::with_capacity(inboxes.len());
+    for (tick, inbox) in inboxes.iter().enumerate() {
+        if let Some(&(_, from, to)) = moves.next_if(|planned| planned.0 == tick) {
+            controller
+                .load(plan(axes, from, to)?)
+                .map_err(|(_, error)| error)?;
+        }
+        let start = Instant::now();
+        let setpoints = controller.tick(inbox);
+        let end = Instant::now();
+        let clock = end.elapsed();
+        sum += setpoints.iter().map(total).sum::<f64>();
+        seconds.push((end - start).saturating_sub(clock).as_secs_f64());
+    }
+    Ok((seconds, sum))
+}
+
+fn total(setpoint: &Setpoint) -> f64 {
+    setpoint.position + setpoint.velocity + setpoint.acceleration
+}
+
+/// Instructions of one tick: this program under valgrind, the recording replayed once and twice.
+fn instructions(axes: usize, name: &str) -> Option<f64> {
+    let program = std::env::current_exe().ok()?;
+    let count = |rounds: &str| -> Option<f64> {
+        let output = std::process::Command::new("valgrind")
+            .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+            .arg("--toggle-collect=*Controller*tick*")
+            .arg(&program)
+            .args(["only", &axes.to_string(), name, rounds])
+            .output()
+            .ok()?;
+        let text = String::from_utf8(output.stderr).ok()?;
+        let line = text.lines().find(|line| line.contains("Collected"))?;
+        line.rsplit(' ').next()?.parse().ok()
+    };
+    Some((count("2")? - count("1")?) / COUNTED as f64)
+}
+
+fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -> Outcome<()> {
+    let mut least: Option<Vec<f64>> = None;
+    for _ in 0..ROUNDS {
+        let (seconds, _) = replay(tape, axes, line, hears)?;
+        let seconds = &seconds[..TICKS];
+        let least = least.get_or_insert_with(|| seconds.to_vec());
+        for (least, now) in least.iter_mut().zip(seconds) {
+            *least = least.min(*now);
+        }
+    }
+    let mut least = least.unwrap_or_default();
+    let mean = 1e9 * least.iter().sum::<f64>() / TICKS as f64;
+    least.sort_by(f64::total_cmp);
+    let at = |part: f64| 1e9 * least[((TICKS - 1) as f64 * part) as usize];
+    let counted = match hears && line.name == ESTIMATORS[0].name {
+        true => instructions(axes, line.name).map_or("no valgrind".into(), |n| format!("{n:.0}")),
+        false => "-".into(),
+    };
+    let name = if hears { line.name } else { "nothing measured" };
+    println!(
+        "{name:22}{axes:5}{mean:9.0}{:9.0}{:9.0}{:9.0}  {counted:>12}",
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    );
+    Ok(())
+}
+
+fn main() -> Outcome<()> {
+    let arguments: Vec<String> = std::env::args().collect();
+    if let [_, only, axes, name, rounds] = arguments.as_slice()
+        && only == "only"
+    {
+        let line = quell::estimators::estimator(name).ok_or("no such estimator")?;
+        let tape = tape(COUNTED, line)?;
+        for _ in 0..rounds.parse()? {
+            black_box(replay(&tape, axes.parse()?, line, true)?);
+        }
+        return Ok(());
+    }
+    println!(
+        "Nanoseconds of a tick at 250 Hz with a tracker at 333 Hz, over {TICKS} ticks with moves."
+    );
+    println!(
+        "{:22}{:>5}{:>9}{:>9}{:>9}{:>9}  {:>12}",
+        "", "axes", "mean", "median", "99 %", "most", "instructions"
+    );
+    for line in ESTIMATORS {
+        let tape = tape(TICKS, line)?;
+        if line.name == ESTIMATORS[0].name {
+            print(&tape, 1, line, false)?;
+        }
+        print(&tape, 1, line, true)?;
+        print(&tape, 7, line, true)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! New linearisations: when one is needed, its replay of the window, and whether it is better.
+
+use quell_shapers::Mode;
+
+use super::fit::profile;
+use super::region::{bounded, log_point, trusted};
+use super::{Likelihood, Track};
+
+/// Samples that replays may take in one tick.
+const REPLAY_BUDGET: usize = 128;
+
+impl Likelihood {
+    /// Keeps the younger half of a full window and replays it from its own first sample.
+    pub(super) fn slide(&mut self) {
+        let half = self.samples.len() / 2;
+        self.samples.drain(..half);
+        self.start_candidate(self.active.mode);
+        self.must_replace = true;
+        // The active track goes on with its old sums; only its place in the window has moved.
+        self.active.count -= half;
+        self.locked = true;
+    }
+
+    fn start_candidate(&mut self, mode: Mode) {
+        self.candidate = Some(Track::new(mode, self.settings.sample_time));
+    }
+
+    /// Iterates: new linearisations while the step matters and the tick's budget lasts.
+    pub(super) fn relinearise(&mut self) {
+        let mut budget = REPLAY_BUDGET;
+        let folding = self.folding();
+        while budget > 0 {
+            if self.candidate.is_none() && !self.propose() {
+                return;
+            }
+            let Some(candidate) = &mut self.candidate else {
+                return;
+            };
+            while budget > 0 && candidate.count < self.samples.len() {
+                candidate.absorb(&self.samples, &folding);
+                budget -= 1;
+            }
+            if candidate.count < self.samples.len() {
+                return;
+            }
+            self.judge();
+        }
+    }
+
+    /// Starts a candidate at the end of the step, if it matters: what a step `d` of `lambda / w` misses is
+    /// `d^2 / 2` times the phase that the vibration runs through before it has died, and more than a tenth
+    /// of a standard deviation of that is too much.
+    fn propose(&mut self) -> bool {
+        let Some(fit) = &self.fit else { return false };
+        let target = |shrink| bounded(&self.settings, trusted(self.active.mode, fit.step, shrink));
+        let (Some(end), Some(next)) = (target(1.0), target(self.shrink)) else {
+            return false;
+        };
+        // At the end of the range the step may lead nowhere.
+        let (from, to) = (log_point(self.active.mode), log_point(end));
+        let [x, y] = [0, 1].map(|k| to[k] - from[k]);
+        let missed = 0.5 * (x * x + y * y) * self.phase();
+        let least = fit.covariance[0][0].min(fit.covariance[1][1]);
+        let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
+        let exact = missed * missed <= 0.01 * least * self.variance;
+        if negligible || exact || self.shrink < 1e-3 || next == self.active.mode {
+            return false;
+        }
+        self.start_candidate(next);
+        true
+    }
+
+    /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
+    fn phase(&self) -> f64 {
+        let ends = self.samples.first().zip(self.samples.last());
+        let elapsed = ends.map_or(0.0, |(first, last)| last.time - first.time);
+        let mode = self.active.mode;
+        (mode.natural_frequency() * elapsed)
+            .min(mode.damping_ratio().recip())
+            .max(1.0)
+    }
+
+    /// Takes the candidate that has caught up where it explains the data better.
+    fn judge(&mut self) {
+        let Some(candidate) = self.candidate.take() else {
+            return;
+        };
+        let priors = self.priors();
+        let cost = profile(&candidate, &priors, self.variance).unwrap_or(f64::INFINITY);
+        let present = self.fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost);
+        if self.must_replace || cost <= present {
+            self.must_replace = false;
+            self.active = candidate;
+            self.shrink = (4.0 * self.shrink).min(1.0);
+            self.refit();
+        } else {
+            self.shrink *= 0.25;
+        }
+    }
+}
