@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::fault::{Fault, Kind, Sensor};
-use super::rig::{JointCase, Moved, Ran, run};
+use super::rig::{JointCase, Ran, run};
 
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
@@ -45,8 +45,8 @@ pub fn case(kind: Kind, number: u64) -> Outcome {
     robot.encoder.rate = robot.control_rate;
     let axes = if random.random_bool(0.7) { 1 } else { 3 };
     let cases: Vec<_> = (0..axes).map(|_| joint(&robot, &mut random)).collect();
-    let lasts = |case: &JointCase| case.targets.iter().map(|(_, lasts)| lasts).sum::<f64>();
-    let duration = lasts(&cases[0]);
+    // A move of the programme takes about a second.
+    let duration = MOVES as f64 * (1.0 + cases[0].rest);
     let fault = Fault::draw(kind, duration, axes, cases[0].sensor, random);
     let from = fault.from;
     let case = describe(kind, number, &cases[0], &fault);
@@ -59,9 +59,9 @@ pub fn case(kind: Kind, number: u64) -> Outcome {
             .flat_map(|(a, b)| a.moves.iter().zip(&b.moves))
     };
     let hit = both().filter(|(_, moved)| moved.end > from);
-    let over = |moved: &Moved| {
-        moved.peak
-            / if moved.corrected {
+    let over = |ran: &Ran| {
+        ran.peak
+            / if ran.corrected {
                 CORRECTION_OVERSHOOT
             } else {
                 1.0
@@ -78,7 +78,7 @@ pub fn case(kind: Kind, number: u64) -> Outcome {
             .map(|(a, b)| b.residual / a.residual.max(FLOOR))
             .collect(),
         missed: both().map(|(_, moved)| moved.missed).fold(0.0, f64::max),
-        peak: both().map(|(_, moved)| over(moved)).fold(0.0, f64::max),
+        peak: shaped.iter().map(over).fold(0.0, f64::max),
     }
 }
 
@@ -93,8 +93,6 @@ fn joint(robot: &Robot, random: &mut ChaCha8Rng) -> JointCase {
         Quantity::LinkPosition,
         Quantity::Deformation,
     ];
-    // Until a thirtieth is left of what rings, and no longer than 6 s.
-    let rest = (3.5 / truth.decay_rate()).min(6.0);
     let target = |random: &mut ChaCha8Rng| random.random_range(-0.6..0.6);
     JointCase {
         truth,
@@ -110,7 +108,9 @@ fn joint(robot: &Robot, random: &mut ChaCha8Rng) -> JointCase {
             noise: random.random_range(5e-6..50e-6) / radius,
             radius,
         },
-        targets: (0..MOVES).map(|_| (target(random), 1.5 + rest)).collect(),
+        targets: (0..MOVES).map(|_| target(random)).collect(),
+        // Until a thirtieth is left of what rings, and no longer than 6 s.
+        rest: (3.5 / truth.decay_rate()).min(6.0),
         seed: random.random(),
     }
 }

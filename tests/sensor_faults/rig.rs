@@ -8,7 +8,7 @@ use quell::controller::{
 use quell::estimators::{EstimatorEntry, Settings};
 use quell::plant::{ArmSimulation, Command, Damping, Robot, SimulationOptions};
 use quell::service::contract::{Measured, Quantity};
-use quell::service::guard::Bounds;
+use quell::service::guard::{Bounds, SensorReport};
 use quell::service::tick::pace::Stride;
 use quell::service::tick::{AxisReport, Event, JointTick, Plan, Start, Train};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
@@ -29,8 +29,10 @@ pub struct JointCase {
     pub shaper: &'static dyn Shaper,
     pub estimator: &'static EstimatorEntry,
     pub sensor: Sensor,
-    /// Targets, rad, and for how long each is given, s.
-    pub targets: Vec<(f64, f64)>,
+    /// Targets, rad.
+    pub targets: Vec<f64>,
+    /// How long the arm is watched after each, s.
+    pub rest: f64,
     pub seed: u64,
 }
 
@@ -43,14 +45,14 @@ pub struct Moved {
     pub end: f64,
     /// Distance of the last command from the target, rad.
     pub missed: f64,
-    /// Largest peak of the command over its limit, and whether anything was corrected.
-    pub peak: f64,
-    pub corrected: bool,
 }
 
 /// What became of one joint.
 pub struct Ran {
     pub moves: Vec<Moved>,
+    /// Largest peak of the command over its limit, and whether anything was corrected.
+    pub peak: f64,
+    pub corrected: bool,
     /// Samples refused, and whether the adaptation was frozen at any tick.
     pub refused: u64,
     pub frozen: bool,
@@ -71,6 +73,9 @@ const FOLLOWED: f64 = 1e-6;
 /// The service's default.
 const WATCHDOG: f64 = 0.2;
 
+/// A move that takes longer than this has not come to rest, s.
+const LONGEST: f64 = 40.0;
+
 struct Joint {
     case: JointCase,
     shaped: bool,
@@ -80,12 +85,15 @@ struct Joint {
     start: f64,
     setpoint: Setpoint,
     frozen: bool,
-    /// Moves that were asked for, and whether the last one has not begun.
-    next: usize,
+    /// Whether the plan that was asked for has not begun.
     asks: bool,
-    since: Vec<Sample>,
+    /// When the present move was asked for, if one was, and when its command moved last, s.
+    began: Option<f64>,
+    moved: f64,
+    samples: Vec<Sample>,
+    /// The first sample of the present move.
+    first: usize,
     moves: Vec<Moved>,
-    corrections: u32,
 }
 
 /// One tick of a move.
@@ -118,10 +126,7 @@ pub fn run(
         .for_each(|joint| joint.wait_until(start, period));
     let mut measured = Vec::new();
     let mut tick = 0;
-    while joints
-        .iter()
-        .any(|joint| !joint.is_done(tick as f64 * period))
-    {
+    while !joints.iter().all(Joint::is_done) {
         let time = tick as f64 * period;
         for (index, joint) in joints.iter_mut().enumerate() {
             joint.advance(index, time, period, &mut measured);
@@ -187,24 +192,28 @@ impl Joint {
             setpoint: Setpoint::at_rest(start),
             start,
             frozen: false,
-            next: 0,
             asks: false,
-            since: Vec::new(),
+            began: None,
+            moved: 0.0,
+            samples: Vec::new(),
+            first: 0,
             moves: Vec::new(),
-            corrections: 0,
         })
     }
 
-    fn is_done(&self, time: f64) -> bool {
-        self.next == self.case.targets.len() && time >= self.begins(self.next)
+    fn is_done(&self) -> bool {
+        self.moves.len() == self.case.targets.len()
     }
 
-    /// When a move begins, s.
-    fn begins(&self, number: usize) -> f64 {
-        self.case.targets[..number]
-            .iter()
-            .map(|(_, lasts)| lasts)
-            .sum()
+    /// Whether the present move has come to rest and rung out, or does not come to rest.
+    fn is_over(&mut self, time: f64) -> bool {
+        if self.tick.is_moving() || self.asks {
+            self.moved = time;
+        }
+        match self.began {
+            Some(began) => time - self.moved >= self.case.rest || time - began > LONGEST,
+            None => true,
+        }
     }
 
     /// The arm goes on by a period and is measured.
@@ -250,7 +259,7 @@ impl Joint {
             }
             _ => {}
         }
-        self.since.push(Sample {
+        self.samples.push(Sample {
             sent: self.setpoint,
             motor: self.arm.true_motor_position(),
             deformation: self.arm.true_tip_deformation(),
@@ -266,11 +275,14 @@ impl Joint {
         period: f64,
     ) -> Result<(), ClosedLoopError> {
         self.tick.listen(time);
-        if self.next < self.case.targets.len() && time >= self.begins(self.next) {
-            self.end_move(time, period);
-            self.next += 1;
-            self.asks = true;
-            self.expect(planner, time, period)?;
+        if !self.is_done() && self.is_over(time) {
+            if self.began.replace(time).is_some() {
+                self.end_move(time);
+            }
+            if !self.is_done() {
+                self.asks = true;
+                self.expect(planner, time, period)?;
+            }
         }
         while self.asks {
             match self.tick.take_plan(tick, time) {
@@ -298,7 +310,7 @@ impl Joint {
             None => GridTrain::identity(period)?,
         };
         let limits = self.arm.robot().joints[0].limits;
-        let number = self.next - 1;
+        let number = self.moves.len();
         let ends = [self.target(number), self.target(number + 1)];
         let slowed = plan_shaped(planner, ends, limits, &train)?;
         let order = Train {
@@ -309,7 +321,7 @@ impl Joint {
         };
         self.tick.expect(Box::new(Plan {
             joint: 0,
-            id: self.next as u64,
+            id: number as u64,
             ticket: 0,
             samples: Some(slowed.plan),
             start: Start::Rest(Box::new(order)),
@@ -320,49 +332,43 @@ impl Joint {
     /// Where the joint stands after so many moves.
     fn target(&self, moves: usize) -> f64 {
         match moves.checked_sub(1) {
-            Some(last) => self.case.targets[last].0,
+            Some(last) => self.case.targets[last],
             None => self.start,
         }
     }
 
     /// What became of the move that ends at `time`.
-    fn end_move(&mut self, time: f64, period: f64) {
-        let samples = core::mem::take(&mut self.since);
-        let corrections = self.status(time).status.corrections;
-        let before = core::mem::replace(&mut self.corrections, corrections);
-        if self.next == 0 {
-            return;
-        }
-        let target = self.target(self.next);
+    fn end_move(&mut self, time: f64) {
+        let samples = &self.samples[self.first..];
+        let target = self.target(self.moves.len() + 1);
         let near = FOLLOWED / self.arm.arc().radius();
         let away = |sample: &Sample| (sample.motor - target).abs() > near;
         let followed = samples.iter().rposition(away).map_or(0, |last| last + 1);
         let left = samples[followed..]
             .iter()
             .map(|sample| sample.deformation.abs());
-        let limits = motion_limits(self.arm.robot().joints[0].limits);
-        let sent = samples.iter().map(|sample| sample.sent);
+        let last = samples
+            .last()
+            .map(|last| (last.sent.position - target).abs());
         self.moves.push(Moved {
             residual: left.fold(0.0, f64::max),
             end: time,
-            missed: samples
-                .last()
-                .map_or(f64::INFINITY, |last| (last.sent.position - target).abs()),
-            peak: peak_ratios(sent, &limits, period).worst(),
-            corrected: corrections > before,
+            missed: last.unwrap_or(f64::INFINITY),
         });
+        self.first = self.samples.len();
     }
 
-    fn finish(mut self, time: f64, period: f64) -> Ran {
-        self.end_move(time, period);
+    fn finish(self, time: f64, period: f64) -> Ran {
         let status = self.status(time).status;
         let report = self.tick.report(time).guard;
+        let refused = |sensor: &SensorReport| sensor.refused.iter().sum::<u64>();
+        let limits = motion_limits(self.arm.robot().joints[0].limits);
+        let sent = self.samples.iter().map(|sample| sample.sent);
         Ran {
             moves: self.moves,
-            refused: report
-                .sensors()
-                .map(|(_, sensor)| sensor.refused.iter().sum::<u64>())
-                .sum(),
+            peak: peak_ratios(sent, &limits, period).worst(),
+            corrected: status.corrections > 0,
+            refused: report.sensors().map(|(_, sensor)| refused(sensor)).sum(),
             frozen: self.frozen,
             mode: status.mode,
             retunes: status.retunes,
