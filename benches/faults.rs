@@ -17,15 +17,6 @@ fn number(name: &str, otherwise: u64) -> u64 {
 }
 
 fn main() {
-    if let Ok(one) = std::env::var("QUELL_DEBUG") {
-        let (k, n) = one.split_once(':').unwrap();
-        let kind = fault::Kind::ALL
-            .into_iter()
-            .find(|x| x.name() == k)
-            .unwrap();
-        println!("{:?}", campaign::case(kind, n.parse().unwrap()));
-        return;
-    }
     let programmes = number("QUELL_FAULTS", 100);
     let mut outcomes = campaign(number("QUELL_FAULTS_FROM", 0), programmes);
     println!("{}", table(&outcomes));

@@ -29,6 +29,7 @@ mod screen;
 mod search;
 mod split;
 mod start;
+mod stretches;
 mod summary;
 mod traces;
 mod units;

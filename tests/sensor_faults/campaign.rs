@@ -27,7 +27,7 @@ pub struct Outcome {
     pub kind: Kind,
     pub case: String,
     pub refused: bool,
-    pub frozen: bool,
+    pub noticed: bool,
     /// Whether the joint whose sensor failed shapes for a mode that is off by more than a tenth.
     pub misled: bool,
     /// Residual of each move after the fault's beginning over that of the move unshaped.
@@ -72,7 +72,7 @@ pub fn case(kind: Kind, number: u64) -> Outcome {
         kind,
         case,
         refused: shaped.iter().any(|ran: &Ran| ran.refused > 0),
-        frozen: shaped.iter().any(|ran| ran.frozen),
+        noticed: shaped.iter().any(|ran| ran.frozen || ran.silent),
         misled: shaped[0].retunes > 0 && off.abs() > 0.1,
         ratios: hit
             .map(|(a, b)| b.residual / a.residual.max(FLOOR))
@@ -152,7 +152,7 @@ pub fn campaign(from: u64, programmes: u64) -> Vec<Outcome> {
 /// One line for each kind of fault, in Markdown.
 pub fn table(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
-        "| fault | programmes | samples refused | adaptation held | misled | median left | 99 % | worst | \
+        "| fault | programmes | samples refused | noticed | misled | median left | 99 % | worst | \
          limits, target |\n|---|---|---|---|---|---|---|---|---|\n",
     );
     for kind in Kind::ALL {
@@ -183,7 +183,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
             kind.name(),
             of.len(),
             percent(|outcome| outcome.refused),
-            percent(|outcome| outcome.frozen),
+            percent(|outcome| outcome.noticed),
             percent(|outcome| outcome.misled),
             at(0.5),
             at(0.99),

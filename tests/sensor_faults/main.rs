@@ -11,7 +11,7 @@ use campaign::{campaign, table};
 /// `cargo bench --bench faults` is asked for.
 #[test]
 fn no_fault_of_a_sensor_makes_the_robot_shake() {
-    let outcomes = campaign(0, 6);
+    let outcomes = campaign(0, 3);
     println!("{}", table(&outcomes));
     for outcome in &outcomes {
         assert!(outcome.is_kept(), "{outcome:?}");

@@ -53,9 +53,10 @@ pub struct Ran {
     /// Largest peak of the command over its limit, and whether anything was corrected.
     pub peak: f64,
     pub corrected: bool,
-    /// Samples refused, and whether the adaptation was frozen at any tick.
+    /// Samples refused, and whether the adaptation waited or a sensor was silent at any tick.
     pub refused: u64,
     pub frozen: bool,
+    pub silent: bool,
     /// The mode that is shaped for at the end, and whether it was ever changed.
     pub mode: Mode,
     pub retunes: u32,
@@ -85,6 +86,7 @@ struct Joint {
     start: f64,
     setpoint: Setpoint,
     frozen: bool,
+    silent: bool,
     /// Whether the plan that was asked for has not begun.
     asks: bool,
     /// When the present move was asked for, if one was, and when its command moved last, s.
@@ -192,6 +194,7 @@ impl Joint {
             setpoint: Setpoint::at_rest(start),
             start,
             frozen: false,
+            silent: false,
             asks: false,
             began: None,
             moved: 0.0,
@@ -293,7 +296,10 @@ impl Joint {
         }
         self.tick.step();
         self.setpoint = self.tick.setpoint(&WHOLE, period).unwrap_or(self.setpoint);
-        self.frozen |= self.status(time).frozen;
+        let report = self.tick.report(time);
+        let silent = |sensor: &SensorReport| time - sensor.heard > WATCHDOG;
+        self.frozen |= report.axis.is_some_and(|axis| axis.frozen);
+        self.silent |= report.guard.sensors().any(|(_, sensor)| silent(sensor));
         Ok(())
     }
 
@@ -370,6 +376,7 @@ impl Joint {
             corrected: status.corrections > 0,
             refused: report.sensors().map(|(_, sensor)| refused(sensor)).sum(),
             frozen: self.frozen,
+            silent: self.silent,
             mode: status.mode,
             retunes: status.retunes,
         }
