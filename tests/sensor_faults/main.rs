@@ -14,7 +14,7 @@ fn no_fault_of_a_sensor_makes_the_robot_shake() {
     let outcomes = campaign(0, 3);
     println!("{}", table(&outcomes));
     for outcome in &outcomes {
-        assert!(outcome.is_kept(), "{outcome:?}");
-        assert!(outcome.worst() <= 1.2, "{outcome:?}");
+        assert!(outcome.is_kept(), "{}: {outcome:?}", outcome.case);
+        assert!(outcome.worst() <= 1.2, "{}: {outcome:?}", outcome.case);
     }
 }
