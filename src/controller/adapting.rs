@@ -23,7 +23,9 @@ impl Axis {
         };
         // Once the plan has ended there is little more to learn: what is certain enough for the
         // adaptation is used then, settled or not.
-        estimate.converged |= self.settings.estimator.states_error && ahead.remaining() == 0;
+        estimate.converged |= self.settings.estimator.states_error
+            && ahead.remaining() == 0
+            && loses_energy(&estimate);
         let decision = match self.settings.retune {
             RetunePolicy::InMotion if self.lane.is_none() && self.is_ringing(estimate.mode) => {
                 // The steps of a correction are a quarter period apart: more often gains nothing.
@@ -177,6 +179,13 @@ impl Axis {
         self.status.mode = mode;
         self.status.retunes += 1;
     }
+}
+
+/// Whether two standard deviations exclude that the mode is undamped. Every joint loses energy; a fit
+/// that stops at no damping follows something else, as a sensor on the wrong wire shows it, and the
+/// standard deviation of a maximum on the edge of its range is not that of its error.
+fn loses_energy(estimate: &Estimate) -> bool {
+    estimate.mode.damping_ratio() > 2.0 * estimate.damping_ratio_std
 }
 
 /// How long a mode rings after the last command, s: five time constants of its envelope leave less than

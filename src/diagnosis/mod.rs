@@ -30,6 +30,7 @@ mod screen;
 mod search;
 mod split;
 mod start;
+mod stretches;
 mod summary;
 mod traces;
 mod units;

@@ -14,6 +14,7 @@ use super::remarks::recorded;
 use super::score::score;
 use super::search::{EQUAL, Found, LONG, Search, Trial, ratio};
 use super::start::ringing;
+use super::stretches::stretches;
 use super::traces::Traces;
 use super::weights::{measure_noise, measured_again};
 use crate::model::{Experiment, Model, simulate_windows};
@@ -64,6 +65,22 @@ pub fn diagnose(
     if train.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
+    let (train, mut left_out) = stretches(train);
+    let (held_out, also) = stretches(held_out);
+    left_out.extend(also);
+    let mut outcome = diagnose_stretches(model, &train, &held_out, options, progress)?;
+    outcome.diagnosis.remarks.splice(0..0, left_out);
+    Ok(outcome)
+}
+
+/// Of recordings that are no longer than they need to be.
+fn diagnose_stretches(
+    model: &Model,
+    train: &[Recording],
+    held_out: &[Recording],
+    options: &Options,
+    progress: Progress,
+) -> Result<Outcome, DiagnosisError> {
     let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
     let look = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
     if fitted[0].windows.is_empty() {

@@ -132,6 +132,15 @@ impl Recording {
         };
         (part(false), part(true))
     }
+
+    /// What was recorded from the first of two instants on, before the second. The rest is not copied.
+    pub fn within(&self, span: [f64; 2]) -> Self {
+        Self {
+            payload: self.payload.clone(),
+            name: self.name.clone(),
+            channels: self.channels.iter().map(|c| c.within(span)).collect(),
+        }
+    }
 }
 
 /// The MCAP file and the joint of `run.mcap#joint_2`; any other path is left as it is.
@@ -148,13 +157,22 @@ pub(crate) fn mcap_and_joint(path: &Path) -> (PathBuf, Option<String>) {
 impl Channel {
     /// What was measured before an instant, or from it on.
     fn at(&self, instant: f64, after: bool) -> Self {
-        let cut = self.time.partition_point(|t| *t < instant);
-        let range = if after { cut..self.time.len() } else { 0..cut };
+        match after {
+            true => self.within([instant, f64::INFINITY]),
+            false => self.within([f64::NEG_INFINITY, instant]),
+        }
+    }
+
+    /// What was measured from the first of two instants on, before the second.
+    fn within(&self, [from, to]: [f64; 2]) -> Self {
+        let before = |instant: f64| self.time.partition_point(|t| *t < instant);
+        let range = before(from)..before(to).max(before(from));
         let part = |column: &Vec<f64>| column[range.clone()].to_vec();
         Self {
+            role: self.role,
+            unit: self.unit.clone(),
             time: part(&self.time),
             columns: self.columns.iter().map(part).collect(),
-            ..self.clone()
         }
     }
 

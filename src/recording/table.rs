@@ -35,7 +35,11 @@ impl Table {
             let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
             Problem::NotUtf8.at_line(path, 1 + count_line_ends(valid))
         })?;
-        Self::from_text(path, text.trim_start_matches('\u{feff}').to_owned())
+        let mut text = text;
+        if let Some(marked) = text.strip_prefix('\u{feff}') {
+            text.drain(..text.len() - marked.len());
+        }
+        Self::from_text(path, text)
     }
 
     fn from_text(path: &Path, text: String) -> Result<Self, RecordingError> {

@@ -193,8 +193,12 @@ fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -
         "mass": mass,
         "viscous": viscous,
     });
+    // Of a linear axis it is all the same whether the force or the position is late.
+    let late = effects.iter().any(|effect| effect.effect == "drive_lag");
+    let equivalents = late.then(|| "sensor_lag".to_string());
     Truth {
         effects,
+        equivalents: equivalents.into_iter().collect(),
         in_catalogue,
         noise: noise.std,
         noise_unit: "m".into(),

@@ -23,7 +23,7 @@ use quell_shapers::Setpoint;
 use super::contract::{LinkHealth, Measured};
 use crate::plant::Load;
 
-/// Measurements that one tick can take; at 250 Hz that is 32 a millisecond.
+/// Measurements of a joint that one tick can take; at 250 Hz that is 32 a millisecond.
 pub const INBOX: usize = 128;
 
 /// What a link does at the tick. Nothing of it allocates, blocks or fails.

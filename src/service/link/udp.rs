@@ -59,7 +59,7 @@ impl UdpLink {
     pub fn start(settings: UdpSettings, clock: ServiceClock) -> io::Result<Self> {
         let socket = UdpSocket::bind(settings.address)?;
         socket.set_nonblocking(true)?;
-        let (producer, ring) = RingBuffer::new(8 * INBOX);
+        let (producer, ring) = RingBuffer::new(8 * INBOX * settings.joints.len());
         let counts = Arc::new(Counts::default());
         let ending = Arc::new(AtomicBool::new(false));
         let (joints, peer) = (settings.joints.clone(), settings.robot);

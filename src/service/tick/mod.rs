@@ -28,7 +28,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use super::contract::{Measured, TickStatistics};
 use super::link::{INBOX, RobotLink};
 
-/// Orders and events that may wait; a joint has at most a few of either.
+/// Orders and events of a joint that may wait; it has at most a few of either.
 const ORDERS: usize = 64;
 /// Seconds of records that may wait for the engine.
 const RECORDED: f64 = 2.0;
@@ -82,16 +82,16 @@ impl Tick {
         period: f64,
     ) -> (Self, EngineRings) {
         let records = RECORDED / period * RECORDS * joints.len() as f64;
-        let (orders, tick_orders) = RingBuffer::new(ORDERS);
-        let (tick_events, events) = RingBuffer::new(2 * ORDERS);
+        let (orders, tick_orders) = RingBuffer::new(ORDERS * joints.len());
+        let (tick_events, events) = RingBuffer::new(2 * ORDERS * joints.len());
         let (tick_records, records) = RingBuffer::new(records as usize);
         let (tick_reports, reports) = RingBuffer::new(ROUNDS * joints.len());
         let (tick_whole, whole) = RingBuffer::new(ROUNDS);
         let tick = Self {
             pace: Pace::new(joints.iter().map(JointTick::limits), period),
+            inbox: Vec::with_capacity(INBOX * joints.len()),
             joints,
             link,
-            inbox: Vec::with_capacity(INBOX),
             rings: TickRings {
                 orders: tick_orders,
                 events: tick_events,

@@ -66,9 +66,9 @@ impl ZenohLink {
     /// # Errors
     /// What Zenoh or the system says.
     pub fn start(node: &Node, config: &Config, clock: ServiceClock) -> io::Result<Self> {
-        let (producer, ring) = RingBuffer::new(8 * INBOX);
-        let counts = Arc::new(Counts::default());
         let joints = config.joints.len();
+        let (producer, ring) = RingBuffer::new(8 * INBOX * joints);
+        let counts = Arc::new(Counts::default());
         let intake = Intake::new(joints, config.watchdog, producer, Arc::clone(&counts));
         let ears = Arc::new(Ears {
             names: config
