@@ -539,7 +539,7 @@ fn val_maxwell_branch_relaxes_and_creeps() {
 
 #[test]
 fn val_backlash_is_free_inside_and_pushes_outside() {
-    let law = force("backlash", &[0.4]);
+    let law = force("backlash", &[0.4, 0.0]);
     let branch = |x: f64, v: f64| Memory {
         position: x,
         state: law.advance(&motion(), x, v, &Memory::default()),
@@ -564,6 +564,16 @@ fn val_backlash_is_free_inside_and_pushes_outside() {
     assert!(switch(&pushing, 0.25, -0.49) > 0.0 && switch(&pushing, 0.25, -0.51) < 0.0);
     assert!(switch(&inside, 0.19, 1.0) < 0.0 && switch(&inside, 0.21, 1.0) > 0.0);
     assert!(switch(&pushing, -0.5, -1.0) < 0.0);
+    // With all of the damper beside the gap the flanks are springs alone.
+    let law = force("backlash", &[0.4, 1.0]);
+    for (x, v, expected) in [(0.15, 3.0, 0.3), (0.5, 1.0, 0.4), (0.25, -1.0, -0.05)] {
+        let memory = Memory {
+            state: law.advance(&motion(), x, v, &Memory::default()),
+            ..Memory::default()
+        };
+        let total = x + 0.1 * v + law.force(&motion(), x, v, &memory);
+        assert_near(total, expected, 1e-15, "force across the gap with oil");
+    }
 }
 
 #[test]

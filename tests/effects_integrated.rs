@@ -82,7 +82,12 @@ fn simulate(law: Option<(Law, Place)>, grid: &Grid) -> Option<Trace> {
 fn deformation(trace: &Trace) -> Vec<f64> {
     let mut at_samples = Vec::new();
     for k in 0..trace.time.len() {
-        if (trace.time[k] / 0.004 - (trace.time[k] / 0.004).round()).abs() < 1e-6 {
+        // Of the two nodes at a kick the later one.
+        let last = trace
+            .time
+            .get(k + 1)
+            .is_none_or(|next| next - trace.time[k] > 1e-9);
+        if last && (trace.time[k] / 0.004 - (trace.time[k] / 0.004).round()).abs() < 1e-6 {
             let u = trace.motor[k][0];
             at_samples.push(trace.link[k][0] - u);
             let further = trace.modes.get(k).map_or(u, |modes| modes[0][0]);

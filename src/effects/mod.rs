@@ -191,6 +191,14 @@ pub fn has_many_minima(effect: &str) -> bool {
     WINDING.contains(&effect)
 }
 
+/// Parameters that a file may leave out: without them the law is the plain one.
+const OPTIONAL: &[(&str, &str)] = &[("backlash", "damping_in_gap")];
+
+/// Whether a file may leave out this parameter of an effect; it then has its neutral value.
+pub fn is_optional(effect: &str, parameter: &str) -> bool {
+    OPTIONAL.contains(&(effect, parameter))
+}
+
 /// Whether the law of one effect contains that of another as a limit.
 ///
 /// # Example

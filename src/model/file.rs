@@ -17,7 +17,7 @@ mod source;
 mod write;
 
 use super::{Hold, KINDS, Kind, Model, ModelEffect, Value};
-use crate::effects::{EFFECTS, Effect, Parameter, Place, Scales};
+use crate::effects::{EFFECTS, Effect, Parameter, Place, Scales, is_optional};
 use source::{Entry, Source, Table, list};
 use std::path::{Path, PathBuf};
 
@@ -230,9 +230,11 @@ fn effect(
     given_table.anchor(&entry);
     let mut parameters = Vec::new();
     for parameter in effect.parameters {
-        let entry = given_table.take(parameter.name);
-        let entry = entry.ok_or_else(|| given_table.missing(parameter.name))?;
-        parameters.push(value(source, &entry, signs(parameter))?);
+        parameters.push(match given_table.take(parameter.name) {
+            Some(entry) => value(source, &entry, signs(parameter))?,
+            None if is_optional(effect.name, parameter.name) => Value::from(parameter.neutral),
+            None => return Err(given_table.missing(parameter.name)),
+        });
     }
     given_table.finish(effect.parameters.iter().map(|parameter| parameter.name))?;
     Ok(ModelEffect {
