@@ -61,6 +61,40 @@ fn numbers(rows: &[Vec<String>], column: usize) -> Vec<f64> {
 }
 
 #[test]
+fn the_optimal_shaper_is_solved_for_what_is_known_of_the_mode() {
+    let base = [
+        "--shaper",
+        "optimal",
+        "--mode",
+        "8.12,0.084",
+        "--rate",
+        "1000",
+    ];
+    let longest = |json: &Value| {
+        let impulses = json["impulses"].as_array().unwrap();
+        impulses[impulses.len() - 1]["time_s"].as_f64().unwrap()
+    };
+    let [hardly, well] = [
+        vec![],
+        vec!["--frequency-std", "0.5", "--damping-std", "0.005"],
+    ]
+    .map(|more| longest(&shape_json(&[&base[..], &more].concat())));
+    // Known to 1 % half a period is enough; to 10 % it is not.
+    assert!(well < 0.6 * hardly, "{well} {hardly}");
+    let other = [
+        "--shaper",
+        "zvd",
+        "--mode",
+        "8,0.1",
+        "--rate",
+        "250",
+        "--frequency-std",
+        "3",
+    ];
+    refused(&mut shape(&other), &["--shaper optimal", "zvd"]);
+}
+
+#[test]
 fn val_trains_are_those_of_the_literature() {
     // Singer and Seering (1990) at 8.12 Hz and a damping ratio of 0.084: K = 0.767337.
     let zv = shape_json(&["--shaper", "zv", "--mode", "8.12,0.084", "--rate", "250"]);

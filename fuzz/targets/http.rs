@@ -57,11 +57,11 @@ impl Service {
             recorder: None,
             report: page,
         };
-        let _entered = runtime.enter();
+        let entered = runtime.enter();
         let routes = routes(handle, settings).expect("a thread");
         let last = Last::default();
         runtime.spawn(listen(ends, Arc::clone(&last)));
-        drop(_entered);
+        drop(entered);
         Self {
             runtime,
             routes,

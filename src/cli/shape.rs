@@ -4,7 +4,8 @@ mod command_file;
 
 use super::{CliError, choices, output, shaping, values};
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, Shaper, insensitivity, residual_vibration,
+    Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, insensitivity,
+    residual_vibration,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ const TOLERANCE: f64 = 0.05;
 Examples:
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250
   quell shape --shaper zv --mode 8.12,0.084 --mode 21,0.02 --rate 1000 --json
+  quell shape --shaper optimal --mode 8.12,0.084 --frequency-std 3 --damping-std 0.01 --rate 250
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250 command.csv --column joint_1_rad --out out
 
 V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
@@ -30,6 +32,15 @@ pub struct Args {
     /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
     #[arg(long, value_name = "F,XI", value_parser = values::mode, required = true)]
     pub mode: Vec<Mode>,
+    /// Standard deviation of the frequency, in percent of it, that `optimal` is solved for, with --mode once
+    /// [default: it may be off by 10 % and the damping ratio by half].
+    #[arg(long, value_name = "PERCENT", value_parser = values::positive,
+          allow_negative_numbers = true)]
+    pub frequency_std: Option<f64>,
+    /// Standard deviation of the damping ratio, beside --frequency-std.
+    #[arg(long, value_name = "STD", value_parser = values::positive, requires = "frequency_std",
+          allow_negative_numbers = true)]
+    pub damping_std: Option<f64>,
     /// Samples of the command a second.
     #[arg(long, value_name = "HZ", value_parser = values::positive,
           allow_negative_numbers = true)]
@@ -85,21 +96,49 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 fn design(args: &Args) -> Result<Design, CliError> {
+    let estimated = estimated(args)?;
+    let shaper: &dyn Shaper = match &estimated {
+        Some(optimal) => optimal,
+        None => args.shaper,
+    };
     let mut train = ImpulseTrain::identity();
     for &mode in &args.mode {
-        train = args
-            .shaper
+        train = shaper
             .design(mode)
             .and_then(|next| train.convolve(&next))
             .map_err(CliError::input)?;
     }
-    let grid = shaping::train(args.shaper, &args.mode, 1.0 / args.rate).map_err(CliError::input)?;
+    let grid = shaping::train(shaper, &args.mode, 1.0 / args.rate).map_err(CliError::input)?;
     Ok(Design {
         shaper: args.shaper,
         modes: args.mode.clone(),
         train,
         grid,
     })
+}
+
+/// The optimal shaper for how well the mode is known, where that is said.
+fn estimated(args: &Args) -> Result<Option<Optimal>, CliError> {
+    let Some(percent) = args.frequency_std else {
+        return Ok(None);
+    };
+    let &[mode] = args.mode.as_slice() else {
+        return Err(CliError::input(
+            "--frequency-std is of one mode: give --mode once",
+        ));
+    };
+    if args.shaper.name() != Optimal::TYPICAL.name() {
+        let name = args.shaper.name();
+        return Err(CliError::input(format!(
+            "--frequency-std is what --shaper optimal is solved for, not {name}; `quell compare` tells \
+             what the others leave"
+        )));
+    }
+    Ok(Some(Optimal::for_estimate(&UncertainMode {
+        mode,
+        natural_frequency_std: percent / 100.0 * mode.natural_frequency(),
+        damping_ratio_std: args.damping_std.unwrap_or(0.0),
+    })))
 }
 
 impl Design {

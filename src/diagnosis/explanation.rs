@@ -104,7 +104,7 @@ impl<'a> Judge<'a> {
         }
         let finite = |r: f64| {
             if r.is_finite() {
-                r.min(1e12).powi(2)
+                r.abs().min(1e12).powi(2)
             } else {
                 1e24
             }

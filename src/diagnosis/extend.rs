@@ -20,9 +20,10 @@ const FIRST: usize = 2;
 const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 const SHORT: usize = 6;
-/// Parts into which the way from one size to the next is cut near the best one.
+/// Parts into which the way from one size to the next is cut near the best one: sizes that differ by some 15 %
+/// where a grid's differ by 1.7 times.
 const SLOWER: u32 = 4;
-/// Cost over that of the start of a walk, from which it has gone too far.
+/// Cost over that of the start of a walk, from which it has gone too far: twice the residual.
 const LOST: f64 = 4.0;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
@@ -112,9 +113,9 @@ impl Search<'_> {
     }
 
     /// The best places on a walk over the sizes of an effect, and on a slower one around the best of these.
-    /// At each size the rest is fitted from where it was at the last one: a large size makes the rest (a
-    /// frequency, mostly) other than it is without the effect, and a fit of both at once would rather make
-    /// the size small.
+    /// At each size the model's keys are fitted from where they were at the last one: a large size makes them
+    /// (a frequency, mostly) other than they are without the effect, and a fit of both at once would rather
+    /// make the size small. Sizes come first among an effect's parameters, and are above 0.
     ///
     /// Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
     pub(super) fn walked(

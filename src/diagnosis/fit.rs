@@ -204,8 +204,10 @@ impl Problem<'_> {
         let step = match global {
             Global::Parameter(term, parameter) if has_many_minima(p.terms[term].effect.name) => {
                 // Its size may be far from typical.
-                let own = parameter == 0 && here != 0.0;
-                COARSE * if own { here.abs() } else { typical }
+                match parameter {
+                    0 => COARSE * here.abs().max(FINE * typical),
+                    _ => COARSE * typical,
+                }
             }
             _ => FINE * typical.max(0.1 * here.abs().min(1e3)),
         };

@@ -106,16 +106,21 @@ pub fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
     normal.diagonal().map(root)
 }
 
-/// Standard deviations of the first unknowns by the inverse of the normal matrix, the others free; large
-/// where the data say nothing.
-pub fn deviations(normal: &DMatrix<f64>, first: usize) -> Vec<f64> {
-    let scale = scales(normal);
+/// The inverse of the normal matrix with its unknowns divided by [`scales`]. A direction without any effect
+/// keeps what is added: a million of its units.
+pub fn covariance(normal: &DMatrix<f64>, scale: &DVector<f64>) -> Option<DMatrix<f64>> {
     let n = normal.nrows();
     let scaled = DMatrix::from_fn(n, n, |i, j| {
         normal[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-12 } else { 0.0 }
     });
-    // A direction without any effect keeps what was added: a million of its units.
-    let whole = Cholesky::new(scaled).map(|root| root.inverse());
+    Cholesky::new(scaled).map(|root| root.inverse())
+}
+
+/// Standard deviations of the first unknowns by the inverse of the normal matrix, the others free; large
+/// where the data say nothing.
+pub fn deviations(normal: &DMatrix<f64>, first: usize) -> Vec<f64> {
+    let scale = scales(normal);
+    let whole = covariance(normal, &scale);
     let deviation = |i: usize| {
         let variance = whole.as_ref().map_or(f64::INFINITY, |m| m[(i, i)]);
         let unknown = normal[(i, i)] <= 0.0;

@@ -2,10 +2,10 @@
 
 use super::explanation::Explanation;
 use super::locate::Located;
-use super::normal::scales;
+use super::normal::{covariance, scales};
 use super::search::{FLOOR, Search};
 use crate::signal::noise_floor;
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::Cholesky;
 
 /// Residual, in times the noise, that is a mismatch even if it cannot be located: no estimate of a noise
 /// level is that far off.
@@ -39,12 +39,7 @@ impl Search<'_> {
         let linear = problem.linearise(point, self.projector);
         let normal = problem.normal(point, &linear);
         let scale = scales(&normal);
-        let n = normal.nrows();
-        let scaled = DMatrix::from_fn(n, n, |i, j| {
-            normal[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-12 } else { 0.0 }
-        });
-        let covariance = Cholesky::new(scaled)?.inverse();
-        let root = Cholesky::new(covariance)?.l();
+        let root = Cholesky::new(covariance(&normal, &scale)?)?.l();
         let here = self.judge.held_out_rows_of(problem, point);
         let along = |column: usize| {
             let step = root.column(column).component_div(&scale);
@@ -55,7 +50,7 @@ impl Search<'_> {
                 .map(|(a, b)| (a - b).powi(2))
                 .sum::<f64>()
         };
-        let sum: f64 = (0..n).map(along).sum();
+        let sum: f64 = (0..root.ncols()).map(along).sum();
         sum.is_finite().then_some(sum)
     }
 
@@ -79,7 +74,8 @@ impl Search<'_> {
     }
 }
 
-/// Sum of the squared lengths of the stretches in which values stay within a step.
+/// Sum of the squared lengths of the stretches in which values stay within a step, and half of one for what
+/// rounding differences are off.
 fn rests(values: &[f64], step: f64) -> f64 {
     let (mut sum, mut start) = (0.0, 0);
     for k in 1..=values.len() {

@@ -103,7 +103,8 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The same fits, refitted and ranked where the noise was measured anew.
+    /// The same fits, refitted and ranked where the noise was measured anew; what has many minima also from a
+    /// new walk.
     pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
         let refit = |mut trial: Trial| {
             let point = &trial.explanation.fitted.point;

@@ -187,7 +187,7 @@ const NESTED: &[(&str, &str)] = &[
 const WINDING: &[&str] = &["backlash"];
 
 /// Whether the sizes of an effect are to be walked through one by one, the smallest first.
-pub fn has_many_minima(effect: &str) -> bool {
+pub(crate) fn has_many_minima(effect: &str) -> bool {
     WINDING.contains(&effect)
 }
 
@@ -195,7 +195,7 @@ pub fn has_many_minima(effect: &str) -> bool {
 const OPTIONAL: &[(&str, &str)] = &[("backlash", "damping_in_gap")];
 
 /// Whether a file may leave out this parameter of an effect; it then has its neutral value.
-pub fn is_optional(effect: &str, parameter: &str) -> bool {
+pub(crate) fn is_optional(effect: &str, parameter: &str) -> bool {
     OPTIONAL.contains(&(effect, parameter))
 }
 

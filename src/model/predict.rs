@@ -366,13 +366,20 @@ impl Simulated {
     }
 }
 
-/// Values with slopes by differences over two neighbours.
+/// Values with slopes by differences over two neighbours, and over one where the other is what was before a
+/// jump, or after it.
 fn sloped(time: &[f64], values: Vec<f64>) -> Vec<[f64; 2]> {
     let last = values.len() - 1;
+    let apart = |a: usize, b: usize| time[b] > time[a].next_up();
     (0..values.len())
         .map(|k| {
             let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
-            [values[k], (values[b] - values[a]) / (time[b] - time[a])]
+            let (a, b) = (
+                if apart(a, k) { a } else { k },
+                if apart(k, b) { b } else { k },
+            );
+            let slope = (values[b] - values[a]) / (time[b] - time[a]);
+            [values[k], if a < b { slope } else { 0.0 }]
         })
         .collect()
 }

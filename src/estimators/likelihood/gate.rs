@@ -1,7 +1,7 @@
 //! Samples that are no measurement of the vibration.
 
 use super::Likelihood;
-use crate::estimators::modal_response::WIDTH;
+use crate::estimators::modal_response::{RESIDUAL, WIDTH};
 
 /// Evidence above which a sample is a spike: noise is five standard deviations away once in two million
 /// samples.
@@ -11,9 +11,9 @@ const SPIKE: f64 = 25.0;
 const LONGEST: u32 = 2;
 
 impl Likelihood {
-    /// Whether a row is a spike: it lies where neither the noise nor the doubt about
-    /// the mode can have put it.
-    fn is_spike(&mut self, row: &[f64; WIDTH]) -> bool {
+    /// Whether a row is refused as a spike, which counts those in a row: it lies where neither the noise nor
+    /// the doubt about the mode can have put it.
+    fn refuses(&mut self, row: &[f64; WIDTH]) -> bool {
         let Some(fit) = self.fit.as_ref().filter(|_| self.knows_noise()) else {
             return false;
         };
@@ -33,11 +33,13 @@ impl Likelihood {
             return;
         };
         let row = self.active.row;
-        if !self.is_spike(&row) {
+        if !self.refuses(&row) {
             self.active.take(&sample);
             self.largest = self.largest.max(sample.deformation.abs());
         } else if let Some(youngest) = self.samples.last_mut() {
             youngest.deformation = f64::NAN;
+            // Nor does it say anything of the noise's colour.
+            self.active.row[RESIDUAL] = f64::NAN;
         }
     }
 }

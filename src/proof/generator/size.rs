@@ -150,7 +150,17 @@ impl<'a> Bench<'a> {
         let grow = |arm: &mut Arm, by: [f64; 2]| {
             simpler(arm, self.scales, concealed.shape, concealed.size, by);
         };
-        let left = leftover_beside(&arm, self.programme, &self.stamps, &columns, &grow);
+        self.shows_beside(&arm, &columns, &grow)
+    }
+
+    /// Whether something of what an arm shows is left where a refit may make use of another law.
+    fn shows_beside(
+        &self,
+        arm: &Arm,
+        columns: &[Vec<f64>],
+        grow: &dyn Fn(&mut Arm, [f64; 2]),
+    ) -> bool {
+        let left = leftover_beside(arm, self.programme, &self.stamps, columns, grow);
         (left / self.noise).hypot(1.0) >= HIDDEN
     }
 
@@ -165,8 +175,7 @@ impl<'a> Bench<'a> {
             let grow = |arm: &mut Arm, by: [f64; 2]| {
                 (other.entry.hide)(arm, self.scales, other.shape, other.size * by[0]);
             };
-            let left = leftover_beside(&arm, self.programme, &self.stamps, &columns, &grow);
-            (left / self.noise).hypot(1.0) >= HIDDEN
+            self.shows_beside(&arm, &columns, &grow)
         })
     }
 
