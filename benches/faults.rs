@@ -6,6 +6,8 @@
 mod campaign;
 #[path = "../tests/sensor_faults/fault.rs"]
 mod fault;
+#[path = "../tests/sensor_faults/joint.rs"]
+mod joint;
 #[path = "../tests/sensor_faults/rig.rs"]
 mod rig;
 
