@@ -291,6 +291,40 @@ proptest! {
 
 /// Every estimator: silent before there is anything, deaf to bad samples, right without noise in
 /// what it claims to model, the same again after a restart.
+/// Spikes of 30 deviations in one sample of fifty neither move the estimate nor make it sure of itself.
+#[test]
+fn val_spikes_are_left_out() {
+    let line = estimator("likelihood").expect("in the table");
+    let (mut inside, mut of) = (0, 0);
+    for trial in 0..200u64 {
+        let mut settings = settings(8.12, 333.0);
+        settings.noise_std = None;
+        let times = stamps(333.0, 3.0 / 8.12);
+        let mut samples = decay(&PAPER, AMPLITUDE, trial as f64 * PHASE, &times);
+        add_noise(&mut samples, NOISE, trial);
+        for (k, sample) in samples.iter_mut().enumerate().skip(20) {
+            if (k as u64 + trial).is_multiple_of(50) {
+                let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                sample.deformation += sign * 30.0 * NOISE;
+            }
+        }
+        let mut estimator = (line.build)(&settings);
+        samples.iter().for_each(|sample| estimator.observe(*sample));
+        let Some(estimate) = estimator.estimate() else {
+            continue;
+        };
+        let truth = mode(PAPER.frequency_hz, PAPER.damping_ratio);
+        let off = estimate.mode.natural_frequency() - truth.natural_frequency();
+        of += 1;
+        inside += usize::from(off.abs() < 1.96 * estimate.natural_frequency_std);
+    }
+    // 95 % of 200, less three standard deviations of a binomial.
+    assert!(
+        of > 190 && inside as f64 > 0.90 * f64::from(of),
+        "{inside} of {of}"
+    );
+}
+
 #[test]
 fn every_estimator_conforms() {
     for line in ESTIMATORS {
