@@ -25,7 +25,7 @@ const LONGEST_ARC: f64 = 0.35;
 /// doubled.
 ///
 /// # Errors
-/// [`ClosedLoopError::Plan`]; [`ClosedLoopError::Registration`] where [`LONGEST_ARC`] is too short.
+/// [`ClosedLoopError::Plan`]; [`ClosedLoopError::Registration`] where the longest arc is too short.
 pub fn commission(
     arm: &mut ArmSimulation,
     displacement: f64,

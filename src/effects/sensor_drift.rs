@@ -1,7 +1,7 @@
 //! A sensor that drifts.
 
 use super::grid::{product, reach};
-use super::levelling::{levelling, settling_bounds};
+use super::levelling::{SETTLING_RATE, levelling};
 use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
 
 struct Drift {
@@ -45,13 +45,7 @@ pub const SENSOR_DRIFT: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.3 / reach(scales),
         },
-        Parameter {
-            name: "settling_rate",
-            quantity: Quantity::FREQUENCY,
-            bounds: |scales| settling_bounds(scales.duration()),
-            neutral: 0.0,
-            typical: |scales| 1.0 / scales.duration(),
-        },
+        SETTLING_RATE,
     ],
     law: |p| {
         Law::Sensor(Box::new(Drift {

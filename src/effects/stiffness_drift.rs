@@ -1,7 +1,7 @@
 //! Stiffness that changes with time.
 
 use super::grid::product;
-use super::levelling::{levelling, settling_bounds};
+use super::levelling::{SETTLING_RATE, levelling};
 use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
 
 struct Drift {
@@ -35,13 +35,7 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.1 / latest(scales.span),
         },
-        Parameter {
-            name: "settling_rate",
-            quantity: Quantity::FREQUENCY,
-            bounds: |scales| settling_bounds(scales.duration()),
-            neutral: 0.0,
-            typical: |scales| 1.0 / scales.duration(),
-        },
+        SETTLING_RATE,
     ],
     law: |p| {
         Law::Force(Box::new(Drift {
