@@ -4,7 +4,7 @@ use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
 use super::experiment::{Experiment, Output, RADIANS_A_STEP};
 use super::integrate::{Kick, Restart, Timed, integrate};
 use super::piecewise::Grid;
-use super::trace::{Kinematics, Trace, hermite};
+use super::trace::{Kinematics, Trace, hermite, sloped};
 use super::{Kind, Model};
 use crate::effects::{Drive, Effect, Law, Memory, Place, Reading, Sensor};
 use crate::recording::Role;
@@ -364,24 +364,6 @@ impl Simulated {
         }
         prediction
     }
-}
-
-/// Values with slopes by differences over two neighbours, and over one where the other is what was before a
-/// jump, or after it.
-fn sloped(time: &[f64], values: Vec<f64>) -> Vec<[f64; 2]> {
-    let last = values.len() - 1;
-    let apart = |a: usize, b: usize| time[b] > time[a].next_up();
-    (0..values.len())
-        .map(|k| {
-            let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
-            let (a, b) = (
-                if apart(a, k) { a } else { k },
-                if apart(k, b) { b } else { k },
-            );
-            let slope = (values[b] - values[a]) / (time[b] - time[a]);
-            [values[k], if a < b { slope } else { 0.0 }]
-        })
-        .collect()
 }
 
 impl Model {

@@ -64,3 +64,21 @@ pub fn hermite(t0: f64, t1: f64, from: [f64; 2], to: [f64; 2], t: f64) -> f64 {
     let (c2, c3) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
     from[0] + s * (a + s * (c2 + s * c3))
 }
+
+/// Values with slopes by differences over two neighbours, and over one where the other is what was before a
+/// jump, or after it.
+pub(super) fn sloped(time: &[f64], values: Vec<f64>) -> Vec<[f64; 2]> {
+    let last = values.len() - 1;
+    let apart = |a: usize, b: usize| time[b] > time[a].next_up();
+    (0..values.len())
+        .map(|k| {
+            let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+            let (a, b) = (
+                if apart(a, k) { a } else { k },
+                if apart(k, b) { b } else { k },
+            );
+            let slope = (values[b] - values[a]) / (time[b] - time[a]);
+            [values[k], if a < b { slope } else { 0.0 }]
+        })
+        .collect()
+}
