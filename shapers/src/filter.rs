@@ -193,6 +193,7 @@ pub(crate) struct DelayLine<S> {
 
 impl<S: Buffer<Setpoint>> DelayLine<S> {
     /// Places that a line of so many ticks takes.
+    #[cfg(feature = "alloc")]
     pub fn places(capacity: usize) -> usize {
         2 * (capacity + 1)
     }

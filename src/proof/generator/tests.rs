@@ -145,8 +145,8 @@ fn hides(entry: &'static Entry) -> bool {
         range: 0.7,
         rich: true,
     };
-    // Some draws of place and shape cannot be seen; five are enough to find one that can.
-    (0..5).any(|index| {
+    // Some draws of place and shape cannot be seen; one in forty or more can.
+    (0..40).any(|index| {
         let mut draw = Draw::new(11, index);
         let arm = bench_arm(&mut draw, entry.channels[0]);
         let programme = Programme::draw(&mut draw, &style).unwrap();
@@ -169,9 +169,7 @@ fn hides(entry: &'static Entry) -> bool {
 
 #[test]
 fn each_effect_leaves_the_promised_share_of_the_deformation() {
-    // In this arm two equal lags never show as more than one lag.
-    let shows = |e: &&Entry| e.name != "sensor_lag_second_order";
-    let hidden = entries().filter(shows).filter(|&e| !hides(e));
+    let hidden = entries().filter(|&e| !hides(e));
     let hidden: Vec<&str> = hidden.map(|e| e.name).collect();
     assert!(hidden.is_empty(), "never seen: {hidden:?}");
 }
