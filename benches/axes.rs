@@ -4,18 +4,19 @@
 //! own, the likelihood estimator and two sensors, and all make the same move of 30 degrees, again and
 //! again. What is measured is made before, on one simulated arm.
 
+#[path = "../tests/embedded/mod.rs"]
+mod embedded;
+
 use std::sync::Arc;
 
-use quell::adaptation::AdaptationSettings;
-use quell::controller::{AxisSettings, Controller, PathPolicy, RetunePolicy};
-use quell::estimators::{Settings, estimator};
+use embedded::axis_settings;
+use quell::controller::{Controller, PathPolicy};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::service::contract::{LinkHealth, Measured, Quantity};
 use quell::service::guard::Bounds;
 use quell::service::link::RobotLink;
 use quell::service::tick::{EngineRings, JointTick, Tick, ToTick};
-use quell::signal::RestRule;
-use quell_shapers::{Mode, Setpoint, shaper_by_name};
+use quell_shapers::{Mode, Setpoint};
 use quell_trajectories::{AxisState, Planner};
 use rustix::time::{ClockId, clock_gettime};
 
@@ -86,25 +87,9 @@ fn measured(robot: &Robot) -> Vec<[f64; 2]> {
     (0..TICKS).map(at).collect()
 }
 
-fn controller(robot: &Robot) -> Controller {
+fn controller() -> Controller {
     let belief = Mode::from_hertz(9.0, 0.084).expect("a mode");
-    let settings = AxisSettings {
-        sample_time: PERIOD,
-        limits: robot.joints[0].limits,
-        shaper: shaper_by_name("zvd"),
-        belief,
-        adaptive: true,
-        retune: RetunePolicy::InMotion,
-        estimator: estimator("likelihood").expect("an estimator"),
-        estimation: Settings::around(belief, PERIOD),
-        adaptation: AdaptationSettings::around(belief),
-        rest: RestRule::new(0.0, robot.encoder.resolution),
-        sensor: robot
-            .deformation_sensor(&robot.home(), 0)
-            .expect("a sensor"),
-        longest_train: 0.5,
-        longest_move: 20.0,
-    };
+    let settings = axis_settings(belief, PERIOD, PERIOD);
     Controller::new(vec![settings], &[0.0], PathPolicy::Independent).expect("a controller")
 }
 
@@ -124,7 +109,7 @@ fn made(robot: &Robot, joints: usize, measured: &Arc<Vec<[f64; 2]>>) -> (Tick, E
     };
     let (tick, mut rings) = Tick::new(ticks.collect(), Box::new(link), PERIOD);
     for joint in 0..joints {
-        let begin = ToTick::Begin(joint, Box::new(controller(robot)));
+        let begin = ToTick::Begin(joint, Box::new(controller()));
         assert!(rings.orders.push(begin).is_ok(), "an order is not taken");
     }
     (tick, rings)

@@ -5,14 +5,15 @@
 //! recorded first; timed is the controller alone, on that recording. Times are the least of some rounds.
 //! Where valgrind is there, it counts instructions.
 
-use quell::adaptation::AdaptationSettings;
-use quell::controller::{
-    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint,
-};
-use quell::estimators::{ESTIMATORS, EstimatorEntry, Settings};
+#[path = "../tests/embedded/mod.rs"]
+mod embedded;
+
+use embedded::axis_settings;
+use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, Setpoint};
+use quell::estimators::{ESTIMATORS, EstimatorEntry};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
-use quell::signal::{Measurement, RestRule};
-use quell_shapers::{Mode, shaper_by_name};
+use quell::signal::Measurement;
+use quell_shapers::Mode;
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 use std::error::Error;
 use std::hint::black_box;
@@ -40,29 +41,14 @@ struct Tape {
 }
 
 fn controller(axes: usize, estimator: &'static EstimatorEntry) -> Outcome<Controller> {
-    let robot = Robot::rx170();
     let belief = Mode::from_hertz(10.15, 0.084)?;
-    let settings = (0..axes)
-        .map(|_| {
-            Ok(AxisSettings {
-                sample_time: PERIOD,
-                limits: LIMITS,
-                shaper: shaper_by_name("zvd"),
-                belief,
-                adaptive: true,
-                retune: RetunePolicy::InMotion,
-                estimator,
-                estimation: Settings::around(belief, 0.003),
-                adaptation: AdaptationSettings::around(belief),
-                rest: RestRule::new(0.0, robot.encoder.resolution),
-                sensor: robot.deformation_sensor(&robot.home(), 0)?,
-                longest_train: 0.5,
-                longest_move: 20.0,
-            })
-        })
-        .collect::<Outcome<Vec<_>>>()?;
+    let settings = (0..axes).map(|_| AxisSettings {
+        limits: LIMITS,
+        estimator,
+        ..axis_settings(belief, PERIOD, 0.003)
+    });
     Ok(Controller::new(
-        settings,
+        settings.collect(),
         &vec![0.0; axes],
         PathPolicy::Independent,
     )?)

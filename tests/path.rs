@@ -1,13 +1,11 @@
 //! Several axes that keep their path in space while the mode of each is shaped out.
 
-use quell::adaptation::AdaptationSettings;
-use quell::controller::{
-    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint,
-};
-use quell::estimators::{Settings, estimator};
-use quell::plant::Robot;
+mod embedded;
+
+use embedded::axis_settings;
+use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, Setpoint};
 use quell::signal::{Measurement, RestRule};
-use quell_shapers::{Mode, shaper_by_name};
+use quell_shapers::Mode;
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
 const PERIOD: f64 = 0.002;
@@ -25,23 +23,12 @@ fn limits(axis: usize) -> Limits {
 }
 
 fn axis(axis: usize, belief: Mode) -> AxisSettings {
-    let robot = Robot::rx170();
     AxisSettings {
-        sample_time: PERIOD,
         limits: limits(axis),
-        shaper: shaper_by_name("zvd"),
-        belief,
-        adaptive: true,
-        retune: RetunePolicy::InMotion,
-        estimator: estimator("likelihood").expect("an estimator"),
-        estimation: Settings::around(belief, PERIOD),
-        adaptation: AdaptationSettings::around(belief),
         rest: RestRule::new(0.0, 0.0),
-        sensor: robot
-            .deformation_sensor(&robot.home(), 0)
-            .expect("a sensor"),
         longest_train: 1.0,
         longest_move: 10.0,
+        ..axis_settings(belief, PERIOD, PERIOD)
     }
 }
 

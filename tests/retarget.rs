@@ -1,13 +1,13 @@
 //! A new target and a stop in mid-move, with a correction under way and without.
 
+mod embedded;
+
+use embedded::axis_settings;
 use proptest::prelude::*;
-use quell::adaptation::AdaptationSettings;
 use quell::controller::{
-    AxisMeasurement, AxisSettings, Controller, LoadError, PathPolicy, RetunePolicy, Setpoint,
+    AxisMeasurement, AxisSettings, Controller, LoadError, PathPolicy, Setpoint,
 };
-use quell::estimators::{Settings, estimator};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
-use quell::signal::RestRule;
 use quell_shapers::{CORRECTION_OVERSHOOT, Mode, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
@@ -38,21 +38,9 @@ impl Loop {
         let robot = Robot::rx170();
         let belief = Mode::from_hertz(8.12 * (1.0 + error), 0.084).expect("a mode");
         let settings = AxisSettings {
-            sample_time: PERIOD,
             limits: LIMITS,
             shaper: shaper.and_then(shaper_by_name),
-            belief,
-            adaptive: true,
-            retune: RetunePolicy::InMotion,
-            estimator: estimator("likelihood").expect("an estimator"),
-            estimation: Settings::around(belief, 0.003),
-            adaptation: AdaptationSettings::around(belief),
-            rest: RestRule::new(0.0, robot.encoder.resolution),
-            sensor: robot
-                .deformation_sensor(&robot.home(), 0)
-                .expect("a sensor"),
-            longest_train: 0.5,
-            longest_move: 20.0,
+            ..axis_settings(belief, PERIOD, 0.003)
         };
         let controller = Controller::new(vec![settings], &[0.0], PathPolicy::Independent);
         let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default());

@@ -1,13 +1,13 @@
 //! The tick: no allocation, no failure, no jump, whatever arrives.
 
+mod embedded;
+
+use embedded::axis_settings;
 use proptest::prelude::*;
-use quell::adaptation::AdaptationSettings;
-use quell::controller::{
-    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint,
-};
-use quell::estimators::{ESTIMATORS, EstimatorEntry, Settings};
+use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, Setpoint};
+use quell::estimators::{ESTIMATORS, EstimatorEntry};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
-use quell::signal::{Measurement, RestRule};
+use quell::signal::Measurement;
 use quell_shapers::{CORRECTION_OVERSHOOT, Mode, SHAPERS, Shaper};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
@@ -18,28 +18,13 @@ const LIMITS: Limits = Limits {
     jerk: 80.0,
 };
 
-fn settings(
-    robot: &Robot,
-    shaper: &'static dyn Shaper,
-    estimator: &'static EstimatorEntry,
-) -> AxisSettings {
+fn settings(shaper: &'static dyn Shaper, estimator: &'static EstimatorEntry) -> AxisSettings {
     let belief = Mode::from_hertz(10.15, 0.084).expect("a mode");
     AxisSettings {
-        sample_time: PERIOD,
         limits: LIMITS,
         shaper: Some(shaper),
-        belief,
-        adaptive: true,
-        retune: RetunePolicy::InMotion,
         estimator,
-        estimation: Settings::around(belief, 0.003),
-        adaptation: AdaptationSettings::around(belief),
-        rest: RestRule::new(0.0, robot.encoder.resolution),
-        sensor: robot
-            .deformation_sensor(&robot.home(), 0)
-            .expect("a sensor"),
-        longest_train: 0.5,
-        longest_move: 20.0,
+        ..axis_settings(belief, PERIOD, 0.003)
     }
 }
 
@@ -64,7 +49,7 @@ impl Loop {
     fn new(shaper: &'static dyn Shaper, estimator: &'static EstimatorEntry) -> Self {
         let robot = Robot::rx170();
         let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default());
-        let axes = vec![settings(&robot, shaper, estimator)];
+        let axes = vec![settings(shaper, estimator)];
         Self {
             controller: Controller::new(axes, &[0.0], PathPolicy::Independent)
                 .expect("a controller"),
@@ -169,8 +154,7 @@ proptest! {
         nonsense in prop::collection::vec(prop::collection::vec(measurement(), 0..4), 400),
         estimator in 0..ESTIMATORS.len(),
     ) {
-        let robot = Robot::rx170();
-        let axes = vec![settings(&robot, SHAPERS[0], &ESTIMATORS[estimator])];
+        let axes = vec![settings(SHAPERS[0], &ESTIMATORS[estimator])];
         let mut controller = Controller::new(axes, &[0.0], PathPolicy::Independent).expect("a controller");
         controller.load(plan(0.0, 0.5)).expect("a plan");
         let mut before = Setpoint::default();

@@ -1,6 +1,8 @@
 //! The service as a whole: moves commanded, learned from, stopped, and remembered.
 
 mod datagrams;
+#[path = "../embedded/mod.rs"]
+mod embedded;
 mod faults;
 mod guard;
 mod missed;

@@ -1,8 +1,7 @@
 //! The body of the tick: no allocation, whatever is ordered and measured.
 
-use quell::adaptation::AdaptationSettings;
-use quell::controller::{AxisSettings, Controller, PathPolicy, RetunePolicy};
-use quell::estimators::{Settings, estimator};
+use super::embedded::axis_settings;
+use quell::controller::{AxisSettings, Controller, PathPolicy};
 use quell::plant::{ArmSimulation, Robot, SimulationOptions};
 use quell::service::contract::TickStatistics;
 use quell::service::guard::Bounds;
@@ -10,7 +9,6 @@ use quell::service::link::EmbeddedLink;
 use quell::service::tick::{
     EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train, TrainOrder,
 };
-use quell::signal::RestRule;
 use quell_shapers::{Mode, Shaper, shaper_by_name};
 use quell_trajectories::{AxisState, Planner, SampledTrajectory};
 
@@ -18,21 +16,9 @@ const PERIOD: f64 = 0.001;
 
 pub fn controller(robot: &Robot, shaper: &'static dyn Shaper, belief: Mode) -> Controller {
     let settings = AxisSettings {
-        sample_time: PERIOD,
         limits: robot.joints[0].limits,
         shaper: Some(shaper),
-        belief,
-        adaptive: true,
-        retune: RetunePolicy::InMotion,
-        estimator: estimator("likelihood").expect("an estimator"),
-        estimation: Settings::around(belief, 0.003),
-        adaptation: AdaptationSettings::around(belief),
-        rest: RestRule::new(0.0, robot.encoder.resolution),
-        sensor: robot
-            .deformation_sensor(&robot.home(), 0)
-            .expect("a sensor"),
-        longest_train: 0.5,
-        longest_move: 20.0,
+        ..axis_settings(belief, PERIOD, 0.003)
     };
     let controller = Controller::new(vec![settings], &[0.0], PathPolicy::Independent);
     controller.expect("a controller")
