@@ -8,6 +8,7 @@
 use super::fit::{Evaluated, Fitted, Linearised, Projector};
 use super::normal::solve;
 use super::problem::{Point, Problem};
+use crate::effects::has_many_minima;
 use nalgebra::{DMatrix, DVector};
 
 /// Damping at the start, as a share of the normal matrix' diagonal.
@@ -97,6 +98,24 @@ impl<'a> Descent<'a> {
                 return;
             }
         }
+    }
+
+    /// Whether the misfit has many minima over the size of the last effect.
+    pub fn winds(&self) -> bool {
+        let last = self.point.terms.last();
+        last.is_some_and(|term| has_many_minima(term.effect.name))
+    }
+
+    /// The normal matrix where it is.
+    pub fn normal(&self) -> DMatrix<f64> {
+        self.problem.normal(&self.point, &self.linear)
+    }
+
+    /// Another one, a step away.
+    pub fn stepped(&self, step: &DVector<f64>) -> Self {
+        let globals = &self.linear.globals;
+        let start = self.problem.stepped(&self.point, globals, step);
+        Self::new(self.problem, self.projector, &start, None)
     }
 
     /// Where it ended.

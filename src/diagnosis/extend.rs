@@ -3,7 +3,7 @@
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::problem::Point;
+use super::problem::{Global, Point};
 use super::screen::{Start, candidates, screen};
 use super::search::{GATE, LONG, STRONG, Search, Trial, ratio, sort};
 use crate::effects::{Effect, Place, has_many_minima};
@@ -54,9 +54,9 @@ impl Search<'_> {
         let mut found = Vec::new();
         if let Some(linear) = &linear {
             found = self.screened(from, linear);
-            self.add_walked(from, &mut found);
         }
         self.add_known(from, &mut found);
+        self.add_walked(from, &mut found);
         let begun: Vec<Descent> = found
             .into_par_iter()
             .filter_map(|candidate| self.begin(from, linear.as_ref(), candidate))
@@ -99,16 +99,13 @@ impl Search<'_> {
     /// says: it moves the rest in one step only.
     fn add_walked(&self, from: &Explanation, found: &mut Vec<Candidate>) {
         let own = from.effects();
-        let winding = candidates(self.problem).into_iter();
-        let winding = winding.filter(|(effect, place)| {
-            has_many_minima(effect.name) && !own.contains(&(effect.name, *place))
-        });
-        for (effect, place) in winding {
-            add_far(
-                found,
-                (effect.name, place),
-                self.walked(from, effect, place),
-            );
+        for (effect, place) in candidates(self.problem) {
+            let name = (effect.name, place);
+            let there = found.iter().any(|candidate| candidate.effect == name);
+            let winding = has_many_minima(effect.name) && !own.contains(&name);
+            if winding && (there || !self.known.alone) {
+                add_far(found, name, self.walked(from, effect, place));
+            }
         }
     }
 
@@ -118,22 +115,20 @@ impl Search<'_> {
     /// make the size small. Sizes come first among an effect's parameters, and are above 0.
     ///
     /// Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
-    pub(super) fn walked(
-        &self,
-        from: &Explanation,
-        effect: &'static Effect,
-        place: Place,
-    ) -> Vec<Point> {
+    fn walked(&self, from: &Explanation, effect: &'static Effect, place: Place) -> Vec<Point> {
         let lost = LOST * from.fitted.cost;
         let from = &from.fitted.point;
-        let step = |last: &Point, values: &[f64]| {
-            let mut held = last.with(effect, place, values.to_vec());
-            held.given_terms = held.terms.len();
-            let mut descent = Descent::new(self.problem, self.projector, &held, None);
-            descent.run(FIRST);
+        let own = |parameter| Global::Parameter(from.terms.len(), parameter);
+        let fitted = |mut point: Point, free: usize, steps| {
+            point.held = (free..effect.parameters.len()).map(own).collect();
+            let mut descent = Descent::new(self.problem, self.projector, &point, None);
+            descent.run(steps);
             let (cost, mut point) = (descent.cost(), descent.end().point);
-            point.given_terms = from.given_terms;
+            point.held.clear();
             (cost, point)
+        };
+        let step = |last: &Point, values: &[f64]| {
+            fitted(last.with(effect, place, values.to_vec()), 0, FIRST)
         };
         let walk = |start: &Point, sizes: &[Vec<f64>]| {
             let mut ends: Vec<(f64, Point)> = Vec::new();
@@ -155,7 +150,9 @@ impl Search<'_> {
         ends.extend(walk(&ends[before].1.without(from.terms.len()), &nearer));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.truncate(SECOND);
-        ends.into_iter().map(|(_, point)| point).collect()
+        // The size first, then what shapes the law: it makes up for a size that is not yet right.
+        let sized = |(_, end)| fitted(end, 1, SHORT).1;
+        ends.into_iter().map(sized).collect()
     }
 
     /// What is known with one effect more than the explanation has.
@@ -221,6 +218,9 @@ impl Search<'_> {
     /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
     fn finish(&self, mut descent: Descent, ahead: f64) -> Trial {
         descent.race(LONG, ahead);
+        if descent.winds() && descent.cost() < LOST * ahead {
+            descent.hop();
+        }
         Trial {
             explanation: self.judge.judge(self.problem, descent.end()),
             delta_bic: 0.0,

@@ -14,6 +14,7 @@ mod draw;
 mod explanation;
 mod extend;
 mod fit;
+mod hops;
 mod locate;
 mod next_move;
 mod noise;

@@ -76,6 +76,8 @@ pub struct Point {
     pub locals: Vec<Local>,
     /// Inertia of the link with each payload, in times that with the first one.
     pub inertias: Vec<f64>,
+    /// Unknowns that stay as they are for now.
+    pub held: Vec<Global>,
 }
 
 /// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
@@ -127,6 +129,7 @@ impl Problem<'_> {
             terms,
             locals: self.experiments.iter().map(local).collect(),
             inertias: vec![1.0; self.payloads.len()],
+            held: Vec::new(),
         }
     }
 
@@ -145,7 +148,8 @@ impl Problem<'_> {
                 .map(move |parameter| Global::Parameter(term, parameter))
         });
         let inertias = self.free_payloads.clone().map(Global::Inertia);
-        keys.chain(inertias).chain(parameters).collect()
+        let all = keys.chain(inertias).chain(parameters);
+        all.filter(|global| !point.held.contains(global)).collect()
     }
 
     /// What the given model says of a parameter of one of its effects.

@@ -246,8 +246,9 @@ fn investigate(
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
     let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, told);
+    let found = search(&problem, &projector, &judge, told).run(baseline, trials);
+    let found = with_noise_of_best(&mut problem, &mut projector, &judge, found, progress);
     let search = search(&problem, &projector, &judge, told);
-    let found = search.run(baseline, trials);
     if !is_second && data.apart.is_empty() && surprised(&search, &found) {
         return Ending::Surprised(problem.scales.period());
     }
@@ -288,6 +289,32 @@ fn singles(
     let baseline = search.refitted(&baseline.fitted.point);
     let trials = search.again(&baseline, trials);
     (baseline, trials)
+}
+
+/// What was found, looked at again where several effects together leave another noise than one of them.
+fn with_noise_of_best(
+    problem: &mut Problem,
+    projector: &mut Projector,
+    judge: &Judge,
+    found: Found,
+    progress: Progress,
+) -> Found {
+    let best = &found.best;
+    let several = best.effects().len() > 1;
+    let again = several.then(|| measured_again(problem, &best.fitted.point));
+    let Some(again) = again.flatten() else {
+        return found;
+    };
+    (problem.noise, problem.whitening) = again;
+    *projector = Projector::new(problem);
+    let known = Known {
+        points: found.further,
+        alone: true,
+    };
+    let search = search(problem, projector, judge, (&known, progress));
+    let baseline = search.refitted(&found.baseline.fitted.point);
+    let trials = search.again(&baseline, found.trials);
+    search.run(baseline, trials)
 }
 
 fn search<'a>(

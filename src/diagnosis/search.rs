@@ -1,10 +1,10 @@
 //! The search for what is missing: screen, fit, decide; once more on the better model; prune.
 
+use super::descent::Descent;
 use super::explanation::{Explanation, Judge};
 use super::extend::Known;
 use super::fit::Projector;
 use super::problem::{Point, Problem};
-use crate::effects::has_many_minima;
 use rayon::prelude::*;
 
 /// Bayesian information criterion by which an effect must be better to be named: 10 is "very strong"
@@ -61,6 +61,8 @@ pub struct Found {
     pub unit: f64,
     /// The best one without each of its effects, refitted.
     pub ablated: Vec<Explanation>,
+    /// Where the explanations of several effects ended that passed.
+    pub further: Vec<Point>,
 }
 
 impl Found {
@@ -103,22 +105,16 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The same fits, refitted and ranked where the noise was measured anew; what has many minima also from a
-    /// new walk.
+    /// The same fits, refitted and ranked where the noise was measured anew.
     pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
         let refit = |mut trial: Trial| {
             let point = &trial.explanation.fitted.point;
-            let own = &point.terms[point.terms.len() - 1];
-            let far = match has_many_minima(own.effect.name) {
-                true => self.walked(baseline, own.effect, own.place),
-                false => Vec::new(),
-            };
-            let ends = std::iter::once(point).chain(&far);
-            let ends = ends.map(|start| self.problem.fit(start, self.projector, LONG));
-            let best = ends.min_by(|a, b| a.cost.total_cmp(&b.cost));
-            if let Some(best) = best {
-                trial.explanation = self.judge.judge(self.problem, best);
+            let mut descent = Descent::new(self.problem, self.projector, point, None);
+            descent.run(LONG);
+            if trial.passed && descent.winds() {
+                descent.hop();
             }
+            trial.explanation = self.judge.judge(self.problem, descent.end());
             trial
         };
         let mut trials: Vec<Trial> = trials.into_par_iter().map(refit).collect();
@@ -174,6 +170,10 @@ impl Search<'_> {
             trial.held_out_ratio = ratio(trial.explanation.held_out, baseline.held_out);
         }
         let equals = self.equals(&best, &pool, unit);
+        let several = |trial: &&Trial| trial.passed && trial.explanation.effects().len() > 1;
+        let further = pool.iter().filter(several);
+        let further = further.map(|trial| trial.explanation.fitted.point.clone());
+        let further = further.collect();
         sort(&mut trials);
         let ablated = self.ablated(&best, &baseline);
         Found {
@@ -181,6 +181,7 @@ impl Search<'_> {
             baseline,
             best,
             equals,
+            further,
             trials,
             unit,
         }

@@ -26,9 +26,16 @@ pub fn measured_again(
 ) -> Option<(Each<Whitening>, Each<Whitening>)> {
     let (found, left) = measured(problem, point);
     let mut noise = problem.noise.clone();
-    for (own, new) in noise.iter_mut().flatten().zip(found.into_iter().flatten()) {
-        // A model that is better makes no noise: an output is as quiet as it was ever seen to be.
-        if LOUDER * new.deviation < own.deviation {
+    let new = found.into_iter().flatten().zip(left.iter().flatten());
+    for (own, (new, left)) in noise.iter_mut().flatten().zip(new) {
+        // A model that is better makes no noise: an output is as quiet as it was ever seen to be. But where
+        // only its roughness was seen, and it was taken for white, all that is left may be noise as rough that
+        // is slower, and louder.
+        let quieter = LOUDER * new.deviation < own.deviation;
+        let louder = new.deviation > LOUDER * own.deviation && own.coefficients.is_empty();
+        let as_rough = || new.roughness() < LOUDER * own.deviation;
+        let all = left.powi(2) < FLOOR * new.deviation.powi(2);
+        if quieter || louder && all && as_rough() {
             *own = new;
         }
     }

@@ -40,6 +40,20 @@ impl Whitening {
         }
     }
 
+    /// Deviation that third differences of the noise show, were it taken for white: `sd(D^3 r) / sqrt(20)`.
+    pub fn roughness(&self) -> f64 {
+        let mut response: Vec<f64> = Vec::with_capacity(WARM_UP);
+        for t in 0..WARM_UP {
+            let past = self.coefficients.iter().take(t).enumerate();
+            let echo: f64 = past.map(|(k, a)| a * response[t - 1 - k]).sum();
+            response.push(echo + f64::from(u8::from(t == 0)));
+        }
+        let at = |t: usize, lag: usize| t.checked_sub(lag).map_or(0.0, |t| response[t]);
+        let third = |t| at(t, 0) - 3.0 * at(t, 1) + 3.0 * at(t, 2) - at(t, 3);
+        let power: f64 = (0..WARM_UP).map(|t| third(t).powi(2)).sum();
+        self.innovation * (power / 20.0).sqrt()
+    }
+
     /// The filter for stretches of noise: Yule-Walker by the Levinson-Durbin recursion, the order of
     /// least BIC. White where the stretches are too short to tell.
     ///

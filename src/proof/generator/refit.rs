@@ -24,7 +24,6 @@ pub fn leftover_beside(
     columns: &[Vec<f64>],
     grow: &dyn Fn(&mut Arm, [f64; 2]),
 ) -> f64 {
-    let angles = angles(arm, columns);
     let plain = Arm {
         joint: Joint {
             inertia: arm.joint.inertia,
@@ -47,6 +46,7 @@ pub fn leftover_beside(
     };
     let predict = |fit: &Fit| fit.arm().read(programme, stamps, step).swap_remove(0);
     let mut best = predict(&fit);
+    let angles = angles(arm, &best, columns);
     let mut left = centred_rms(&angles, &best);
     for _ in 0..ITERATIONS {
         let step = newton(&fit, &angles, &best, predict);
@@ -63,25 +63,24 @@ pub fn leftover_beside(
         (fit, best, left) = better;
     }
     match arm.channel {
-        Channel::Tip => {
-            let tips: Vec<_> = best.iter().map(|&angle| arm.tip(angle)).collect();
-            registered_rms(&tips, columns)
-        }
+        Channel::Tip => traced_rms(arm, &best, columns),
         Channel::Link | Channel::Deformation => left,
     }
 }
 
-/// Angles along the arc; a single column is one already.
-fn angles(arm: &Arm, columns: &[Vec<f64>]) -> Vec<f64> {
-    let [x, y, z] = columns else {
+/// Angles along the arc, the readings turned and scaled onto the predicted tips; a single column is one already.
+fn angles(arm: &Arm, predicted: &[f64], columns: &[Vec<f64>]) -> Vec<f64> {
+    let [_, _, _] = columns else {
         return columns.first().cloned().unwrap_or_default();
     };
-    let points = x.iter().zip(y).zip(z);
-    let robot = points.map(|((&x, &y), &z)| {
-        let point = arm.frame.0.inverse() * (Vector3::new(x, y, z) - arm.frame.1);
-        point.y.atan2(point.x)
-    });
-    robot.collect()
+    let tips: Vec<_> = predicted.iter().map(|&angle| arm.tip(angle)).collect();
+    let seen = points(columns);
+    let frame = Registration::new(&tips, &seen);
+    let angle = |point: &Vector3<f64>| {
+        let tip = frame.back(point);
+        tip.y.atan2(tip.x)
+    };
+    seen.iter().map(angle).collect()
 }
 
 fn centred_rms(measured: &[f64], predicted: &[f64]) -> f64 {
@@ -164,25 +163,86 @@ fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<DVector<f64>> {
     step.iter().all(|x| x.is_finite()).then_some(step)
 }
 
-/// Rms distance of readings from predicted tips after the best rigid fit of the frame.
-pub fn registered_rms(tips: &[Vector3<f64>], columns: &[Vec<f64>]) -> f64 {
-    let [x, y, z] = columns else {
-        return f64::NAN;
+/// Rms distance of readings from the tips at these angles, in a frame of their own: what a tracker shows of an
+/// arm whose length is not known to its noise, so that an angle in proportion is an arm as much shorter.
+fn traced_rms(arm: &Arm, angles: &[f64], columns: &[Vec<f64>]) -> f64 {
+    let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
+    let left = |stretch: f64| {
+        let turned = angles.iter().map(|angle| mean + stretch * (angle - mean));
+        let tips: Vec<_> = turned.map(|angle| arm.tip(angle)).collect();
+        registered_rms(&tips, columns)
     };
-    let seen = x.iter().zip(y).zip(z);
-    let seen: Vec<_> = seen.map(|((&x, &y), &z)| Vector3::new(x, y, z)).collect();
-    let count = tips.len().max(1) as f64;
-    let (tip_mean, seen_mean) = (mean(tips), mean(&seen));
-    let mut covariance = Matrix3::zeros();
-    for (tip, point) in tips.iter().zip(&seen) {
-        covariance += (point - seen_mean) * (tip - tip_mean).transpose();
+    // The golden section (Kiefer, Proceedings of the American Mathematical Society 4 (1953)).
+    let (mut low, mut high) = (1.0 - STRETCH, 1.0 + STRETCH);
+    let share = 0.5 * (5f64.sqrt() - 1.0);
+    for _ in 0..SECTIONS {
+        let (a, b) = (high - share * (high - low), low + share * (high - low));
+        if left(a) < left(b) {
+            high = b;
+        } else {
+            low = a;
+        }
     }
-    let rotation = Rotation3::from_matrix_unchecked(nearest_rotation(covariance));
+    left(0.5 * (low + high))
+}
+
+/// Most that an angle may be out of proportion: a load that bends the joint by a tenth of the way.
+const STRETCH: f64 = 0.1;
+/// Cuts of that range: to a part in a million.
+const SECTIONS: usize = 26;
+
+/// Rms distance of readings from predicted tips after the best fit of a frame and its scale.
+pub fn registered_rms(tips: &[Vector3<f64>], columns: &[Vec<f64>]) -> f64 {
+    let seen = points(columns);
+    let frame = Registration::new(tips, &seen);
     let distance = |(tip, point): (&Vector3<f64>, &Vector3<f64>)| {
-        (point - seen_mean - rotation * (tip - tip_mean)).norm_squared()
+        frame.scale.powi(2) * (frame.back(point) - tip).norm_squared()
     };
     let sum: f64 = tips.iter().zip(&seen).map(distance).sum();
-    (sum / count).sqrt()
+    (sum / tips.len().max(1) as f64).sqrt()
+}
+
+/// Points of three columns.
+fn points(columns: &[Vec<f64>]) -> Vec<Vector3<f64>> {
+    let [x, y, z] = columns else {
+        return Vec::new();
+    };
+    let points = x.iter().zip(y).zip(z);
+    points.map(|((&x, &y), &z)| Vector3::new(x, y, z)).collect()
+}
+
+/// The frame in which readings lie best on tips, and its scale.
+///
+/// Source: Umeyama, IEEE Trans. Pattern Analysis and Machine Intelligence 13 (1991).
+struct Registration {
+    rotation: Rotation3<f64>,
+    scale: f64,
+    tips: Vector3<f64>,
+    seen: Vector3<f64>,
+}
+
+impl Registration {
+    fn new(tips: &[Vector3<f64>], seen: &[Vector3<f64>]) -> Self {
+        let (tip_mean, seen_mean) = (mean(tips), mean(seen));
+        let mut covariance = Matrix3::zeros();
+        for (tip, point) in tips.iter().zip(seen) {
+            covariance += (point - seen_mean) * (tip - tip_mean).transpose();
+        }
+        let rotation = Rotation3::from_matrix_unchecked(nearest_rotation(covariance));
+        let spread: f64 = tips.iter().map(|tip| (tip - tip_mean).norm_squared()).sum();
+        let turned = rotation.matrix().transpose() * covariance;
+        Self {
+            rotation,
+            scale: turned.trace() / spread.max(f64::MIN_POSITIVE),
+            tips: tip_mean,
+            seen: seen_mean,
+        }
+    }
+
+    /// A reading as a tip.
+    fn back(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.inverse() * (point - self.seen) / self.scale + self.tips
+    }
 }
 
 fn mean(points: &[Vector3<f64>]) -> Vector3<f64> {

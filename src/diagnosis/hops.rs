@@ -1,0 +1,49 @@
+//! Basin hopping: further descents from around the end of one, for laws whose misfit has many minima.
+//!
+//! Contacts come and go as an effect's size changes, each with a dent in the misfit, so that a descent ends
+//! beside the least. The dents lie within the bowl that the normal matrix describes: starts are drawn in its
+//! shape, near and far in turn, around the best end so far.
+//!
+//! Source: Wales and Doye, J. Physical Chemistry A 101 (1997); Leary, J. Global Optimization 18 (2000), for
+//! hops that only go down.
+
+use super::descent::Descent;
+use super::normal::{covariance, scales};
+use nalgebra::{Cholesky, DVector};
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use rand_distr::StandardNormal;
+
+/// Hops that are made.
+const HOPS: usize = 20;
+/// Steps of the descent after each.
+const STEPS: usize = 6;
+/// Standard deviations of the unknowns by which hops are wide, in turn.
+const WIDTHS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+
+impl Descent<'_> {
+    /// Hops around, the same each time, and stays where the cost is least.
+    pub fn hop(&mut self) {
+        let mut random = StdRng::seed_from_u64(1);
+        for width in WIDTHS.into_iter().cycle().take(HOPS) {
+            let Some(step) = self.drawn(width, &mut random) else {
+                return;
+            };
+            let mut next = self.stepped(&step);
+            next.run(STEPS);
+            if next.cost() < self.cost() {
+                *self = next;
+            }
+        }
+    }
+
+    /// A step in the shape of the bowl.
+    fn drawn(&self, width: f64, random: &mut impl Rng) -> Option<DVector<f64>> {
+        let normal = self.normal();
+        let scale = scales(&normal);
+        let root = Cholesky::new(covariance(&normal, &scale)?)?.l();
+        let count = normal.nrows();
+        let draw = DVector::from_fn(count, |_, _| random.sample::<f64, _>(StandardNormal));
+        Some((root * draw).component_div(&scale) * width)
+    }
+}
