@@ -190,6 +190,26 @@ impl Search<'_> {
             trial.passed = certain && trial.held_out_ratio < GATE;
         }
         sort(trials);
+        trials.iter().for_each(|trial| self.log(trial));
+    }
+
+    /// For who wants to follow the search.
+    fn log(&self, trial: &Trial) {
+        let own = &trial.explanation;
+        let over_noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
+        let terms = own.fitted.point.terms.iter();
+        let values: Vec<&[f64]> = terms.map(|term| &term.values[..]).collect();
+        tracing::debug!(
+            effects = ?own.effects(),
+            ?values,
+            keys = ?own.fitted.point.keys,
+            delta_bic = trial.delta_bic,
+            held_out_ratio = trial.held_out_ratio,
+            passed = trial.passed,
+            fitted_over_noise = over_noise(own.train, self.judge.train_rows),
+            held_out_over_noise = over_noise(own.held_out, self.judge.held_out_rows),
+            "candidate"
+        );
     }
 
     /// The best of a candidate's starts, on its way.

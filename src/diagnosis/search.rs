@@ -138,7 +138,7 @@ impl Search<'_> {
         }
         let mut pool = trials.clone();
         for depth in 1..MOST_EFFECTS {
-            if frontier.is_empty() || self.at_noise(&best) {
+            if frontier.is_empty() || self.all_at_noise(&best) {
                 break;
             }
             (self.progress)(0.3 + 0.2 * depth as f64, "looking for a further effect");
@@ -223,13 +223,16 @@ impl Search<'_> {
         self.held_at_floor(explanation) || left < SHAPE * mismatch
     }
 
-    /// Whether nothing but noise is left, on what was fitted or on all.
+    /// Whether nothing but noise is left, on what was fitted or on all: what holds on moves that were never seen
+    /// is not undone by a few instants of the others.
     fn at_noise(&self, explanation: &Explanation) -> bool {
-        // Fitted and held-out part together: what holds on moves that were never seen is not undone by a
-        // few instants of the others.
+        self.at_floor(explanation) || self.all_at_noise(explanation)
+    }
+
+    /// Whether nothing but noise is left on fitted and held-out part together.
+    fn all_at_noise(&self, explanation: &Explanation) -> bool {
         let all = (self.judge.train_rows + self.judge.held_out_rows) as f64;
-        let pooled = explanation.train + explanation.held_out <= FLOOR * all;
-        self.at_floor(explanation) || pooled
+        explanation.train + explanation.held_out <= FLOOR * all
     }
 
     /// Whether a further effect is more than a mend of the first law's shape: what is left falls by more
@@ -262,6 +265,11 @@ impl Search<'_> {
         explanation.held_out <= FLOOR * FLOOR * self.judge.held_out_rows as f64
     }
 
+    /// Whether what was held out is no more than noise of a level that is known within a tenth.
+    fn held_at_noise(&self, explanation: &Explanation) -> bool {
+        explanation.held_out <= FLOOR * self.judge.held_out_rows as f64
+    }
+
     /// The explanation without each of its effects, refitted.
     fn ablated(&self, best: &Explanation, baseline: &Explanation) -> Vec<Explanation> {
         let point = &best.fitted.point;
@@ -288,7 +296,9 @@ impl Search<'_> {
                 .map(|term| self.refitted(&point.without(term)))
                 .filter(|without| {
                     let needless = self.criterion(without) < self.criterion(&best) + STRONG * unit;
-                    needless || ratio(best.held_out, without.held_out) >= GATE
+                    // What was held out tells nothing where it was noise before.
+                    let telling = !self.held_at_noise(without) || self.at_floor(without);
+                    needless || telling && ratio(best.held_out, without.held_out) >= GATE
                 })
                 .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
             match dropped {

@@ -55,5 +55,10 @@ pub const PAYLOAD_CHANGE: Effect = Effect {
             time: p[1],
         }))
     },
-    starts: |scales| product(&[&[-0.15, 0.2], &times(scales, 12)]),
+    starts: |scales| {
+        // Large ones, and those by which the frequency moves by the half width of its peak: of a mode that rings
+        // long a larger one has left the phase before it has decayed.
+        let width = (2.0 * scales.damping_ratio).min(0.1);
+        product(&[&[-0.15, -width, width, 0.2], &times(scales, 12)])
+    },
 };
