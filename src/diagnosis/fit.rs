@@ -6,9 +6,8 @@
 //! (2003) on separable least squares.
 
 use super::problem::{Global, Point, Problem, Run};
-use crate::effects::{Quantity, has_many_minima};
+use crate::effects::has_many_minima;
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
 
 /// Step of a derivative in typical sizes of a change.
 const FINE: f64 = 1e-3;
@@ -226,22 +225,6 @@ impl Problem<'_> {
             _ => self.run(&moved, e),
         };
         (self.complete(e, &moved.residuals) - at) / change
-    }
-
-    /// Change of an unknown over which the residual is far from straight: its typical size, or a tenth of what
-    /// it is; of a place and an instant what the link does about them, however far they are from where
-    /// counting began.
-    fn reach(&self, point: &Point, global: Global) -> f64 {
-        let typical = self.typical(point, global);
-        let quantity = match global {
-            Global::Parameter(term, index) => point.terms[term].effect.parameters[index].quantity,
-            _ => Quantity::NUMBER,
-        };
-        match quantity {
-            Quantity::POSITION => typical.min(self.scales.deformation),
-            Quantity::TIME => typical.min(self.scales.period() / TAU),
-            _ => typical.max(0.1 * self.get(point, global).abs().min(1e3)),
-        }
     }
 
     /// Derivatives by a component of the start of each window. A start is seen in its own window and, by

@@ -5,6 +5,7 @@
 mod baseline;
 mod belief;
 mod bootstrap;
+mod bounds;
 mod choose;
 mod conclude;
 mod descent;
@@ -29,6 +30,7 @@ mod scale;
 mod score;
 mod screen;
 mod search;
+mod settled;
 mod split;
 mod start;
 mod stretches;

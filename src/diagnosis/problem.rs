@@ -2,10 +2,9 @@
 
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
-use crate::model::chain::{MotorSide, RESONANCES};
+use crate::model::chain::RESONANCES;
 use crate::model::{Experiment, Kind, Model, Simulated, Term, Value, simulate_windows};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Rows of one output that count, as ranges of samples.
@@ -80,10 +79,6 @@ pub struct Point {
     pub held: Vec<Global>,
 }
 
-/// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
-/// weight, at the end of an arm whose own weight is spread over it.
-const HEAVIEST: (f64, f64) = (0.05, 20.0);
-
 /// A scalar unknown that all experiments share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Global {
@@ -153,7 +148,7 @@ impl Problem<'_> {
     }
 
     /// What the given model says of a parameter of one of its effects.
-    fn given(&self, term: usize, parameter: usize) -> Option<&Value> {
+    pub(super) fn given(&self, term: usize, parameter: usize) -> Option<&Value> {
         self.given.get(term)?.get(parameter)
     }
 
@@ -194,7 +189,7 @@ impl Problem<'_> {
     }
 
     /// Whether an unknown is fitted by its logarithm.
-    fn logarithmic(&self, global: Global) -> bool {
+    pub(super) fn logarithmic(&self, global: Global) -> bool {
         match global {
             Global::Key(key) => self.kind.keys[key].range.0 > 0.0,
             Global::Parameter(..) => false,
@@ -227,61 +222,6 @@ impl Problem<'_> {
             Global::Key(key) => point.keys[key] = value,
             Global::Parameter(term, parameter) => point.terms[term].values[parameter] = value,
             Global::Inertia(payload) => point.inertias[payload] = value,
-        }
-    }
-
-    /// The effect by which part of the damping is tied to the ground, and its share of the damping ratio,
-    /// `c w / 2`: how fast a joint rings out is what is known of its damper, not what the damper is tied to.
-    pub fn damper_to_ground(&self, point: &Point) -> Option<(usize, f64)> {
-        let (frequency, _) = self.kind.mode?;
-        let input = self.experiments.first()?.input;
-        let motor = (self.kind.linear)(&point.keys, input).motor;
-        let drag = |term: &Term| term.effect.name == "viscous_drag";
-        let index = point.terms.iter().position(drag)?;
-        let half = 0.5 * TAU * point.keys[frequency];
-        (motor == MotorSide::Prescribed).then_some((index, half * point.terms[index].values[0]))
-    }
-
-    /// Bounds of an unknown, in its own unit.
-    pub fn limits(&self, point: &Point, global: Global) -> (f64, f64) {
-        match global {
-            Global::Key(key) if self.kind.mode.is_some_and(|mode| mode.1 == key) => {
-                let (low, high) = self.bounds[key];
-                match self.damper_to_ground(point) {
-                    Some(_) => (self.kind.keys[key].range.0.min(low), high),
-                    None => (low, high),
-                }
-            }
-            Global::Key(key) => self.bounds[key],
-            Global::Parameter(term, parameter) => {
-                let physical = point.terms[term].effect.parameters[parameter].bounds;
-                let (low, high) = physical(&self.scales);
-                match self
-                    .given(term, parameter)
-                    .filter(|_| term < point.given_terms)
-                {
-                    Some(given) => given
-                        .bounds
-                        .unwrap_or((low.min(given.value), high.max(given.value))),
-                    None => (low, high),
-                }
-            }
-            Global::Inertia(_) => HEAVIEST,
-        }
-    }
-
-    /// Typical size of an unknown as the fit sees it.
-    pub fn typical(&self, point: &Point, global: Global) -> f64 {
-        match global {
-            Global::Key(key) => match self.logarithmic(global) {
-                true => 1.0,
-                false => point.keys[key].abs().max(1e-3),
-            },
-            Global::Parameter(term, parameter) => {
-                let parameter = &point.terms[term].effect.parameters[parameter];
-                (parameter.typical)(&self.scales).abs()
-            }
-            Global::Inertia(_) => 1.0,
         }
     }
 

@@ -13,10 +13,11 @@ use super::problem::{Point, Problem};
 use super::remarks::recorded;
 use super::score::score;
 use super::search::{EQUAL, Found, LONG, Search, Trial, ratio};
+use super::settled::{search, settled};
 use super::start::ringing;
 use super::stretches::stretches;
 use super::traces::Traces;
-use super::weights::{measure_noise, measured_again};
+use super::weights::measure_noise;
 use crate::model::{Experiment, Model, simulate_windows};
 use crate::recording::Recording;
 use std::f64::consts::TAU;
@@ -245,9 +246,7 @@ fn investigate(
     }
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
-    let (baseline, trials) = singles(&mut problem, &mut projector, &judge, baseline, told);
-    let found = search(&problem, &projector, &judge, told).run(baseline, trials);
-    let found = with_noise_of_best(&mut problem, &mut projector, &judge, found, progress);
+    let found = settled(&mut problem, &mut projector, &judge, baseline, told);
     let search = search(&problem, &projector, &judge, told);
     if !is_second && data.apart.is_empty() && surprised(&search, &found) {
         return Ending::Surprised(problem.scales.period());
@@ -266,70 +265,6 @@ fn investigate(
         traces,
     };
     Ending::Told(Box::new(outcome), points)
-}
-
-/// The refitted model and the single effects that it may lack, by the noise that the best of these leaves.
-fn singles(
-    problem: &mut Problem,
-    projector: &mut Projector,
-    judge: &Judge,
-    baseline: Explanation,
-    told: (&Known, Progress),
-) -> (Explanation, Vec<Trial>) {
-    let first = search(problem, projector, judge, told);
-    let trials = first.extend(&baseline);
-    let best = first.simplest(&trials, &baseline);
-    let again = best.and_then(|best| measured_again(problem, &best.fitted.point));
-    let Some(again) = again else {
-        return (baseline, trials);
-    };
-    (problem.noise, problem.whitening) = again;
-    *projector = Projector::new(problem);
-    let search = search(problem, projector, judge, told);
-    let baseline = search.refitted(&baseline.fitted.point);
-    let trials = search.again(&baseline, trials);
-    (baseline, trials)
-}
-
-/// What was found, looked at again where several effects together leave another noise than one of them.
-fn with_noise_of_best(
-    problem: &mut Problem,
-    projector: &mut Projector,
-    judge: &Judge,
-    found: Found,
-    progress: Progress,
-) -> Found {
-    let best = &found.best;
-    let several = best.effects().len() > 1;
-    let again = several.then(|| measured_again(problem, &best.fitted.point));
-    let Some(again) = again.flatten() else {
-        return found;
-    };
-    (problem.noise, problem.whitening) = again;
-    *projector = Projector::new(problem);
-    let known = Known {
-        points: found.further,
-        alone: true,
-    };
-    let search = search(problem, projector, judge, (&known, progress));
-    let baseline = search.refitted(&found.baseline.fitted.point);
-    let trials = search.again(&baseline, found.trials);
-    search.run(baseline, trials)
-}
-
-fn search<'a>(
-    problem: &'a Problem<'a>,
-    projector: &'a Projector,
-    judge: &'a Judge<'a>,
-    (known, progress): (&'a Known, Progress<'a>),
-) -> Search<'a> {
-    Search {
-        problem,
-        projector,
-        judge,
-        known,
-        progress,
-    }
 }
 
 /// Whether what is held out is unlike what was fitted; or what explains the latter best, by far, fails on

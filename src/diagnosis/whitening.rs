@@ -125,3 +125,24 @@ impl Whitening {
         values.split_off(before)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Of one pole `a` the variance of third differences is `20 - 30 a + 12 a^2 - 2 a^3` times the noise's.
+        #[test]
+        fn roughness_of_one_pole(a in -0.9..0.95f64, deviation in 1e-6..1e3f64) {
+            let noise = Whitening {
+                coefficients: vec![a],
+                innovation: deviation * (1.0 - a * a).sqrt(),
+                deviation,
+            };
+            let variance = 20.0 - 30.0 * a + 12.0 * a * a - 2.0 * a.powi(3);
+            let expected = deviation * (variance / 20.0).sqrt();
+            prop_assert!((noise.roughness() / expected - 1.0).abs() < 1e-9);
+        }
+    }
+}
