@@ -54,7 +54,7 @@ pub fn cramer_rao(
     }
     let fit = fit(&track, &priors, variance)?;
     Some(Bound {
-        natural_frequency_std: fit.covariance[0][0].sqrt() * noise_std * w,
-        damping_ratio_std: fit.covariance[1][1].sqrt() * noise_std,
+        natural_frequency_std: fit.variances[0].sqrt() * noise_std * w,
+        damping_ratio_std: fit.variances[1].sqrt() * noise_std,
     })
 }

@@ -8,16 +8,16 @@
 use nalgebra::Complex;
 use quell_shapers::Mode;
 
-/// Columns of a [`ModalResponse::row`], the last one the residual.
-pub const WIDTH: usize = 13;
+/// Length of a [`ModalResponse::row`]: the columns below and a 0, because processors take two numbers at once.
+pub const WIDTH: usize = 14;
 /// Index of `dq / d ln w`, followed by `dq / d xi`.
 pub const LINK: usize = 0;
 /// Index of `dq' / d ln w`, followed by `dq' / d xi`.
 pub const RATE: usize = 2;
-/// Index of `Re e^(lambda t)`, followed by its imaginary part.
-pub const FREE: usize = 4;
 /// Index of `Re t e^(lambda t)`, followed by its imaginary part.
-pub const FREE_SLOPE: usize = 6;
+pub const FREE_SLOPE: usize = 4;
+/// Index of `Re e^(lambda t)`, followed by its imaginary part; the first of the six linear unknowns.
+pub const FREE: usize = 6;
 /// Index of the constant 1.
 pub const OFFSET: usize = 8;
 /// Index of `q'`: a clock's offset, or the damper across the joint.

@@ -1,22 +1,19 @@
 //! One Gauss-Newton step of the likelihood from accumulated second moments.
 
 use super::cholesky::Cholesky;
+use super::moments::Moments;
+use super::priors::Priors;
 use super::track::Track;
-use crate::estimators::modal_response::{
-    DEFORMATION, FREE, FREE_SLOPE, INPUT, LINK, OFFSET, RATE, RESIDUAL, VELOCITY, WIDTH,
-};
+use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE, RESIDUAL, WIDTH};
 use nalgebra::SMatrix;
-
-/// Sums of products of the columns of every row.
-pub type Moments = [[f64; WIDTH]; WIDTH];
 
 /// Normal equations of past stretches, their free decays eliminated: `ln w`, `xi`, offset, rate,
 /// scale, gain, and the residual as last row.
 pub type Past = SMatrix<f64, 7, 7>;
 
-/// Linear unknowns: free decay (two), offset, rate, scale, gain. They come first, so that the factor of
-/// their normal equations is the beginning of that of all eight.
-const LINEAR: [usize; 6] = [FREE, FREE + 1, OFFSET, VELOCITY, DEFORMATION, INPUT];
+/// Column of the first of the linear unknowns: free decay (two), offset, rate, scale, gain. They come first,
+/// so that the factor of their normal equations is the beginning of that of all eight.
+const LINEAR: usize = FREE;
 const SCALE: usize = 4;
 const RATE_GAIN: usize = 3;
 const GAIN: usize = 5;
@@ -34,15 +31,6 @@ const PLACE: [Option<usize>; 8] = [
     Some(1),
 ];
 
-/// Gaussian priors of all unknowns: `ln w`, `xi`, then the linear ones.
-#[derive(Clone, Copy, Debug)]
-pub struct Priors {
-    /// Means of `ln w` and `xi`.
-    pub mean: [f64; 2],
-    /// Inverse variances of the eight unknowns.
-    pub precision: [f64; 8],
-}
-
 /// What the moments say at and near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
@@ -52,8 +40,8 @@ pub struct Fit {
     pub cost_after: f64,
     /// Step of `ln w` and `xi`.
     pub step: [f64; 2],
-    /// Covariance of `ln w`, `xi` for a noise of unit variance.
-    pub covariance: [[f64; 2]; 2],
+    /// Variances of `ln w`, `xi` for a noise of unit variance.
+    pub variances: [f64; 2],
     /// Static gain and its variance for a noise of unit variance.
     pub gain: (f64, f64),
     /// Weights of a row's columns that give the residual after the step.
@@ -69,17 +57,12 @@ impl Fit {
     /// Variance of what is predicted for a row, for a noise of unit variance.
     pub fn doubt(&self, row: &[f64; WIDTH]) -> f64 {
         let mut derivatives = [0.0; 8];
-        for (derivative, &column) in derivatives.iter_mut().zip(&LINEAR) {
-            *derivative = row[column];
-        }
+        derivatives[..MODE].copy_from_slice(&row[LINEAR..RESIDUAL]);
         for (k, slope) in self.slopes.iter().enumerate() {
             derivatives[MODE + k] = slope.iter().map(|&(column, c)| c * row[column]).sum();
         }
-        self.factor
-            .forward(&derivatives, 8)
-            .iter()
-            .map(|y| y * y)
-            .sum()
+        let forward = self.factor.forward(&derivatives, 8);
+        (0..8).map(|n| self.factor.explained(&forward, n)).sum()
     }
 }
 
@@ -113,6 +96,7 @@ struct Profile {
 
 /// Adds to a row of the normal equations, and to its right-hand side, what past stretches say; the residual
 /// is the seventh of [`Past`].
+#[inline]
 fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
     let (true, Some(p)) = (track.has_past, PLACE[i]) else {
         return;
@@ -123,30 +107,28 @@ fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
     *rhs += track.past[(p, 6)];
 }
 
+#[inline]
 fn solve_linear(track: &Track, priors: &Priors, variance: f64) -> Option<Profile> {
-    let (moments, mode) = (&track.moments, track.mode);
+    let moments = &track.moments;
     let mut factor = Cholesky::default();
-    let mut rhs = [0.0; 8];
-    for (i, &p) in LINEAR.iter().enumerate() {
+    let mut forward = [0.0; 8];
+    let mut explained = 0.0;
+    for i in 0..MODE {
         let mut row = [0.0; 8];
-        for (j, &q) in LINEAR.iter().enumerate().take(i + 1) {
-            row[j] = moments[p][q];
+        for (j, entry) in row.iter_mut().enumerate().take(i + 1) {
+            *entry = moments.line(LINEAR + j)[LINEAR + i];
         }
-        rhs[i] = moments[p][RESIDUAL];
-        add_past(track, i, &mut row, &mut rhs[i]);
+        let mut rhs = moments.line(LINEAR + i)[RESIDUAL];
+        add_past(track, i, &mut row, &mut rhs);
         row[i] += variance * priors.precision[i + 2];
         factor.append(i, &row)?;
+        forward[i] = factor.next_forward(&forward, i, rhs);
+        explained += factor.explained(&forward, i);
     }
-    let forward = factor.forward(&rhs, MODE);
-    let miss = [
-        mode.natural_frequency().ln() - priors.mean[0],
-        mode.damping_ratio() - priors.mean[1],
-    ];
     let prior: f64 = (0..2)
-        .map(|k| priors.precision[k] * miss[k] * miss[k])
+        .map(|k| priors.precision[k] * (track.point[k] - priors.mean[k]).powi(2))
         .sum();
-    let square = moments[RESIDUAL][RESIDUAL] + track.past[(6, 6)];
-    let explained: f64 = forward.iter().map(|y| y * y).sum();
+    let square = moments.of(RESIDUAL, RESIDUAL) + track.past[(6, 6)];
     Some(Profile {
         factor,
         forward,
@@ -171,11 +153,11 @@ pub fn fold(track: &Track, priors: &Priors, variance: f64) -> Option<Past> {
             rows[(k, column)] = weight;
         }
     }
-    for (i, &column) in LINEAR.iter().enumerate() {
-        rows[(i + 2, column)] = 1.0;
+    for i in 0..MODE {
+        rows[(i + 2, LINEAR + i)] = 1.0;
     }
     rows[(8, RESIDUAL)] = 1.0;
-    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| track.moments[i][j]);
+    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| track.moments.of(i, j));
     let mut normal = rows * full * rows.transpose();
     normal[(2, 2)] += variance * priors.precision[2];
     normal[(3, 3)] += variance * priors.precision[3];
@@ -195,26 +177,21 @@ fn add_mode(
     slopes: &[Slope; 2],
     profile: &mut Profile,
 ) -> Option<()> {
-    let point = [
-        track.mode.natural_frequency().ln(),
-        track.mode.damping_ratio(),
-    ];
-    let mut products = [[0.0; WIDTH]; 2];
-    for (k, slope) in slopes.iter().enumerate() {
-        for &(column, weight) in slope {
-            for (product, moment) in products[k].iter_mut().zip(&track.moments[column]) {
+    for k in 0..2 {
+        let mut products = [0.0; WIDTH];
+        for &(column, weight) in &slopes[k] {
+            let line = &track.moments.line(column)[LINEAR..];
+            for (product, moment) in products[LINEAR..].iter_mut().zip(line) {
                 *product += weight * moment;
             }
         }
         let mut row = [0.0; 8];
-        for (i, &column) in LINEAR.iter().enumerate() {
-            row[i] = products[k][column];
-        }
-        for (entry, product) in row[MODE..].iter_mut().zip(&products).take(k + 1) {
-            *entry = slope.iter().map(|&(c, w)| w * product[c]).sum();
+        row[..MODE].copy_from_slice(&products[LINEAR..RESIDUAL]);
+        for l in 0..=k {
+            row[MODE + l] = product_of(&track.moments, &slopes[k], &slopes[l]);
         }
         let weight = variance * priors.precision[k];
-        let mut rhs = products[k][RESIDUAL] + weight * (priors.mean[k] - point[k]);
+        let mut rhs = products[RESIDUAL] + weight * (priors.mean[k] - track.point[k]);
         add_past(track, MODE + k, &mut row, &mut rhs);
         row[MODE + k] += weight;
         profile.factor.append(MODE + k, &row)?;
@@ -223,11 +200,23 @@ fn add_mode(
     Some(())
 }
 
+/// Sum of the products of two derivatives.
+#[inline]
+fn product_of(moments: &Moments, one: &Slope, other: &Slope) -> f64 {
+    let mut sum = 0.0;
+    for &(i, weight) in one {
+        for &(j, other) in other {
+            sum += weight * other * moments.of(i, j);
+        }
+    }
+    sum
+}
+
 /// Weights of a row's columns that give the residual of a solution.
 fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
     let mut residual = [0.0; WIDTH];
-    for (&column, unknown) in LINEAR.iter().zip(solution) {
-        residual[column] = -unknown;
+    for (weight, unknown) in residual[LINEAR..RESIDUAL].iter_mut().zip(solution) {
+        *weight = -unknown;
     }
     for (slope, unknown) in slopes.iter().zip(&solution[MODE..]) {
         for &(column, weight) in slope {
@@ -262,10 +251,9 @@ pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
     Some(Fit {
         cost,
         // What the step gains beyond the best linear unknowns.
-        cost_after: cost - forward[MODE].powi(2) - forward[MODE + 1].powi(2),
+        cost_after: cost - factor.explained(&forward, MODE) - factor.explained(&forward, MODE + 1),
         step: [solution[MODE], solution[MODE + 1]],
-        covariance: [MODE, MODE + 1]
-            .map(|i| [factor.inverse(i, MODE), factor.inverse(i, MODE + 1)]),
+        variances: [MODE, MODE + 1].map(|i| factor.inverse(i, i)),
         gain: (solution[GAIN], factor.inverse(GAIN, GAIN)),
         residual: residual(&solution, &slopes),
         unknowns: determined(&factor, priors, variance),

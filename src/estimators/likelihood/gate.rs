@@ -20,8 +20,8 @@ impl Likelihood {
         let innovation: f64 = fit.residual.iter().zip(row).map(|(w, x)| w * x).sum();
         let square = innovation * innovation;
         // The doubt only widens: most samples need no more than this.
-        let outside =
-            self.evidence(square) > SPIKE && self.evidence(square / (1.0 + fit.doubt(row))) > SPIKE;
+        let outside = self.is_evident(square, SPIKE)
+            && self.is_evident(square / (1.0 + fit.doubt(row)), SPIKE);
         self.outside = if outside { self.outside + 1 } else { 0 };
         outside && self.outside <= LONGEST
     }
