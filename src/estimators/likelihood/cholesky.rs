@@ -27,55 +27,54 @@ impl<const N: usize> Default for Cholesky<N> {
     }
 }
 
+// Sizes are known to the compiler: loops of so few steps cost more than what is in them.
 impl<const N: usize> Cholesky<N> {
-    /// Adds row `n` of the matrix, of which the first `n + 1` numbers count; `None` where the matrix is not
-    /// positive definite.
-    #[inline]
-    pub fn append(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
-        if !(row[n].is_finite() && row[n] > 0.0) {
+    /// Adds row `ROW` of the matrix, of which the numbers up to the diagonal count; `None` where the matrix is
+    /// not positive definite.
+    #[inline(always)]
+    pub fn append<const ROW: usize>(&mut self, row: &[f64; N]) -> Option<()> {
+        if !(row[ROW].is_finite() && row[ROW] > 0.0) {
             return None;
         }
-        // The row of L D.
-        let mut scaled = [0.0; N];
-        let mut left = row[n] * (1.0 + RIDGE);
-        for j in 0..n {
-            let part = without(row[j], &self.lower[j][..j], &scaled);
-            scaled[j] = part;
-            self.lower[n][j] = part * self.pivot[j];
-            left -= part * self.lower[n][j];
+        let scaled = self.forward::<ROW>(row);
+        let mut left = row[ROW] * (1.0 + RIDGE);
+        let line = self.lower[ROW].iter_mut().zip(&self.pivot);
+        for ((entry, pivot), part) in line.zip(scaled).take(ROW) {
+            *entry = part * pivot;
+            left -= part * *entry;
         }
         if left.is_nan() || left <= 0.0 {
             return None;
         }
-        self.pivot[n] = left.recip();
-        self.diagonal[n] = row[n];
+        self.pivot[ROW] = left.recip();
+        self.diagonal[ROW] = row[ROW];
         Some(())
     }
 
-    /// The first `size` of `L^-1 rhs`, the rest 0.
-    #[inline]
-    pub fn forward(&self, rhs: &[f64; N], size: usize) -> [f64; N] {
+    /// The first `SIZE` of `L^-1 rhs`, the rest 0.
+    #[inline(always)]
+    pub fn forward<const SIZE: usize>(&self, rhs: &[f64; N]) -> [f64; N] {
         let mut result = [0.0; N];
-        for (n, &value) in rhs[..size].iter().enumerate() {
-            result[n] = self.next_forward(&result, n, value);
+        for n in 0..SIZE {
+            result[n] = self.next_forward(&result, n, rhs[n]);
         }
         result
     }
 
     /// Number `n` of `L^-1 rhs`, those before it known.
-    #[inline]
+    #[inline(always)]
     pub fn next_forward(&self, known: &[f64; N], n: usize, rhs: f64) -> f64 {
         without(rhs, &self.lower[n][..n], known)
     }
 
-    /// The first `size` of `L^-T D^-1 forward`: the solution, where `forward` is that of its right-hand side.
-    #[inline]
-    pub fn backward(&self, forward: &[f64; N], size: usize) -> [f64; N] {
+    /// The first `SIZE` of `L^-T D^-1 forward`: the solution, where `forward` is that of its right-hand side.
+    #[inline(always)]
+    pub fn backward<const SIZE: usize>(&self, forward: &[f64; N]) -> [f64; N] {
         let mut result = [0.0; N];
-        for n in (0..size).rev() {
+        for n in (0..SIZE).rev() {
             let mut part = forward[n] * self.pivot[n];
-            for (line, known) in self.lower[..size].iter().zip(&result).skip(n + 1) {
-                part -= line[n] * known;
+            for k in n + 1..SIZE {
+                part -= self.lower[k][n] * result[k];
             }
             result[n] = part;
         }
@@ -83,34 +82,27 @@ impl<const N: usize> Cholesky<N> {
     }
 
     /// `y^2 / d` of number `n` of a forward solution: what it explains of the sum of squares.
-    #[inline]
+    #[inline(always)]
     pub fn explained(&self, forward: &[f64; N], n: usize) -> f64 {
         forward[n] * forward[n] * self.pivot[n]
     }
 
-    /// Element `(i, j)` of the inverse of `A`; the later they stand, the less work.
-    #[inline]
-    pub fn inverse(&self, i: usize, j: usize) -> f64 {
-        let (left, right) = (self.column(i), self.column(j));
-        let parts = left.iter().zip(&right).zip(&self.pivot).skip(i.max(j));
-        parts
-            .map(|((left, right), pivot)| left * right * pivot)
-            .sum()
-    }
-
-    /// Column `i` of `L^-1`.
-    #[inline]
-    fn column(&self, i: usize) -> [f64; N] {
-        let mut result = [0.0; N];
-        result[i] = 1.0;
-        for n in i + 1..N {
-            result[n] = without(0.0, &self.lower[n][i..n], &result[i..]);
+    /// Element `(I, I)` of the inverse of `A`; the later it stands, the less work.
+    #[inline(always)]
+    pub fn inverse<const I: usize>(&self) -> f64 {
+        // Column I of L^-1.
+        let mut column = [0.0; N];
+        column[I] = 1.0;
+        let mut sum = self.pivot[I];
+        for n in I + 1..N {
+            column[n] = without(0.0, &self.lower[n][I..n], &column[I..]);
+            sum += self.explained(&column, n);
         }
-        result
+        sum
     }
 
     /// Element `(n, n)` of `A`.
-    #[inline]
+    #[inline(always)]
     pub fn diagonal(&self, n: usize) -> f64 {
         self.diagonal[n]
     }

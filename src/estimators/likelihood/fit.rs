@@ -59,29 +59,41 @@ impl Fit {
         let mut derivatives = [0.0; 8];
         derivatives[..MODE].copy_from_slice(&row[LINEAR..RESIDUAL]);
         for (k, slope) in self.slopes.iter().enumerate() {
-            derivatives[MODE + k] = slope.iter().map(|&(column, c)| c * row[column]).sum();
+            derivatives[MODE + k] = weighted(k, slope).map(|(column, c)| c * row[column]).sum();
         }
-        let forward = self.factor.forward(&derivatives, 8);
+        let forward = self.factor.forward::<8>(&derivatives);
         (0..8).map(|n| self.factor.explained(&forward, n)).sum()
     }
 }
 
-/// The derivative of a row by `ln w` or `xi`: columns and their weights.
+/// The derivative of a row by `ln w` or `xi`: weights of its columns.
 ///
 /// The derivatives by the mode contain the linear unknowns: the free decay's amplitude, the rate's
 /// coefficient, the scale.
-type Slope = [(usize, f64); 4];
+type Slope = [f64; 4];
 
+/// The columns of the derivative by `ln w` (0) or `xi` (1).
+#[inline(always)]
+fn columns(k: usize) -> [usize; 4] {
+    [LINK + k, RATE + k, FREE_SLOPE, FREE_SLOPE + 1]
+}
+
+/// The columns of a derivative with their weights.
+#[inline(always)]
+fn weighted(k: usize, slope: &Slope) -> impl Iterator<Item = (usize, f64)> {
+    columns(k).into_iter().zip(*slope)
+}
+
+#[inline(always)]
 fn slopes(track: &Track, linear: &[f64; 8]) -> [Slope; 2] {
-    let turns = track.response.lambda_slopes();
-    core::array::from_fn(|k| {
+    track.response.lambda_slopes().map(|turn| {
         // Re((a - j b) e^(lambda t)) has the derivative Re((a - j b) lambda_p t e^(lambda t)).
-        let turned = nalgebra::Complex::new(linear[0], -linear[1]) * turns[k];
+        let turned = nalgebra::Complex::new(linear[0], -linear[1]) * turn;
         [
-            (LINK + k, 1.0 + linear[SCALE]),
-            (RATE + k, linear[RATE_GAIN]),
-            (FREE_SLOPE, turned.re),
-            (FREE_SLOPE + 1, -turned.im),
+            1.0 + linear[SCALE],
+            linear[RATE_GAIN],
+            turned.re,
+            -turned.im,
         ]
     })
 }
@@ -107,33 +119,83 @@ fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
     *rhs += track.past[(p, 6)];
 }
 
-#[inline]
+#[inline(always)]
 fn solve_linear(track: &Track, priors: &Priors, variance: f64) -> Option<Profile> {
-    let moments = &track.moments;
-    let mut factor = Cholesky::default();
-    let mut forward = [0.0; 8];
-    let mut explained = 0.0;
-    for i in 0..MODE {
-        let mut row = [0.0; 8];
-        for (j, entry) in row.iter_mut().enumerate().take(i + 1) {
-            *entry = moments.line(LINEAR + j)[LINEAR + i];
-        }
-        let mut rhs = moments.line(LINEAR + i)[RESIDUAL];
-        add_past(track, i, &mut row, &mut rhs);
-        row[i] += variance * priors.precision[i + 2];
-        factor.append(i, &row)?;
-        forward[i] = factor.next_forward(&forward, i, rhs);
-        explained += factor.explained(&forward, i);
-    }
     let prior: f64 = (0..2)
         .map(|k| priors.precision[k] * (track.point[k] - priors.mean[k]).powi(2))
         .sum();
-    let square = moments.of(RESIDUAL, RESIDUAL) + track.past[(6, 6)];
-    Some(Profile {
-        factor,
-        forward,
-        cost: square - explained + variance * prior,
-    })
+    let mut profile = Profile {
+        factor: Cholesky::default(),
+        forward: [0.0; 8],
+        cost: track.moments.of(RESIDUAL, RESIDUAL) + track.past[(6, 6)] + variance * prior,
+    };
+    profile.add::<0>(track, priors, variance)?;
+    profile.add::<1>(track, priors, variance)?;
+    profile.add::<2>(track, priors, variance)?;
+    profile.add::<3>(track, priors, variance)?;
+    profile.add::<4>(track, priors, variance)?;
+    profile.add::<5>(track, priors, variance)?;
+    Some(profile)
+}
+
+impl Profile {
+    /// Adds a linear unknown.
+    #[inline(always)]
+    fn add<const I: usize>(&mut self, track: &Track, priors: &Priors, variance: f64) -> Option<()> {
+        let mut row = [0.0; 8];
+        for (j, entry) in row.iter_mut().enumerate().take(I + 1) {
+            *entry = track.moments.line(LINEAR + j)[LINEAR + I];
+        }
+        let mut rhs = track.moments.line(LINEAR + I)[RESIDUAL];
+        add_past(track, I, &mut row, &mut rhs);
+        row[I] += variance * priors.precision[I + 2];
+        self.factor.append::<I>(&row)?;
+        self.forward[I] = self.factor.next_forward(&self.forward, I, rhs);
+        self.cost -= self.factor.explained(&self.forward, I);
+        Some(())
+    }
+
+    /// Adds `ln w` and `xi`.
+    #[inline(always)]
+    fn add_mode<const I: usize>(
+        &mut self,
+        track: &Track,
+        priors: &Priors,
+        variance: f64,
+        slopes: &[Slope; 2],
+    ) -> Option<()> {
+        let k = I - MODE;
+        let mut row = [0.0; 8];
+        let weight = variance * priors.precision[k];
+        let mut rhs = weight * (priors.mean[k] - track.point[k]);
+        for (column, weight) in weighted(k, &slopes[k]) {
+            let line = track.moments.line(column);
+            for (product, moment) in row.iter_mut().zip(&line[LINEAR..RESIDUAL]) {
+                *product += weight * moment;
+            }
+            rhs += weight * line[RESIDUAL];
+        }
+        for l in 0..=k {
+            row[MODE + l] = product_of(&track.moments, slopes, [k, l]);
+        }
+        add_past(track, I, &mut row, &mut rhs);
+        row[I] += weight;
+        self.factor.append::<I>(&row)?;
+        self.forward[I] = self.factor.next_forward(&self.forward, I, rhs);
+        Some(())
+    }
+}
+
+/// Sum of the products of two derivatives.
+#[inline(always)]
+fn product_of(moments: &Moments, slopes: &[Slope; 2], [k, l]: [usize; 2]) -> f64 {
+    let mut sum = 0.0;
+    for (i, weight) in weighted(k, &slopes[k]) {
+        for (j, other) in weighted(l, &slopes[l]) {
+            sum += weight * other * moments.of(i, j);
+        }
+    }
+    sum
 }
 
 /// Sum of squares at a track's mode, the linear unknowns at their best.
@@ -146,10 +208,10 @@ pub fn fold(track: &Track, priors: &Priors, variance: f64) -> Option<Past> {
     let Profile {
         factor, forward, ..
     } = solve_linear(track, priors, variance)?;
-    let linear = factor.backward(&forward, MODE);
+    let linear = factor.backward::<MODE>(&forward);
     let mut rows = SMatrix::<f64, 9, WIDTH>::zeros();
     for (k, slope) in slopes(track, &linear).iter().enumerate() {
-        for &(column, weight) in slope {
+        for (column, weight) in weighted(k, slope) {
             rows[(k, column)] = weight;
         }
     }
@@ -169,58 +231,16 @@ pub fn fold(track: &Track, priors: &Priors, variance: f64) -> Option<Past> {
     Some(track.past + shared - cross * inverse * cross.transpose())
 }
 
-/// Adds `ln w` and `xi` to the normal equations of the linear unknowns.
-fn add_mode(
-    track: &Track,
-    priors: &Priors,
-    variance: f64,
-    slopes: &[Slope; 2],
-    profile: &mut Profile,
-) -> Option<()> {
-    for k in 0..2 {
-        let mut products = [0.0; WIDTH];
-        for &(column, weight) in &slopes[k] {
-            let line = &track.moments.line(column)[LINEAR..];
-            for (product, moment) in products[LINEAR..].iter_mut().zip(line) {
-                *product += weight * moment;
-            }
-        }
-        let mut row = [0.0; 8];
-        row[..MODE].copy_from_slice(&products[LINEAR..RESIDUAL]);
-        for l in 0..=k {
-            row[MODE + l] = product_of(&track.moments, &slopes[k], &slopes[l]);
-        }
-        let weight = variance * priors.precision[k];
-        let mut rhs = products[RESIDUAL] + weight * (priors.mean[k] - track.point[k]);
-        add_past(track, MODE + k, &mut row, &mut rhs);
-        row[MODE + k] += weight;
-        profile.factor.append(MODE + k, &row)?;
-        profile.forward[MODE + k] = profile.factor.next_forward(&profile.forward, MODE + k, rhs);
-    }
-    Some(())
-}
-
-/// Sum of the products of two derivatives.
-#[inline]
-fn product_of(moments: &Moments, one: &Slope, other: &Slope) -> f64 {
-    let mut sum = 0.0;
-    for &(i, weight) in one {
-        for &(j, other) in other {
-            sum += weight * other * moments.of(i, j);
-        }
-    }
-    sum
-}
-
 /// Weights of a row's columns that give the residual of a solution.
+#[inline(always)]
 fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
     let mut residual = [0.0; WIDTH];
     for (weight, unknown) in residual[LINEAR..RESIDUAL].iter_mut().zip(solution) {
         *weight = -unknown;
     }
-    for (slope, unknown) in slopes.iter().zip(&solution[MODE..]) {
-        for &(column, weight) in slope {
-            residual[column] -= unknown * weight;
+    for (k, slope) in slopes.iter().enumerate() {
+        for (column, weight) in weighted(k, slope) {
+            residual[column] -= solution[MODE + k] * weight;
         }
     }
     residual[RESIDUAL] = 1.0;
@@ -228,6 +248,7 @@ fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
 }
 
 /// How many unknowns the samples determine.
+#[inline(always)]
 fn determined(factor: &Cholesky<8>, priors: &Priors, variance: f64) -> f64 {
     let share = |i: usize| {
         let precision = priors.precision[(i + 2) % 8];
@@ -239,22 +260,23 @@ fn determined(factor: &Cholesky<8>, priors: &Priors, variance: f64) -> f64 {
 /// One Gauss-Newton step of all eight unknowns.
 pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
     let mut profile = solve_linear(track, priors, variance)?;
-    let linear = profile.factor.backward(&profile.forward, MODE);
+    let linear = profile.factor.backward::<MODE>(&profile.forward);
     let slopes = slopes(track, &linear);
-    add_mode(track, priors, variance, &slopes, &mut profile)?;
+    profile.add_mode::<MODE>(track, priors, variance, &slopes)?;
+    profile.add_mode::<{ MODE + 1 }>(track, priors, variance, &slopes)?;
     let Profile {
         factor,
         forward,
         cost,
     } = profile;
-    let solution = factor.backward(&forward, 8);
+    let solution = factor.backward::<8>(&forward);
     Some(Fit {
         cost,
         // What the step gains beyond the best linear unknowns.
         cost_after: cost - factor.explained(&forward, MODE) - factor.explained(&forward, MODE + 1),
         step: [solution[MODE], solution[MODE + 1]],
-        variances: [MODE, MODE + 1].map(|i| factor.inverse(i, i)),
-        gain: (solution[GAIN], factor.inverse(GAIN, GAIN)),
+        variances: [factor.inverse::<MODE>(), factor.inverse::<{ MODE + 1 }>()],
+        gain: (solution[GAIN], factor.inverse::<GAIN>()),
         residual: residual(&solution, &slopes),
         unknowns: determined(&factor, priors, variance),
         slopes,
