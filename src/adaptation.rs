@@ -111,15 +111,16 @@ impl Adaptation {
         if !self.plausible(mode) {
             return Decision::Keep(Reason::Implausible(mode));
         }
-        let next = match shaper.design(mode) {
-            Ok(train) => train,
-            Err(_) => return Decision::Keep(Reason::Implausible(mode)),
+        // By reference, here and where others are designed: a train has 4 KiB.
+        let next = shaper.design(mode);
+        let Ok(next) = &next else {
+            return Decision::Keep(Reason::Implausible(mode));
         };
         let tolerance = self.settings.tolerance;
         // The bound costs little, and is enough for an estimate that is known well.
-        let certain = most_within_two_sigma(estimate, &next) <= tolerance;
+        let certain = most_within_two_sigma(estimate, next) <= tolerance;
         if !certain {
-            let doubt = worst_within_two_sigma(estimate, &next) - residual(&next, mode);
+            let doubt = worst_within_two_sigma(estimate, next) - residual(next, mode);
             if doubt > tolerance {
                 return Decision::Keep(Reason::Uncertain(doubt));
             }

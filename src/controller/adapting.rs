@@ -197,8 +197,8 @@ fn excess_of(train: &GridTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f6
     let left = |train: &GridTrain| {
         train.residual_vibration(mode.natural_frequency(), mode.damping_ratio())
     };
-    match shaper.on_grid(mode, sample_time) {
-        Ok(best) => left(train) - left(&best),
+    match &shaper.on_grid(mode, sample_time) {
+        Ok(best) => left(train) - left(best),
         Err(_) => f64::INFINITY,
     }
 }
