@@ -1,7 +1,7 @@
 //! The output of the ticks to come.
 
 use crate::correction::{Schedule, sum};
-use crate::cross_fade::CrossFade;
+use crate::cross_fade::Trains;
 use crate::filter::{DelayLine, shape};
 use crate::{Buffer, Refusal, Setpoint};
 
@@ -18,27 +18,28 @@ impl<S: Buffer<Setpoint>> Ahead<'_, S> {
     /// The output of the ticks to come until it is constant; how many they are.
     pub fn simulate(
         &self,
-        fade: &CrossFade,
+        trains: Trains<'_>,
         schedule: &Schedule,
         future: &mut [Setpoint],
     ) -> Result<usize, Refusal> {
         let steps_end = schedule.end().saturating_sub(self.tick) as usize;
-        let needed = (self.planned.len() + fade.duration_in_ticks()).max(steps_end);
+        let needed = (self.planned.len() + trains.duration_in_ticks()).max(steps_end);
         let horizon = future.len();
         let Some(future) = future.get_mut(..needed) else {
             return Err(Refusal::Horizon { needed, horizon });
         };
         let at_rest = |last: &Setpoint| Setpoint::at_rest(last.position);
         let goal = self.planned.last().map_or_else(|| self.line.at(0), at_rest);
-        let alone = fade.is_single() && schedule.is_idle();
+        let alone = trains.single().filter(|_| schedule.is_idle());
         for (ahead, slot) in future.iter_mut().enumerate() {
             let input = |age: usize| self.input(ahead + 1, age, goal);
-            *slot = if alone {
-                shape(fade.last(), input)
-            } else {
-                let tick = self.tick + ahead as u64 + 1;
-                let shaped = fade.output(tick, self.sample_time, input);
-                sum(shaped, schedule.output(tick, self.sample_time))
+            *slot = match alone {
+                Some(train) => shape(train, input),
+                None => {
+                    let tick = self.tick + ahead as u64 + 1;
+                    let shaped = trains.output(tick, self.sample_time, input);
+                    sum(shaped, schedule.output(tick, self.sample_time))
+                }
             };
         }
         Ok(needed)

@@ -57,10 +57,14 @@ impl Weight {
     }
 }
 
-/// Ticks after which nothing is left of an increment: `exp(-50)` times an age of a hundred thousand ticks
-/// is below the rounding of what is newer.
-fn remembered(pole: Complex) -> usize {
-    match 50.0 / -pole.re {
+/// Time constants after which nothing is left of an increment: `exp(-37)` is below the rounding of what is newer.
+const VALUE: f64 = 37.0;
+/// The same of its slope, times an age of a hundred thousand ticks.
+const SLOPE: f64 = 50.0;
+
+/// So many time constants in ticks.
+fn remembered(pole: Complex, constants: f64) -> usize {
+    match constants / -pole.re {
         ticks if ticks.is_finite() && ticks > 0.0 => ticks as usize + 1,
         _ => usize::MAX,
     }
@@ -123,7 +127,7 @@ impl<E: Buffer<Entry>> History<E> {
     pub fn left(&self, pole: Complex) -> Option<[Complex; 2]> {
         let mut weight = Weight::new(pole);
         let mut left = [Complex::default(); 2];
-        self.increments(pole, |age, increments| {
+        self.increments(remembered(pole, VALUE), |age, increments| {
             let weight = weight.at(age);
             for (left, increment) in left.iter_mut().zip(increments) {
                 *left = *left + weight.scale(increment);
@@ -136,7 +140,7 @@ impl<E: Buffer<Entry>> History<E> {
     pub fn sent(&self, pole: Complex) -> Option<ModalState> {
         let mut weight = Weight::new(pole);
         let mut state = ModalState::default();
-        self.increments(pole, |age, [_, sent]| {
+        self.increments(remembered(pole, SLOPE), |age, [_, sent]| {
             state.add(weight.at(age).scale(sent), age as f64);
         })?;
         Some(state)
@@ -144,8 +148,8 @@ impl<E: Buffer<Entry>> History<E> {
 
     /// Ages and increments of what was planned and sent, from the newest on, as far back as it matters. At rest
     /// a command adds nothing: such ticks are passed over at once.
-    fn increments(&self, pole: Complex, mut each: impl FnMut(usize, [f64; 2])) -> Option<()> {
-        let past = self.past()?.min(remembered(pole));
+    fn increments(&self, remembered: usize, mut each: impl FnMut(usize, [f64; 2])) -> Option<()> {
+        let past = self.past()?.min(remembered);
         let (mut now, mut age) = (self.back_from(self.next, 1), 0);
         while age < past {
             let entry = self.ring[now];

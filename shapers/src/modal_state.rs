@@ -18,7 +18,12 @@ pub(crate) struct ModalState {
 impl ModalState {
     /// Later by ticks (or earlier, if negative).
     pub fn later(self, pole: Complex, ticks: f64) -> Self {
-        let turn = pole.scale(ticks).exp();
+        self.turned(pole.scale(ticks).exp(), ticks)
+    }
+
+    /// Later by ticks, `turn = exp(lambda ticks)`.
+    #[inline]
+    pub fn turned(self, turn: Complex, ticks: f64) -> Self {
         Self {
             value: self.value * turn,
             slope: (self.slope + self.value.scale(ticks)) * turn,

@@ -4,7 +4,7 @@ use crate::adaptive_filter::AdaptiveFilter;
 use crate::ahead::Ahead;
 use crate::complex::Complex;
 use crate::correction::{CORRECTED_MODES, Schedule};
-use crate::cross_fade::CrossFade;
+use crate::cross_fade::Trains;
 use crate::history::Entry;
 use crate::modal_state::{ModalState, of_future, pole};
 use crate::replay::{Forecast, Plan};
@@ -28,6 +28,16 @@ struct Choice {
     fade: usize,
     /// Whether steps of earlier corrections that have not begun are dropped.
     superseded: bool,
+}
+
+/// A change of the train in motion.
+#[derive(Clone, Copy)]
+struct Change<'a> {
+    train: &'a GridTrain,
+    /// Length of the cross-fade, ticks; 0 keeps the trains at work, unless the line is constant.
+    fade: usize,
+    /// The earlier corrections as they go on.
+    schedule: &'a Schedule,
 }
 
 impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
@@ -150,33 +160,31 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         Ok(())
     }
 
-    /// The output of the ticks to come until it is constant, into the scratch; how many they are. With other
-    /// trains and corrections than those at work, if they are given.
-    fn simulate(
-        &mut self,
-        others: Option<(&CrossFade, &Schedule)>,
-        remaining: usize,
-    ) -> Result<usize, Refusal> {
-        let (fade, schedule) = others.unwrap_or((&self.fade, &self.schedule));
+    /// The output of the ticks to come until it is constant, into the scratch; how many they are. With a
+    /// change of train and other corrections than those under way, if they are given.
+    fn simulate(&mut self, change: Option<Change<'_>>, remaining: usize) -> Result<usize, Refusal> {
+        let (trains, schedule) = match change {
+            None => (Trains::AsTheyAre(&self.fade), &self.schedule),
+            Some(Change {
+                train,
+                fade,
+                schedule,
+            }) => {
+                let trains = match fade {
+                    _ if self.can_switch(train) => Trains::Switched(train),
+                    0 => Trains::AsTheyAre(&self.fade),
+                    ticks => Trains::Fading(&self.fade, train, self.tick, ticks),
+                };
+                (trains, schedule)
+            }
+        };
         let ahead = Ahead {
             tick: self.tick,
             sample_time: self.sample_time,
             line: &self.line,
             planned: &self.planned[..remaining],
         };
-        ahead.simulate(fade, schedule, &mut self.future)
-    }
-
-    /// The trains at work if another fades in, at once where the line is constant.
-    fn faded(&self, train: &GridTrain, ticks: usize) -> CrossFade {
-        if self.can_switch(train) {
-            return CrossFade::new(train.clone());
-        }
-        let mut fade = self.fade.clone();
-        if ticks > 0 {
-            fade.fade_in(train, self.tick, ticks);
-        }
-        fade
+        ahead.simulate(trains, schedule, &mut self.future)
     }
 
     /// Whether a train can take over now without a trace, because the line is constant.
@@ -213,8 +221,12 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             if fade > 0 && (self.fade.is_full() || !moving) {
                 continue;
             }
-            let faded = self.faded(request.train, fade);
-            let rest = match self.simulate(Some((&faded, &schedule)), remaining) {
+            let change = Change {
+                train: request.train,
+                fade,
+                schedule: &schedule,
+            };
+            let rest = match self.simulate(Some(change), remaining) {
                 Ok(rest) => rest,
                 Err(other) => {
                     refusal = other;
@@ -275,9 +287,13 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             fade,
             superseded,
         } = choice;
-        let faded = self.faded(request.train, *fade);
         let (mut schedule, total) = self.going_on(*superseded);
-        let rest = self.simulate(Some((&faded, &schedule)), remaining)?;
+        let change = Change {
+            train: request.train,
+            fade: *fade,
+            schedule: &schedule,
+        };
+        let rest = self.simulate(Some(change), remaining)?;
         let forecast = self.forecast_of(rest, &Past::new(), total, request.limits);
         let peaks = forecast.peaks(plan);
         schedule.extend(plan.comb.steps(&plan.amplitudes));
@@ -291,9 +307,14 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             robust: plan.is_robust(),
             peaks,
         };
-        let waits = *fade == 0 && !self.can_switch(request.train);
+        let switches = self.can_switch(request.train);
+        let waits = *fade == 0 && !switches;
         self.schedule = schedule;
-        self.fade = faded;
+        if switches {
+            self.fade.replace(request.train);
+        } else if *fade > 0 {
+            self.fade.fade_in(request.train, self.tick, *fade);
+        }
         self.pending = waits.then(|| request.train.clone());
         self.pending_from = self.tick + remaining as u64;
         Ok(RetuneOutcome::Corrected(correction))
