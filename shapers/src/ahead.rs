@@ -30,7 +30,7 @@ impl<S: Buffer<Setpoint>> Ahead<'_, S> {
         };
         let at_rest = |last: &Setpoint| Setpoint::at_rest(last.position);
         let goal = self.planned.last().map_or_else(|| self.line.at(0), at_rest);
-        let alone = trains.single().filter(|_| schedule.is_idle());
+        let alone = trains.single().filter(|_| schedule.adds_nothing());
         for (ahead, slot) in future.iter_mut().enumerate() {
             let input = |age: usize| self.input(ahead + 1, age, goal);
             *slot = match alone {

@@ -105,6 +105,12 @@ impl Schedule {
         self.steps.is_empty()
     }
 
+    /// Whether nothing is added from now on: where what is to come was dropped, the steps that are over
+    /// need not add up to zero.
+    pub fn adds_nothing(&self) -> bool {
+        self.steps.is_empty() && self.offset == 0.0
+    }
+
     /// What is added at `tick`.
     pub fn output(&self, tick: u64, sample_time: f64) -> Setpoint {
         let start = Setpoint::at_rest(self.offset);

@@ -150,21 +150,23 @@ impl<E: Buffer<Entry>> History<E> {
     /// a command adds nothing: such ticks are passed over at once.
     fn increments(&self, remembered: usize, mut each: impl FnMut(usize, [f64; 2])) -> Option<()> {
         let past = self.past()?.min(remembered);
-        let (mut now, mut age) = (self.back_from(self.next, 1), 0);
+        let (mut place, mut age) = (self.back_from(self.next, 1), 0);
+        let mut entry = self.ring[place];
         while age < past {
-            let entry = self.ring[now];
             let still = (entry.still as usize).min(past - age);
             if still > 0 {
-                now = self.back_from(now, still);
+                place = self.back_from(place, still);
+                entry = self.ring[place];
                 age += still;
                 continue;
             }
-            now = self.back_from(now, 1);
-            let before = self.ring[now];
+            place = self.back_from(place, 1);
+            let before = self.ring[place];
             each(
                 age,
                 [entry.planned - before.planned, entry.sent - before.sent],
             );
+            entry = before;
             age += 1;
         }
         Some(())

@@ -174,13 +174,15 @@ fn lagrange(points: &[(f64, f64)], time: f64) -> f64 {
     let origin = points.first().map_or(0.0, |p| p.1);
     let mut sum = origin;
     for (i, &(ti, value)) in points.iter().enumerate() {
-        let mut weight = 1.0;
+        // One division a point.
+        let (mut above, mut below) = (value - origin, 1.0);
         for (j, &(tj, _)) in points.iter().enumerate() {
             if i != j {
-                weight *= (time - tj) / (ti - tj);
+                above *= time - tj;
+                below *= ti - tj;
             }
         }
-        sum += weight * (value - origin);
+        sum += above / below;
     }
     sum
 }
