@@ -29,15 +29,15 @@ impl Likelihood {
     /// Takes the youngest sample into the active track; of a spike only the input is kept.
     pub(super) fn take_youngest(&mut self) {
         let folding = self.folding();
-        let Some(&sample) = self.active.approach(&self.samples, &folding) else {
+        let Some(&sample) = self.active.approach(&self.window, &folding) else {
             return;
         };
         let row = self.active.row;
         if !self.refuses(&row) {
             self.active.take(&sample);
             self.largest = self.largest.max(sample.deformation.abs());
-        } else if let Some(youngest) = self.samples.last_mut() {
-            youngest.deformation = f64::NAN;
+        } else {
+            self.window.refuse_youngest();
             // Nor does it say anything of the noise's colour.
             self.active.row[RESIDUAL] = f64::NAN;
         }

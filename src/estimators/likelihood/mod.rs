@@ -32,12 +32,14 @@ mod region;
 mod relinearise;
 mod search;
 mod track;
+mod window;
 
 use quell_shapers::Mode;
 
 pub(super) use self::fit::fit;
 pub(super) use self::priors::Priors;
 pub(super) use self::track::{Folding, Track};
+pub(super) use self::window::Window;
 
 use self::correlation::Correlation;
 use self::fit::Fit;
@@ -73,7 +75,7 @@ pub struct Likelihood {
     region: Region,
     /// What does not change of the priors.
     belief: Priors,
-    samples: Vec<Sample>,
+    window: Window,
     grid: Vec<Track>,
     active: Track,
     fit: Option<Fit>,
@@ -117,7 +119,7 @@ impl Likelihood {
             settings: *settings,
             region,
             belief: Priors::believed(settings),
-            samples: Vec::with_capacity(settings.capacity()),
+            window: Window::with_capacity(settings.capacity()),
             grid,
             active: Track::new(start, settings.sample_time),
             fit: None,
@@ -263,16 +265,17 @@ impl Likelihood {
 impl Estimator for Likelihood {
     fn observe(&mut self, sample: Sample) {
         let advances = self
-            .samples
+            .window
+            .samples()
             .last()
             .is_none_or(|last| sample.time > last.time);
         if !(sample.is_finite() && advances) {
             return;
         }
-        if self.samples.len() == self.samples.capacity() {
+        if self.window.is_full() {
             self.slide();
         }
-        self.samples.push(sample);
+        self.window.push(sample);
         self.take_youngest();
         self.update_variance();
         self.refit();
@@ -288,7 +291,7 @@ impl Estimator for Likelihood {
     }
 
     fn restart(&mut self) {
-        self.samples.clear();
+        self.window.clear();
         let sample_time = self.settings.sample_time;
         for track in &mut self.grid {
             *track = Track::new(track.mode, sample_time);

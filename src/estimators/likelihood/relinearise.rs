@@ -12,8 +12,8 @@ const REPLAY_BUDGET: usize = 128;
 impl Likelihood {
     /// Keeps the younger half of a full window and replays it from its own first sample.
     pub(super) fn slide(&mut self) {
-        let half = self.samples.len() / 2;
-        self.samples.drain(..half);
+        let half = self.window.samples().len() / 2;
+        self.window.drop_oldest(half);
         self.start_candidate(self.active.mode);
         self.must_replace = true;
         // The active track goes on with its old sums; only its place in the window has moved.
@@ -36,11 +36,12 @@ impl Likelihood {
             let Some(candidate) = &mut self.candidate else {
                 return;
             };
-            while budget > 0 && candidate.count < self.samples.len() {
-                candidate.absorb(&self.samples, &folding);
+            let length = self.window.samples().len();
+            while budget > 0 && candidate.count < length {
+                candidate.absorb(&self.window, &folding);
                 budget -= 1;
             }
-            if candidate.count < self.samples.len() {
+            if candidate.count < length {
                 return;
             }
             self.judge();
@@ -73,7 +74,8 @@ impl Likelihood {
 
     /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
     fn phase(&self) -> f64 {
-        let ends = self.samples.first().zip(self.samples.last());
+        let samples = self.window.samples();
+        let ends = samples.first().zip(samples.last());
         let elapsed = ends.map_or(0.0, |(first, last)| last.time - first.time);
         let mode = self.active.mode;
         (mode.natural_frequency() * elapsed)

@@ -8,7 +8,7 @@ impl Likelihood {
     pub(super) fn search_grid(&mut self) {
         let folding = self.folding();
         for track in &mut self.grid {
-            track.absorb(&self.samples, &folding);
+            track.absorb(&self.window, &folding);
         }
         let Some(active) = &self.fit else { return };
         let mut best = None;

@@ -6,8 +6,9 @@ use super::fit::{Past, fold};
 use super::moments::Moments;
 use super::priors::Priors;
 use super::region::log_point;
+use super::window::Window;
 use crate::estimators::Sample;
-use crate::estimators::modal_response::{INPUT, Interval, ModalResponse, WIDTH};
+use crate::estimators::modal_response::{INPUT, ModalResponse, WIDTH};
 
 /// One linearisation of the likelihood, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
@@ -78,15 +79,15 @@ impl Track {
     }
 
     /// Takes the next sample of the window, if there is one.
-    pub fn absorb(&mut self, samples: &[Sample], folding: &Folding) {
-        if let Some(sample) = self.approach(samples, folding) {
+    pub fn absorb(&mut self, window: &Window, folding: &Folding) {
+        if let Some(sample) = self.approach(window, folding) {
             self.take(sample);
         }
     }
 
     /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
-    pub fn approach<'a>(&mut self, samples: &'a [Sample], folding: &Folding) -> Option<&'a Sample> {
-        let sample = samples.get(self.count)?;
+    pub fn approach<'a>(&mut self, window: &'a Window, folding: &Folding) -> Option<&'a Sample> {
+        let sample = window.samples().get(self.count)?;
         if self.count == 0 {
             self.origin = sample.motor_position;
             self.stretch_origin = self.origin;
@@ -94,7 +95,8 @@ impl Track {
         } else if sample.time - self.stretch_from >= folding.memory {
             self.set_free(sample, folding);
         } else {
-            self.advance(samples, sample);
+            let (step, parabola) = window.interval(self.count, self.stretch_origin);
+            self.response.advance(step, &parabola);
         }
         let input = sample.motor_position - self.stretch_origin;
         self.row = self.response.row(input, sample.deformation);
@@ -122,22 +124,6 @@ impl Track {
     /// Samples in the sums.
     pub fn taken(&self) -> f64 {
         self.still.count
-    }
-
-    fn advance(&mut self, samples: &[Sample], sample: &Sample) {
-        let last = samples[self.count - 1];
-        let mut interval = Interval {
-            start: last.motor_position - self.stretch_origin,
-            end: sample.motor_position - self.stretch_origin,
-            step: sample.time - last.time,
-            ..Interval::default()
-        };
-        if self.count > 1 {
-            let before = samples[self.count - 2];
-            interval.before = before.motor_position - self.stretch_origin;
-            interval.step_before = last.time - before.time;
-        }
-        self.response.advance(&interval);
     }
 
     /// Ends a stretch: what it says is kept, the vibration from here on is free.
