@@ -73,8 +73,8 @@ impl<const N: usize> Cholesky<N> {
         let mut result = [0.0; N];
         for n in (0..SIZE).rev() {
             let mut part = forward[n] * self.pivot[n];
-            for k in n + 1..SIZE {
-                part -= self.lower[k][n] * result[k];
+            for (line, known) in self.lower[n + 1..SIZE].iter().zip(&result[n + 1..]) {
+                part -= line[n] * known;
             }
             result[n] = part;
         }
