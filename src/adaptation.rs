@@ -8,7 +8,7 @@
 //! they call an estimate converged, so that two windows without overlap agree.
 
 use crate::estimators::Estimate;
-use quell_shapers::{ImpulseTrain, Mode, Shaper, residual_vibration};
+use quell_shapers::{Impulse, ImpulseTrain, Mode, Shaper, residual_vibration};
 
 /// What is believed, and what is worth acting on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,14 +111,19 @@ impl Adaptation {
         if !self.plausible(mode) {
             return Decision::Keep(Reason::Implausible(mode));
         }
-        let next = match shaper.design(mode) {
-            Ok(train) => train,
-            Err(_) => return Decision::Keep(Reason::Implausible(mode)),
+        // By reference, here and where others are designed: a train has 4 KiB.
+        let next = shaper.design(mode);
+        let Ok(next) = &next else {
+            return Decision::Keep(Reason::Implausible(mode));
         };
-        let at_best = residual(&next, mode);
-        let doubt = worst_within_two_sigma(estimate, &next) - at_best;
-        if doubt > self.settings.tolerance {
-            return Decision::Keep(Reason::Uncertain(doubt));
+        let tolerance = self.settings.tolerance;
+        // The bound costs little, and is enough for an estimate that is known well.
+        let certain = most_within_two_sigma(estimate, next) <= tolerance;
+        if !certain {
+            let doubt = worst_within_two_sigma(estimate, next) - residual(next, mode);
+            if doubt > tolerance {
+                return Decision::Keep(Reason::Uncertain(doubt));
+            }
         }
         let at_estimate = excess(mode);
         if at_estimate < self.settings.dead_band {
@@ -208,17 +213,36 @@ fn doubt_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64)
 
 /// The largest V of `train` over the corners of two standard deviations of frequency and damping.
 fn worst_within_two_sigma(estimate: &Estimate, train: &ImpulseTrain) -> f64 {
+    largest_at_corners(estimate, |corner| residual(train, corner))
+}
+
+/// A bound of how much V of `train` differs at those corners: `sum |A_i| (t_n - t_i) |lambda' - lambda|`, since
+/// `exp(lambda t)` changes by at most `t` times as much as `lambda` where nothing grows.
+fn most_within_two_sigma(estimate: &Estimate, train: &ImpulseTrain) -> f64 {
+    let pole = |mode: Mode| (mode.decay_rate(), mode.damped_frequency());
+    let (rate, turn) = pole(estimate.mode);
+    let furthest = largest_at_corners(estimate, |corner| {
+        let (other_rate, other_turn) = pole(corner);
+        (other_rate - rate).powi(2) + (other_turn - turn).powi(2)
+    });
+    let age = |impulse: &Impulse| impulse.amplitude.abs() * (train.duration() - impulse.time);
+    furthest.sqrt() * train.impulses().iter().map(age).sum::<f64>()
+}
+
+/// The largest of what is said of the corners of two standard deviations of frequency and damping; infinity
+/// where one is no mode.
+fn largest_at_corners(estimate: &Estimate, of: impl Fn(Mode) -> f64) -> f64 {
     let mode = estimate.mode;
-    let mut worst: f64 = 0.0;
+    let mut largest: f64 = 0.0;
     for across in [-2.0, 2.0] {
         for along in [-2.0, 2.0] {
             let omega = mode.natural_frequency() + across * estimate.natural_frequency_std;
             let xi = mode.damping_ratio() + along * estimate.damping_ratio_std;
             match Mode::new(omega, xi.max(0.0)) {
-                Ok(corner) => worst = worst.max(residual(train, corner)),
+                Ok(corner) => largest = largest.max(of(corner)),
                 Err(_) => return f64::INFINITY,
             }
         }
     }
-    worst
+    largest
 }

@@ -231,8 +231,8 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// `None` where the start of a move that is still remembered in part has been overwritten. Cost
     /// proportional to the horizon.
     pub fn residual(&self, mode: Mode) -> Option<Residual> {
-        let vibration = self.history.vibration(pole(mode, self.sample_time))?;
-        let (shaped, unshaped) = (vibration.sent.value.abs(), vibration.planned.value.abs());
+        let [planned, sent] = self.history.left(pole(mode, self.sample_time))?;
+        let (shaped, unshaped) = (sent.abs(), planned.abs());
         Some(Residual { shaped, unshaped })
     }
 

@@ -13,11 +13,13 @@ pub(crate) struct Complex {
 impl Complex {
     pub const ONE: Self = Self { re: 1.0, im: 0.0 };
 
+    #[inline]
     pub fn new(re: f64, im: f64) -> Self {
         Self { re, im }
     }
 
     /// `mu = -xi + j sqrt(1 - xi^2)`: the pole of a mode over its natural frequency.
+    #[inline]
     pub fn unit_pole(damping_ratio: f64) -> Self {
         Self::new(
             -damping_ratio,
@@ -25,25 +27,30 @@ impl Complex {
         )
     }
 
+    #[inline]
     pub fn exp(self) -> Self {
         let (sin, cos) = Float::sin_cos(self.im);
         let radius = Float::exp(self.re);
         Self::new(radius * cos, radius * sin)
     }
 
+    #[inline]
     pub fn abs(self) -> f64 {
         Float::hypot(self.re, self.im)
     }
 
+    #[inline]
     pub fn norm_squared(self) -> f64 {
         self.re * self.re + self.im * self.im
     }
 
+    #[inline]
     pub fn scale(self, factor: f64) -> Self {
         Self::new(self.re * factor, self.im * factor)
     }
 
     /// Real part of `conj(self) other`.
+    #[inline]
     pub fn dot(self, other: Self) -> f64 {
         self.re * other.re + self.im * other.im
     }
@@ -51,6 +58,7 @@ impl Complex {
 
 impl Add for Complex {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self::new(self.re + other.re, self.im + other.im)
     }
@@ -58,6 +66,7 @@ impl Add for Complex {
 
 impl Sub for Complex {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self::new(self.re - other.re, self.im - other.im)
     }
@@ -65,6 +74,7 @@ impl Sub for Complex {
 
 impl Mul for Complex {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         Self::new(
             self.re * other.re - self.im * other.im,

@@ -17,6 +17,8 @@ pub(crate) const SCHEDULED_STEPS: usize = 96;
 const CONDITIONS: usize = 1 + 4 * CORRECTED_MODES;
 /// A number for each step.
 type Steps = [f64; CORRECTION_STEPS];
+/// What each step adds to a condition, and what all must add up to.
+type Conditions = ArrayVec<(Steps, f64), CONDITIONS>;
 /// A least norm needs freedom: with as many steps as conditions there is only one solution.
 const SPARE: usize = 2;
 
@@ -57,6 +59,12 @@ impl Step {
     }
 
     pub fn at(&self, tick: u64, sample_time: f64) -> Setpoint {
+        if tick <= self.start {
+            return Setpoint::default();
+        }
+        if tick >= self.end() {
+            return Setpoint::at_rest(self.amplitude);
+        }
         let elapsed = tick.saturating_sub(self.start) as f64;
         scaled(step_at(elapsed, self.ticks, sample_time), self.amplitude)
     }
@@ -95,6 +103,12 @@ impl Schedule {
     #[inline]
     pub fn is_idle(&self) -> bool {
         self.steps.is_empty()
+    }
+
+    /// Whether nothing is added from now on: where what is to come was dropped, the steps that are over
+    /// need not add up to zero.
+    pub fn adds_nothing(&self) -> bool {
+        self.steps.is_empty() && self.offset == 0.0
     }
 
     /// What is added at `tick`.
@@ -172,30 +186,27 @@ impl Comb {
         total: f64,
     ) -> Option<[f64; CORRECTION_STEPS]> {
         let per_mode = order.rows_per_mode();
-        let size = 1 + per_mode * modes.len();
-        let mut columns = [[0.0; CONDITIONS]; CORRECTION_STEPS];
-        let mut right = [0.0; CONDITIONS];
-        columns
-            .iter_mut()
-            .take(self.count)
-            .for_each(|column| column[0] = 1.0);
-        right[0] = total;
-        for ((pole, state), first) in modes.iter().zip((1..).step_by(per_mode)) {
+        let mut conditions = Conditions::new();
+        conditions.push(([1.0; CORRECTION_STEPS], total));
+        for (pole, state) in modes {
             // Referred to the end of the comb, and the slope in units of the step's width, so that rows are
             // of like size: at the start what damps well would outweigh all else by exp(2 xi omega t).
-            let rows = first..first + per_mode;
+            let first = conditions.len();
             let end = (self.start - now) as f64 + self.span() as f64;
             let wanted = self.parts(state.later(*pole, end));
-            for (value, part) in right[rows.clone()].iter_mut().zip(wanted) {
-                *value = -part;
+            for part in &wanted[..per_mode] {
+                conditions.push(([0.0; CORRECTION_STEPS], -part));
             }
-            let single = self.single(*pole);
-            for (i, column) in columns.iter_mut().enumerate().take(self.count) {
-                let state = single.later(*pole, (self.span() - i * self.spacing) as f64);
-                column[rows.clone()].copy_from_slice(&self.parts(state)[..per_mode]);
+            let spacing = self.spacing as f64;
+            let turn = pole.scale(spacing).exp();
+            let mut state = self.single(*pole).later(*pole, self.ticks as f64);
+            for i in (0..self.count).rev() {
+                let rows = conditions[first..].iter_mut().zip(self.parts(state));
+                rows.for_each(|((row, _), part)| row[i] = part);
+                state = state.turned(turn, spacing);
             }
         }
-        least_norm(size, &columns, &right)
+        least_norm(self.count, &conditions)
     }
 
     fn parts(&self, state: ModalState) -> [f64; 4] {
@@ -240,42 +251,37 @@ impl Comb {
     }
 }
 
-/// The `x` of least norm with `M x = right`, `M` given by columns: each condition in turn adds its part that
+/// The `x` of least norm with `M x = right`, `M` given by rows of so many numbers: each condition in turn adds its part that
 /// is orthogonal to those before (modified Gram-Schmidt, twice, as the conditions of a mode that damps well
 /// are nearly those of its slope). `M' (M M')^-1 right` is the same, and squares how ill they are.
 ///
 /// Source: A. Bjorck, "Numerical Methods for Least Squares Problems", SIAM 1996, section 2.4.
-fn least_norm(
-    size: usize,
-    columns: &[[f64; CONDITIONS]; CORRECTION_STEPS],
-    right: &[f64; CONDITIONS],
-) -> Option<[f64; CORRECTION_STEPS]> {
-    let dot = |a: &Steps, b: &Steps| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+fn least_norm(count: usize, conditions: &Conditions) -> Option<Steps> {
+    let dot = |a: &Steps, b: &Steps| -> f64 {
+        let both = a[..count].iter().zip(&b[..count]);
+        both.map(|(a, b)| a * b).sum()
+    };
     let add = |to: &mut Steps, by: f64, what: &Steps| {
-        to.iter_mut()
-            .zip(what)
-            .for_each(|(to, what)| *to += by * what);
+        let both = to[..count].iter_mut().zip(&what[..count]);
+        both.for_each(|(to, what)| *to += by * what);
     };
     let mut basis = ArrayVec::<Steps, CONDITIONS>::new();
     let mut solution = [0.0; CORRECTION_STEPS];
-    for (condition, right) in right.iter().enumerate().take(size) {
-        let row = columns.map(|column| column[condition]);
-        let mut own = row;
+    for (row, right) in conditions {
+        let mut own = *row;
         for before in basis.iter().chain(&basis) {
             let shared = dot(&own, before);
             add(&mut own, -shared, before);
         }
         let length = Float::sqrt(dot(&own, &own));
-        if length <= f64::EPSILON * Float::sqrt(dot(&row, &row)) {
+        if length <= f64::EPSILON * Float::sqrt(dot(row, row)) {
             return None;
         }
-        let direction = own.map(|part| part / length);
-        let missing = right - dot(&row, &solution);
-        add(&mut solution, missing / length, &direction);
-        basis.push(direction);
+        own.iter_mut().for_each(|part| *part /= length);
+        let missing = right - dot(row, &solution);
+        add(&mut solution, missing / length, &own);
+        basis.push(own);
     }
-    solution
-        .iter()
-        .all(|value: &f64| value.is_finite())
-        .then_some(solution)
+    let is_finite = solution.iter().all(|value: &f64| value.is_finite());
+    is_finite.then_some(solution)
 }

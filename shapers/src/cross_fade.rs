@@ -105,6 +105,57 @@ impl CrossFade {
     }
 }
 
+/// The trains of the ticks to come. By reference: a train has 4 KiB.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Trains<'a> {
+    /// Those at work.
+    AsTheyAre(&'a CrossFade),
+    /// Over those at work another fades in, over so many ticks after a tick.
+    Fading(&'a CrossFade, &'a GridTrain, u64, usize),
+    /// Another takes over at once.
+    Switched(&'a GridTrain),
+}
+
+impl<'a> Trains<'a> {
+    /// The longest of the trains at work, ticks.
+    pub fn duration_in_ticks(&self) -> usize {
+        match self {
+            Self::AsTheyAre(present) => present.duration_in_ticks(),
+            Self::Fading(present, next, ..) => {
+                present.duration_in_ticks().max(next.duration_in_ticks())
+            }
+            Self::Switched(next) => next.duration_in_ticks(),
+        }
+    }
+
+    /// The train at work where it is only one.
+    pub fn single(&self) -> Option<&'a GridTrain> {
+        match *self {
+            Self::AsTheyAre(present) => present.is_single().then(|| present.last()),
+            Self::Fading(..) => None,
+            Self::Switched(next) => Some(next),
+        }
+    }
+
+    /// As [`CrossFade::output`].
+    pub fn output(
+        &self,
+        tick: u64,
+        sample_time: f64,
+        input: impl Fn(usize) -> Setpoint,
+    ) -> Setpoint {
+        match *self {
+            Self::AsTheyAre(present) => present.output(tick, sample_time, input),
+            Self::Fading(present, next, start, ticks) => {
+                let b = step_at(tick.saturating_sub(start) as f64, ticks, sample_time);
+                let faded = shape(next, &input);
+                mix(present.output(tick, sample_time, input), faded, b)
+            }
+            Self::Switched(next) => shape(next, input),
+        }
+    }
+}
+
 fn mix(old: Setpoint, new: Setpoint, b: Setpoint) -> Setpoint {
     let position = new.position - old.position;
     let velocity = new.velocity - old.velocity;

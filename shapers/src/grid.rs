@@ -1,5 +1,6 @@
 //! Trains whose impulses lie on the controller's ticks, with their zeros kept exact.
 
+use crate::residual::residual_of;
 use crate::{Impulse, ImpulseTrain, Mode, ShaperError, TRAIN_CAPACITY};
 use arrayvec::ArrayVec;
 use num_traits::Float;
@@ -44,7 +45,7 @@ pub struct Tap {
 /// let left = residual_vibration(&train.to_impulses(), mode.natural_frequency(), 0.084);
 /// assert!(left < 1e-14);
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct GridTrain {
     taps: ArrayVec<Tap, TRAIN_CAPACITY>,
     sample_time: f64,
@@ -114,6 +115,7 @@ impl GridTrain {
         }
         let turn = mode.damped_frequency() * sample_time;
         let decay = mode.decay_rate() * sample_time;
+        let full = Float::sin(turn);
         let mut grid = Self {
             taps: ArrayVec::new(),
             sample_time,
@@ -128,15 +130,20 @@ impl GridTrain {
             }
             let whole = Float::floor(ticks);
             let f = ticks - whole;
-            let here = Float::exp(decay * f) * Float::sin(turn * (1.0 - f)) / Float::sin(turn);
-            let next = Float::exp(decay * (f - 1.0)) * Float::sin(turn * f) / Float::sin(turn);
             let delay = whole as u32;
+            if f == 0.0 {
+                grid.add(delay, impulse.amplitude)?;
+                continue;
+            }
+            let here = Float::exp(decay * f) * Float::sin(turn * (1.0 - f)) / full;
+            let next = Float::exp(decay * (f - 1.0)) * Float::sin(turn * f) / full;
             grid.add(delay, impulse.amplitude * here)?;
             if next != 0.0 {
                 grid.add(delay + 1, impulse.amplitude * next)?;
             }
         }
-        grid.normalise()
+        grid.normalise()?;
+        Ok(grid)
     }
 
     /// The train that does what this one and then `other` do; its zeros are those of both.
@@ -157,7 +164,8 @@ impl GridTrain {
                 )?;
             }
         }
-        grid.normalise()
+        grid.normalise()?;
+        Ok(grid)
     }
 
     /// The taps, in order of delay.
@@ -206,18 +214,25 @@ impl GridTrain {
         self.taps.iter().map(|tap| tap.amplitude.abs()).sum()
     }
 
+    /// As [`crate::residual_vibration`]: V left of a mode of `frequency` rad/s.
+    pub fn residual_vibration(&self, frequency: f64, damping_ratio: f64) -> f64 {
+        let impulses = self.taps.iter().map(|tap| self.impulse(tap));
+        residual_of(impulses, self.duration(), frequency, damping_ratio)
+    }
+
     /// The same train with times in seconds from its first tap, for analysis.
     pub fn to_impulses(&self) -> ImpulseTrain {
-        let impulses: ArrayVec<Impulse, TRAIN_CAPACITY> = self
-            .taps
-            .iter()
-            .map(|tap| Impulse {
-                time: f64::from(tap.delay) * self.sample_time,
-                amplitude: tap.amplitude,
-            })
-            .collect();
+        let impulses: ArrayVec<Impulse, TRAIN_CAPACITY> =
+            self.taps.iter().map(|tap| self.impulse(tap)).collect();
         // A grid train is never empty, ordered and of sum 1.
         ImpulseTrain::new(&impulses).unwrap_or_else(|_| ImpulseTrain::identity())
+    }
+
+    fn impulse(&self, tap: &Tap) -> Impulse {
+        Impulse {
+            time: f64::from(tap.delay) * self.sample_time,
+            amplitude: tap.amplitude,
+        }
     }
 
     pub(crate) fn check_same_grid(&self, found: f64) -> Result<(), ShaperError> {
@@ -245,7 +260,8 @@ impl GridTrain {
             })
     }
 
-    fn normalise(mut self) -> Result<Self, ShaperError> {
+    // In place: a train by value is 4 KiB to copy.
+    fn normalise(&mut self) -> Result<(), ShaperError> {
         let sum: f64 = self.taps.iter().map(|tap| tap.amplitude).sum();
         if !(sum.is_finite() && sum > 0.0) {
             return Err(ShaperError::Sum(sum));
@@ -253,7 +269,22 @@ impl GridTrain {
         for tap in &mut self.taps {
             tap.amplitude /= sum;
         }
-        Ok(self)
+        Ok(())
+    }
+}
+
+impl Clone for GridTrain {
+    fn clone(&self) -> Self {
+        Self {
+            taps: self.taps.clone(),
+            sample_time: self.sample_time,
+        }
+    }
+
+    // In place: of the 4 KiB of a train only the taps that are there are copied.
+    fn clone_from(&mut self, other: &Self) {
+        self.taps.clone_from(&other.taps);
+        self.sample_time = other.sample_time;
     }
 }
 

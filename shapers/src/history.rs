@@ -25,17 +25,46 @@ pub(crate) struct History<E> {
     overwritten: bool,
 }
 
-/// The vibration that positions planned and sent leave, referred to the newest tick.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Vibration {
-    pub planned: ModalState,
-    pub sent: ModalState,
+/// The weights `exp(lambda age)` of increments, from the newest on.
+struct Weight {
+    pole: Complex,
+    /// Of one tick.
+    turn: Complex,
+    age: usize,
+    value: Complex,
 }
 
-/// Ticks after which nothing is left of an increment: `exp(-50)` times an age of a hundred thousand ticks
-/// is below the rounding of what is newer.
-fn remembered(pole: Complex) -> usize {
-    match 50.0 / -pole.re {
+impl Weight {
+    fn new(pole: Complex) -> Self {
+        Self {
+            pole,
+            turn: pole.exp(),
+            age: 0,
+            value: Complex::ONE,
+        }
+    }
+
+    /// The weight of an age that is not below the last one.
+    #[inline]
+    fn at(&mut self, age: usize) -> Complex {
+        match age - self.age {
+            0 => {}
+            1 => self.value = self.value * self.turn,
+            ticks => self.value = self.value * self.pole.scale(ticks as f64).exp(),
+        }
+        self.age = age;
+        self.value
+    }
+}
+
+/// Time constants after which nothing is left of an increment: `exp(-37)` is below the rounding of what is newer.
+const VALUE: f64 = 37.0;
+/// The same of its slope, times an age of a hundred thousand ticks.
+const SLOPE: f64 = 50.0;
+
+/// So many time constants in ticks.
+fn remembered(pole: Complex, constants: f64) -> usize {
+    match constants / -pole.re {
         ticks if ticks.is_finite() && ticks > 0.0 => ticks as usize + 1,
         _ => usize::MAX,
     }
@@ -92,50 +121,73 @@ impl<E: Buffer<Entry>> History<E> {
         }
     }
 
-    /// The modal states at the newest tick of everything kept.
+    /// What is left at the newest tick of everything planned, and of everything sent.
     ///
     /// `None` where the ring has lost the start of a move that it still holds the end of.
-    pub fn vibration(&self, pole: Complex) -> Option<Vibration> {
-        let oldest = if self.count < self.ring.len() {
-            0
-        } else {
-            self.next
-        };
-        let entry = |k: usize| {
-            let index = oldest + k;
-            &self.ring[if index < self.ring.len() {
-                index
-            } else {
-                index - self.ring.len()
-            }]
-        };
-        let start = if self.overwritten {
-            (0..self.count).find(|&k| entry(k).settled)?
-        } else {
-            0
-        };
-        let turn = pole.exp();
-        let mut vibration = Vibration::default();
-        let (mut weight, mut age, mut k) = (Complex::ONE, 0, self.count - 1);
-        while k > start && age < remembered(pole) {
-            // At rest a command adds nothing: such ticks are passed over at once.
-            let still = (entry(k).still as usize).min(k - start);
-            if still > 0 {
-                weight = weight * pole.scale(still as f64).exp();
-            } else {
-                let (before, now) = (entry(k - 1), entry(k));
-                let term = |increment: f64| weight.scale(increment);
-                let (planned, sent) = (
-                    term(now.planned - before.planned),
-                    term(now.sent - before.sent),
-                );
-                vibration.planned.add(planned, age as f64);
-                vibration.sent.add(sent, age as f64);
-                weight = weight * turn;
+    pub fn left(&self, pole: Complex) -> Option<[Complex; 2]> {
+        let mut weight = Weight::new(pole);
+        let mut left = [Complex::default(); 2];
+        self.increments(remembered(pole, VALUE), |age, increments| {
+            let weight = weight.at(age);
+            for (left, increment) in left.iter_mut().zip(increments) {
+                *left = *left + weight.scale(increment);
             }
-            age += still.max(1);
-            k -= still.max(1);
+        })?;
+        Some(left)
+    }
+
+    /// The modal state at the newest tick of everything sent; `None` as for [`History::left`].
+    pub fn sent(&self, pole: Complex) -> Option<ModalState> {
+        let mut weight = Weight::new(pole);
+        let mut state = ModalState::default();
+        self.increments(remembered(pole, SLOPE), |age, [_, sent]| {
+            state.add(weight.at(age).scale(sent), age as f64);
+        })?;
+        Some(state)
+    }
+
+    /// Ages and increments of what was planned and sent, from the newest on, as far back as it matters. At rest
+    /// a command adds nothing: such ticks are passed over at once.
+    fn increments(&self, remembered: usize, mut each: impl FnMut(usize, [f64; 2])) -> Option<()> {
+        let past = self.past()?.min(remembered);
+        let (mut place, mut age) = (self.back_from(self.next, 1), 0);
+        let mut entry = self.ring[place];
+        while age < past {
+            let still = (entry.still as usize).min(past - age);
+            if still > 0 {
+                place = self.back_from(place, still);
+                entry = self.ring[place];
+                age += still;
+                continue;
+            }
+            place = self.back_from(place, 1);
+            let before = self.ring[place];
+            each(
+                age,
+                [entry.planned - before.planned, entry.sent - before.sent],
+            );
+            entry = before;
+            age += 1;
         }
-        Some(vibration)
+        Some(())
+    }
+
+    /// Increments since the oldest entry from which the whole of a move is kept.
+    fn past(&self) -> Option<usize> {
+        if !self.overwritten {
+            return Some(self.count - 1);
+        }
+        let (newer, older) = self.ring.split_at(self.next);
+        let start = older.iter().chain(newer).position(|entry| entry.settled)?;
+        Some(self.count - 1 - start)
+    }
+
+    /// The place of what came so many ticks before that at `index`.
+    #[inline]
+    fn back_from(&self, index: usize, ticks: usize) -> usize {
+        match index.checked_sub(ticks) {
+            Some(place) => place,
+            None => index + self.ring.len() - ticks,
+        }
     }
 }

@@ -58,7 +58,9 @@ impl ImpulseTrain {
     /// [`ShaperError`] where the list is empty, too long, holds a value that is not finite or a
     /// negative time, or where the amplitudes do not add up to something above 0.
     pub fn new(impulses: &[Impulse]) -> Result<Self, ShaperError> {
-        let mut sorted: ArrayVec<Impulse, TRAIN_CAPACITY> = ArrayVec::new();
+        let mut train = Self {
+            impulses: ArrayVec::new(),
+        };
         for (index, impulse) in impulses.iter().enumerate() {
             let Impulse { time, amplitude } = *impulse;
             if !(time.is_finite() && time >= 0.0 && amplitude.is_finite()) {
@@ -68,21 +70,20 @@ impl ImpulseTrain {
                     amplitude,
                 });
             }
-            sorted
+            train
+                .impulses
                 .try_push(*impulse)
                 .map_err(|_| ShaperError::TooManyImpulses {
                     count: impulses.len(),
                     capacity: TRAIN_CAPACITY,
                 })?;
         }
-        sorted.sort_unstable_by(|a, b| a.time.total_cmp(&b.time));
-        let mut train = Self {
-            impulses: ArrayVec::new(),
-        };
-        for impulse in sorted {
-            train.add(impulse, impulses.len())?;
-        }
-        train.normalise()
+        train
+            .impulses
+            .sort_unstable_by(|a, b| a.time.total_cmp(&b.time));
+        train.add_equal_times();
+        train.normalise()?;
+        Ok(train)
     }
 
     /// The impulses, in order of time.
@@ -113,33 +114,35 @@ impl ImpulseTrain {
         let count = self.impulses.len() * other.impulses.len();
         // One cursor for each impulse of the first train: an n-way merge, so that equal times are
         // added before they need room.
-        let mut cursors = [0_usize; TRAIN_CAPACITY];
+        let mut cursors = [0_u16; TRAIN_CAPACITY];
         let mut train = Self {
             impulses: ArrayVec::new(),
         };
         while let Some((index, time)) = self.earliest(other, &cursors) {
-            let amplitude =
-                self.impulses[index].amplitude * other.impulses[cursors[index]].amplitude;
+            let second = other.impulses[usize::from(cursors[index])].amplitude;
+            let amplitude = self.impulses[index].amplitude * second;
             cursors[index] += 1;
             train.add(Impulse { time, amplitude }, count)?;
         }
-        train.normalise()
+        train.normalise()?;
+        Ok(train)
     }
 
-    fn earliest(&self, other: &Self, cursors: &[usize]) -> Option<(usize, f64)> {
+    fn earliest(&self, other: &Self, cursors: &[u16]) -> Option<(usize, f64)> {
         self.impulses
             .iter()
             .zip(cursors)
             .enumerate()
             .filter_map(|(index, (impulse, &cursor))| {
-                Some((index, impulse.time + other.impulses.get(cursor)?.time))
+                let second = other.impulses.get(usize::from(cursor))?;
+                Some((index, impulse.time + second.time))
             })
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     fn add(&mut self, impulse: Impulse, count: usize) -> Result<(), ShaperError> {
         if let Some(last) = self.impulses.last_mut()
-            && impulse.time - last.time <= SAME_TIME * impulse.time
+            && impulse.is_with(last)
         {
             last.amplitude += impulse.amplitude;
             return Ok(());
@@ -152,7 +155,23 @@ impl ImpulseTrain {
             })
     }
 
-    fn normalise(mut self) -> Result<Self, ShaperError> {
+    /// Adds impulses at the same time, the train sorted.
+    fn add_equal_times(&mut self) {
+        let mut kept = 0;
+        for index in 1..self.impulses.len() {
+            let impulse = self.impulses[index];
+            if impulse.is_with(&self.impulses[kept]) {
+                self.impulses[kept].amplitude += impulse.amplitude;
+            } else {
+                kept += 1;
+                self.impulses[kept] = impulse;
+            }
+        }
+        self.impulses.truncate(kept + 1);
+    }
+
+    // In place: a train by value is 4 KiB to copy.
+    fn normalise(&mut self) -> Result<(), ShaperError> {
         let start = self.impulses.first().ok_or(ShaperError::Empty)?.time;
         let sum: f64 = self.impulses.iter().map(|impulse| impulse.amplitude).sum();
         if !(sum.is_finite() && sum > 0.0) {
@@ -162,7 +181,14 @@ impl ImpulseTrain {
             impulse.time -= start;
             impulse.amplitude /= sum;
         }
-        Ok(self)
+        Ok(())
+    }
+}
+
+impl Impulse {
+    /// Whether it is at the same time as another that is not later.
+    fn is_with(&self, earlier: &Self) -> bool {
+        self.time - earlier.time <= SAME_TIME * self.time
     }
 }
 

@@ -28,6 +28,7 @@ extern crate alloc;
 extern crate std;
 
 mod adaptive_filter;
+mod ahead;
 mod buffer;
 mod complex;
 mod correction;

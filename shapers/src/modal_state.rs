@@ -18,7 +18,12 @@ pub(crate) struct ModalState {
 impl ModalState {
     /// Later by ticks (or earlier, if negative).
     pub fn later(self, pole: Complex, ticks: f64) -> Self {
-        let turn = pole.scale(ticks).exp();
+        self.turned(pole.scale(ticks).exp(), ticks)
+    }
+
+    /// Later by ticks, `turn = exp(lambda ticks)`.
+    #[inline]
+    pub fn turned(self, turn: Complex, ticks: f64) -> Self {
         Self {
             value: self.value * turn,
             slope: (self.slope + self.value.scale(ticks)) * turn,
@@ -26,9 +31,27 @@ impl ModalState {
     }
 
     /// An increment more, `term = du exp(lambda tau)`, of age `tau` in ticks.
+    #[inline]
     pub fn add(&mut self, term: Complex, age: f64) {
         self.value = self.value + term;
         self.slope = self.slope + term.scale(age);
+    }
+
+    /// `value` alone of [`ModalState::of_future`].
+    pub fn value_of_future(
+        pole: Complex,
+        now: f64,
+        positions: impl Iterator<Item = f64>,
+    ) -> Complex {
+        let turn = pole.scale(-1.0).exp();
+        let (mut before, mut weight) = (now, Complex::ONE);
+        let mut value = Complex::default();
+        for position in positions {
+            weight = weight * turn;
+            value = value + weight.scale(position - before);
+            before = position;
+        }
+        value
     }
 
     /// State left, referred to now, by positions at the ticks after now.

@@ -1,7 +1,7 @@
 //! What a train leaves of a mode's vibration.
 
 use crate::complex::Complex;
-use crate::{ImpulseTrain, ShaperError};
+use crate::{Impulse, ImpulseTrain, ShaperError};
 use num_traits::Float;
 
 /// A hump that touches the tolerance counts as below it: the solved humps are exact to about 1e-13,
@@ -34,11 +34,19 @@ const SEARCH_END: f64 = 10.0;
 /// ```
 /// Source: Singer and Seering 1990, eq. (5), with the amplitudes normalised to sum 1.
 pub fn residual_vibration(train: &ImpulseTrain, frequency: f64, damping_ratio: f64) -> f64 {
+    let impulses = train.impulses().iter().copied();
+    residual_of(impulses, train.duration(), frequency, damping_ratio)
+}
+
+/// [`residual_vibration`] of impulses of which the last is at `end` s.
+pub(crate) fn residual_of(
+    impulses: impl Iterator<Item = Impulse>,
+    end: f64,
+    frequency: f64,
+    damping_ratio: f64,
+) -> f64 {
     let pole = Complex::unit_pole(damping_ratio).scale(frequency);
-    let end = train.duration();
-    train
-        .impulses()
-        .iter()
+    impulses
         .map(|impulse| {
             pole.scale(end - impulse.time)
                 .exp()

@@ -1,9 +1,10 @@
 //! Changing the train in motion: cross-fade and replay correction.
 
 use crate::adaptive_filter::AdaptiveFilter;
+use crate::ahead::Ahead;
 use crate::complex::Complex;
-use crate::correction::{CORRECTED_MODES, Schedule, sum};
-use crate::cross_fade::CrossFade;
+use crate::correction::{CORRECTED_MODES, Schedule};
+use crate::cross_fade::Trains;
 use crate::history::Entry;
 use crate::modal_state::{ModalState, of_future, pole};
 use crate::replay::{Forecast, Plan};
@@ -27,6 +28,16 @@ struct Choice {
     fade: usize,
     /// Whether steps of earlier corrections that have not begun are dropped.
     superseded: bool,
+}
+
+/// A change of the train in motion.
+#[derive(Clone, Copy)]
+struct Change<'a> {
+    train: &'a GridTrain,
+    /// Length of the cross-fade, ticks; 0 keeps the trains at work, unless the line is constant.
+    fade: usize,
+    /// The earlier corrections as they go on.
+    schedule: &'a Schedule,
 }
 
 impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
@@ -82,19 +93,22 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         planned: impl Fn(usize) -> Setpoint,
     ) -> Result<Residual, Refusal> {
         let pole = pole(mode, self.sample_time);
-        let past = self.history.vibration(pole).ok_or(Refusal::HistoryLost)?;
+        let [given, sent] = self.history.left(pole).ok_or(Refusal::HistoryLost)?;
         self.load(remaining, planned)?;
-        let input = &self.planned[..remaining];
-        let unshaped = past
-            .planned
-            .sum(of_future(pole, self.line.at(0).position, input));
-        let (fade, schedule) = (self.fade.clone(), self.schedule.clone());
-        let rest = self.simulate(&fade, &schedule, remaining)?;
-        let output = &self.future[..rest];
-        let shaped = past.sent.sum(of_future(pole, self.sent.position, output));
+        let input = self.planned[..remaining].iter().map(|input| input.position);
+        let unshaped = ModalState::value_of_future(pole, self.line.at(0).position, input);
+        let shaped = match remaining == 0 && self.is_settled() {
+            // A command that stands still adds nothing.
+            true => Complex::default(),
+            false => {
+                let rest = self.simulate(None, remaining)?;
+                let output = self.future[..rest].iter().map(|output| output.position);
+                ModalState::value_of_future(pole, self.sent.position, output)
+            }
+        };
         Ok(Residual {
-            shaped: shaped.value.abs(),
-            unshaped: unshaped.value.abs(),
+            shaped: (sent + shaped).abs(),
+            unshaped: (given + unshaped).abs(),
         })
     }
 
@@ -112,8 +126,8 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         let mut past = Past::new();
         for &mode in request.modes {
             let pole = pole(mode, self.sample_time);
-            let vibration = self.history.vibration(pole).ok_or(Refusal::HistoryLost)?;
-            past.push((pole, vibration.sent));
+            let sent = self.history.sent(pole).ok_or(Refusal::HistoryLost)?;
+            past.push((pole, sent));
         }
         let still = remaining == 0 && self.is_settled();
         if still && past.iter().all(|(_, state)| state.value.abs() == 0.0) {
@@ -146,46 +160,31 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         Ok(())
     }
 
-    /// The output of the ticks to come until it is constant, into the scratch; how many they are.
-    fn simulate(
-        &mut self,
-        fade: &CrossFade,
-        schedule: &Schedule,
-        remaining: usize,
-    ) -> Result<usize, Refusal> {
-        let steps_end = schedule.end().saturating_sub(self.tick) as usize;
-        let needed = (remaining + fade.duration_in_ticks()).max(steps_end);
-        let horizon = self.future.len();
-        let Some(future) = self.future.get_mut(..needed) else {
-            return Err(Refusal::Horizon { needed, horizon });
+    /// The output of the ticks to come until it is constant, into the scratch; how many they are. With a
+    /// change of train and other corrections than those under way, if they are given.
+    fn simulate(&mut self, change: Option<Change<'_>>, remaining: usize) -> Result<usize, Refusal> {
+        let (trains, schedule) = match change {
+            None => (Trains::AsTheyAre(&self.fade), &self.schedule),
+            Some(Change {
+                train,
+                fade,
+                schedule,
+            }) => {
+                let trains = match fade {
+                    _ if self.can_switch(train) => Trains::Switched(train),
+                    0 => Trains::AsTheyAre(&self.fade),
+                    ticks => Trains::Fading(&self.fade, train, self.tick, ticks),
+                };
+                (trains, schedule)
+            }
         };
-        let (planned, line) = (&self.planned[..remaining], &self.line);
-        let at_rest = |last: &Setpoint| Setpoint::at_rest(last.position);
-        let goal = planned.last().map_or_else(|| line.at(0), at_rest);
-        for (ahead, slot) in future.iter_mut().enumerate() {
-            // `ahead + 1` ticks from now; an age of `ahead + 1` is the newest input of the line.
-            let input = |age: usize| match (ahead + 1).checked_sub(age) {
-                Some(0) => line.at(0),
-                Some(k) => planned.get(k - 1).copied().unwrap_or(goal),
-                None => line.at(age - ahead - 1),
-            };
-            let tick = self.tick + ahead as u64 + 1;
-            let shaped = fade.output(tick, self.sample_time, input);
-            *slot = sum(shaped, schedule.output(tick, self.sample_time));
-        }
-        Ok(needed)
-    }
-
-    /// The trains at work if another fades in, at once where the line is constant.
-    fn faded(&self, train: &GridTrain, ticks: usize) -> CrossFade {
-        if self.can_switch(train) {
-            return CrossFade::new(train.clone());
-        }
-        let mut fade = self.fade.clone();
-        if ticks > 0 {
-            fade.fade_in(train, self.tick, ticks);
-        }
-        fade
+        let ahead = Ahead {
+            tick: self.tick,
+            sample_time: self.sample_time,
+            line: &self.line,
+            planned: &self.planned[..remaining],
+        };
+        ahead.simulate(trains, schedule, &mut self.future)
     }
 
     /// Whether a train can take over now without a trace, because the line is constant.
@@ -222,8 +221,12 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             if fade > 0 && (self.fade.is_full() || !moving) {
                 continue;
             }
-            let faded = self.faded(request.train, fade);
-            let rest = match self.simulate(&faded, &schedule, remaining) {
+            let change = Change {
+                train: request.train,
+                fade,
+                schedule: &schedule,
+            };
+            let rest = match self.simulate(Some(change), remaining) {
                 Ok(rest) => rest,
                 Err(other) => {
                     refusal = other;
@@ -284,9 +287,13 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             fade,
             superseded,
         } = choice;
-        let faded = self.faded(request.train, *fade);
         let (mut schedule, total) = self.going_on(*superseded);
-        let rest = self.simulate(&faded, &schedule, remaining)?;
+        let change = Change {
+            train: request.train,
+            fade: *fade,
+            schedule: &schedule,
+        };
+        let rest = self.simulate(Some(change), remaining)?;
         let forecast = self.forecast_of(rest, &Past::new(), total, request.limits);
         let peaks = forecast.peaks(plan);
         schedule.extend(plan.comb.steps(&plan.amplitudes));
@@ -300,9 +307,14 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             robust: plan.is_robust(),
             peaks,
         };
-        let waits = *fade == 0 && !self.can_switch(request.train);
+        let switches = self.can_switch(request.train);
+        let waits = *fade == 0 && !switches;
         self.schedule = schedule;
-        self.fade = faded;
+        if switches {
+            self.fade.replace(request.train);
+        } else if *fade > 0 {
+            self.fade.fade_in(request.train, self.tick, *fade);
+        }
         self.pending = waits.then(|| request.train.clone());
         self.pending_from = self.tick + remaining as u64;
         Ok(RetuneOutcome::Corrected(correction))

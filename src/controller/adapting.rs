@@ -1,12 +1,9 @@
 //! From an estimate to a train, at rest or in motion.
 
-use quell_shapers::{
-    GridTrain, ImpulseTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, Shaper,
-    residual_vibration,
-};
+use quell_shapers::{GridTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, Shaper};
 
 use super::ahead::Ahead;
-use super::axis::Axis;
+use super::axis::{Axis, waiting};
 use super::settings::{RetunePolicy, motion_limits};
 use crate::adaptation::Decision;
 use crate::estimators::Estimate;
@@ -50,8 +47,9 @@ impl Axis {
     }
 
     fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
-        let (waiting, tick) = (self.next_train().to_impulses(), self.settings.sample_time);
-        let excess = |mode| excess_of(&waiting, shaper, mode, tick);
+        let tick = self.settings.sample_time;
+        let waiting = waiting(self.lane.as_ref(), &self.filter);
+        let excess = |mode| excess_of(waiting, shaper, mode, tick);
         let decision = self.adaptation.consider(estimate, shaper, excess);
         if let Decision::Accept(mode) = decision
             && let Ok(train) = shaper.on_grid(mode, tick)
@@ -112,7 +110,7 @@ impl Axis {
     ) {
         let present = self.next_train();
         let tick = self.settings.sample_time;
-        let excess = excess_of(&present.to_impulses(), shaper, mode, tick);
+        let excess = excess_of(present, shaper, mode, tick);
         let changes = excess >= self.settings.adaptation.dead_band;
         let train = if changes {
             designed.clone()
@@ -195,12 +193,12 @@ pub fn ringing_time(mode: Mode) -> f64 {
 }
 
 /// V of a train at a mode beyond that of the train designed for it.
-fn excess_of(train: &ImpulseTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f64) -> f64 {
-    let left = |train: &ImpulseTrain| {
-        residual_vibration(train, mode.natural_frequency(), mode.damping_ratio())
+fn excess_of(train: &GridTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f64) -> f64 {
+    let left = |train: &GridTrain| {
+        train.residual_vibration(mode.natural_frequency(), mode.damping_ratio())
     };
-    match shaper.on_grid(mode, sample_time) {
-        Ok(best) => left(train) - left(&best.to_impulses()),
+    match &shaper.on_grid(mode, sample_time) {
+        Ok(best) => left(train) - left(best),
         Err(_) => f64::INFINITY,
     }
 }

@@ -220,9 +220,14 @@ impl Axis {
 
     /// The train for this axis' mode that the next move from rest will meet.
     pub fn next_train(&self) -> &GridTrain {
-        let filter = || self.filter.pending().unwrap_or(self.filter.train());
-        self.lane.as_ref().map_or_else(filter, Lane::next_own)
+        waiting(self.lane.as_ref(), &self.filter)
     }
+}
+
+/// The train that the next move from rest will meet.
+pub(super) fn waiting<'a>(lane: Option<&'a Lane>, filter: &'a AdaptiveFilter) -> &'a GridTrain {
+    let own = || filter.pending().unwrap_or(filter.train());
+    lane.map_or_else(own, Lane::next_own)
 }
 
 fn design(

@@ -44,14 +44,14 @@ impl Convergence {
         }
     }
 
-    /// Takes an estimate of `[ln w, xi]` at a time.
-    pub fn push(&mut self, time: f64, estimate: [f64; 2]) {
-        let window = self.periods * core::f64::consts::TAU / estimate[0].exp();
+    /// Takes an estimate of `w` (rad/s) and `xi` at a time.
+    pub fn push(&mut self, time: f64, natural_frequency: f64, damping_ratio: f64) {
+        let window = self.periods * core::f64::consts::TAU / natural_frequency;
         if time - self.last < window / SLOTS as f64 {
             return;
         }
         self.last = time;
-        self.slots[self.next] = estimate;
+        self.slots[self.next] = [natural_frequency.ln(), damping_ratio];
         self.next = (self.next + 1) % SLOTS;
         self.count = (self.count + 1).min(SLOTS);
     }

@@ -2,7 +2,7 @@
 
 use quell_shapers::Mode;
 
-use super::likelihood::{Folding, Priors, Track, fit};
+use super::likelihood::{Folding, Priors, Track, Window, fit};
 use super::{Sample, Settings};
 
 /// Smallest standard deviations of an unbiased estimator.
@@ -49,12 +49,14 @@ pub fn cramer_rao(
         variance,
     };
     let mut track = Track::new(mode, settings.sample_time);
-    for _ in samples {
-        track.absorb(samples, &folding);
+    let mut window = Window::with_capacity(samples.len());
+    for &sample in samples {
+        window.push(sample);
+        track.absorb(&window, &folding);
     }
     let fit = fit(&track, &priors, variance)?;
     Some(Bound {
-        natural_frequency_std: fit.covariance[0][0].sqrt() * noise_std * w,
-        damping_ratio_std: fit.covariance[1][1].sqrt() * noise_std,
+        natural_frequency_std: fit.variances[0].sqrt() * noise_std * w,
+        damping_ratio_std: fit.variances[1].sqrt() * noise_std,
     })
 }

@@ -8,16 +8,16 @@
 use nalgebra::Complex;
 use quell_shapers::Mode;
 
-/// Columns of a [`ModalResponse::row`], the last one the residual.
-pub const WIDTH: usize = 13;
+/// Length of a [`ModalResponse::row`]: the columns below and a 0, because processors take two numbers at once.
+pub const WIDTH: usize = 14;
 /// Index of `dq / d ln w`, followed by `dq / d xi`.
 pub const LINK: usize = 0;
 /// Index of `dq' / d ln w`, followed by `dq' / d xi`.
 pub const RATE: usize = 2;
-/// Index of `Re e^(lambda t)`, followed by its imaginary part.
-pub const FREE: usize = 4;
 /// Index of `Re t e^(lambda t)`, followed by its imaginary part.
-pub const FREE_SLOPE: usize = 6;
+pub const FREE_SLOPE: usize = 4;
+/// Index of `Re e^(lambda t)`, followed by its imaginary part; the first of the six linear unknowns.
+pub const FREE: usize = 6;
 /// Index of the constant 1.
 pub const OFFSET: usize = 8;
 /// Index of `q'`: a clock's offset, or the damper across the joint.
@@ -49,15 +49,23 @@ impl Interval {
     ///
     /// A line where the interval before is missing, or so unlike in length that the parabola would
     /// extrapolate its noise.
-    fn parabola(&self) -> [f64; 3] {
+    pub fn parabola(&self) -> [f64; 3] {
+        let [slope, curvature] = self.bend();
+        [self.start, slope - curvature * self.step, curvature]
+    }
+
+    /// Slope of the chord, and the parabola's `u2`.
+    pub fn bend(&self) -> [f64; 2] {
         let slope = (self.end - self.start) / self.step;
         let ratio = self.step_before / self.step;
         if !(0.25..=4.0).contains(&ratio) {
-            return [self.start, slope, 0.0];
+            return [slope, 0.0];
         }
         let slope_before = (self.start - self.before) / self.step_before;
-        let curvature = (slope - slope_before) / (self.step + self.step_before);
-        [self.start, slope - curvature * self.step, curvature]
+        [
+            slope,
+            (slope - slope_before) / (self.step + self.step_before),
+        ]
     }
 }
 
@@ -180,26 +188,27 @@ impl ModalResponse {
         self.time = 0.0;
     }
 
-    /// Moves over one interval, the input on it a parabola.
+    /// Moves over one interval of length `step` (s), the input on it [`Interval::parabola`].
     ///
     /// The step's weights are computed again only where its length changes by more than 1e-6 of
     /// itself (a thousandth of that phase error is left after a thousand steps).
-    pub fn advance(&mut self, interval: &Interval) {
-        if (interval.step - self.weights.step).abs() > 1e-6 * self.weights.step {
-            self.weights = Weights::new(self.lambda, interval.step);
+    #[inline]
+    pub fn advance(&mut self, step: f64, parabola: &[f64; 3]) {
+        if (step - self.weights.step).abs() > 1e-6 * self.weights.step {
+            self.weights = Weights::new(self.lambda, step);
         }
         let weights = &self.weights;
         let h = weights.step;
         let mut forced = Complex::new(0.0, 0.0);
         let mut forced_slope = Complex::new(0.0, 0.0);
-        for (n, &coefficient) in interval.parabola().iter().enumerate() {
+        for (n, &coefficient) in parabola.iter().enumerate() {
             forced += weights.input[n] * coefficient;
             forced_slope += weights.input_slope[n] * coefficient;
         }
         self.sensitivity = weights.growth * (self.sensitivity + self.state * h) + forced_slope;
         self.state = weights.growth * self.state + forced;
         self.free *= weights.growth;
-        self.time += interval.step;
+        self.time += step;
         self.free_slope = self.free * self.time;
     }
 

@@ -39,7 +39,7 @@ impl Settling {
         let Ok(mode) = Mode::new(w, (0.5 * damping / w).max(0.0)) else {
             return;
         };
-        self.convergence.push(time, [w.ln(), 0.5 * damping / w]);
+        self.convergence.push(time, w, 0.5 * damping / w);
         let [log_std, damping_ratio_std] = self
             .convergence
             .spread()

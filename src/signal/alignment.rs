@@ -155,7 +155,11 @@ impl Aligner {
         let points: ArrayVec<(f64, f64), 4> = (first..(first + 4).min(count))
             .filter_map(|k| self.encoder.get(k).copied())
             .collect();
-        Some(lagrange(&points, time))
+        // Nearly always there are four, and loops of a known length cost half.
+        Some(match <&[(f64, f64); 4]>::try_from(points.as_slice()) {
+            Ok(four) => lagrange(four, time),
+            Err(_) => lagrange(&points, time),
+        })
     }
 }
 
@@ -169,18 +173,21 @@ fn is_finite(measurement: &Measurement) -> bool {
 }
 
 /// The polynomial through all points, at `time`; the points' times differ.
+#[inline(always)]
 fn lagrange(points: &[(f64, f64)], time: f64) -> f64 {
     // Relative to the first value, so that a large common offset costs no digits.
     let origin = points.first().map_or(0.0, |p| p.1);
     let mut sum = origin;
     for (i, &(ti, value)) in points.iter().enumerate() {
-        let mut weight = 1.0;
+        // One division a point.
+        let (mut above, mut below) = (value - origin, 1.0);
         for (j, &(tj, _)) in points.iter().enumerate() {
             if i != j {
-                weight *= (time - tj) / (ti - tj);
+                above *= time - tj;
+                below *= ti - tj;
             }
         }
-        sum += weight * (value - origin);
+        sum += above / below;
     }
     sum
 }

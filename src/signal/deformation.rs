@@ -12,8 +12,8 @@ use crate::recording::{Channel, Recording, Role};
 /// `delta = J . (p - FK(u)) / |J|^2` with `J = dFK/du`. For a tip that stays on its arc this is
 /// `sin delta`: low by `delta^3 / 6`, 5 nrad at 3 mrad.
 pub fn deformation(arc: &JointArc, motor_position: f64, tip: &Point3<f64>) -> f64 {
-    let jacobian = arc.tangent(motor_position);
-    jacobian.dot(&(tip - arc.tip(motor_position))) / jacobian.norm_squared()
+    let (expected, jacobian) = arc.tip_and_tangent(motor_position);
+    jacobian.dot(&(tip - expected)) / jacobian.norm_squared()
 }
 
 /// Deformation at one instant.

@@ -271,14 +271,21 @@ impl JointArc {
 
     /// Tip at joint angle `q` (rad), m.
     pub fn tip(&self, q: f64) -> Point3<f64> {
-        let (sin, cos) = q.sin_cos();
-        self.centre + self.radial * cos + self.tangential * sin
+        self.tip_and_tangent(q).0
     }
 
     /// `J = dp/dq` at joint angle `q` (rad), m/rad.
     pub fn tangent(&self, q: f64) -> Vector3<f64> {
+        self.tip_and_tangent(q).1
+    }
+
+    /// [`JointArc::tip`] and [`JointArc::tangent`].
+    pub fn tip_and_tangent(&self, q: f64) -> (Point3<f64>, Vector3<f64>) {
         let (sin, cos) = q.sin_cos();
-        self.tangential * cos - self.radial * sin
+        (
+            self.centre + self.radial * cos + self.tangential * sin,
+            self.tangential * cos - self.radial * sin,
+        )
     }
 
     /// Radius of the circle, m: the lever arm that turns rad at the joint into m at the tip.

@@ -3,109 +3,113 @@
 /// What rounding of the sums may leave on an exactly dependent pair of columns.
 const RIDGE: f64 = 1e-13;
 
-/// `S A S + 1e-13 I = L L^T` with `S` such that the diagonal of `S A S` is 1.
+/// `A + 1e-13 diag(A) = L D L^T`, the diagonal of `L` 1: no square roots, and no scale of the unknowns, of
+/// which it depends by rounding only.
 ///
-/// Source: G. Golub, C. Van Loan, Matrix Computations, 4th ed., ch. 4.2.
+/// Source: G. Golub, C. Van Loan, Matrix Computations, 4th ed., ch. 4.1.
 #[derive(Clone, Copy, Debug)]
 pub struct Cholesky<const N: usize> {
-    factor: [[f64; N]; N],
-    /// Inverse of the factor's diagonal.
+    /// `L` below the diagonal.
+    lower: [[f64; N]; N],
+    /// `D^-1`.
     pivot: [f64; N],
-    scale: [f64; N],
+    /// Diagonal of `A`.
+    diagonal: [f64; N],
 }
 
 impl<const N: usize> Default for Cholesky<N> {
     fn default() -> Self {
         Self {
-            factor: [[0.0; N]; N],
+            lower: [[0.0; N]; N],
             pivot: [0.0; N],
-            scale: [0.0; N],
+            diagonal: [0.0; N],
         }
     }
 }
 
+// Sizes are known to the compiler: loops of so few steps cost more than what is in them.
 impl<const N: usize> Cholesky<N> {
-    /// Adds row `n` of the matrix, of which the first `n + 1` numbers count; `None` where the matrix is not
-    /// positive definite.
-    pub fn append(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
-        if !(row[n].is_finite() && row[n] > 0.0) {
+    /// Adds row `ROW` of the matrix, of which the numbers up to the diagonal count; `None` where the matrix is
+    /// not positive definite.
+    #[inline(always)]
+    pub fn append<const ROW: usize>(&mut self, row: &[f64; N]) -> Option<()> {
+        if !(row[ROW].is_finite() && row[ROW] > 0.0) {
             return None;
         }
-        self.scale[n] = row[n].sqrt().recip();
-        let mut square = 1.0 + RIDGE;
-        for (j, &value) in row.iter().enumerate().take(n) {
-            let mut sum = value * self.scale[n] * self.scale[j];
-            for k in 0..j {
-                sum -= self.factor[n][k] * self.factor[j][k];
-            }
-            let entry = sum * self.pivot[j];
-            self.factor[n][j] = entry;
-            square -= entry * entry;
+        let scaled = self.forward::<ROW>(row);
+        let mut left = row[ROW] * (1.0 + RIDGE);
+        let line = self.lower[ROW].iter_mut().zip(&self.pivot);
+        for ((entry, pivot), part) in line.zip(scaled).take(ROW) {
+            *entry = part * pivot;
+            left -= part * *entry;
         }
-        if square.is_nan() || square <= 0.0 {
+        if left.is_nan() || left <= 0.0 {
             return None;
         }
-        self.factor[n][n] = square.sqrt();
-        self.pivot[n] = self.factor[n][n].recip();
+        self.pivot[ROW] = left.recip();
+        self.diagonal[ROW] = row[ROW];
         Some(())
     }
 
-    /// The first `size` of `L^-1 S rhs`, the rest 0.
-    pub fn forward(&self, rhs: &[f64; N], size: usize) -> [f64; N] {
+    /// The first `SIZE` of `L^-1 rhs`, the rest 0.
+    #[inline(always)]
+    pub fn forward<const SIZE: usize>(&self, rhs: &[f64; N]) -> [f64; N] {
         let mut result = [0.0; N];
-        for (n, &value) in rhs.iter().enumerate().take(size) {
-            result[n] = self.next_forward(&result, n, value);
+        for n in 0..SIZE {
+            result[n] = self.next_forward(&result, n, rhs[n]);
         }
         result
     }
 
-    /// Number `n` of `L^-1 S rhs`, those before it known.
+    /// Number `n` of `L^-1 rhs`, those before it known.
+    #[inline(always)]
     pub fn next_forward(&self, known: &[f64; N], n: usize, rhs: f64) -> f64 {
-        let mut sum = rhs * self.scale[n];
-        for (entry, value) in self.factor[n].iter().zip(known).take(n) {
-            sum -= entry * value;
-        }
-        sum * self.pivot[n]
+        without(rhs, &self.lower[n][..n], known)
     }
 
-    /// The first `size` of `S L^-T forward`: the solution, where `forward` is that of its right-hand side.
-    pub fn backward(&self, forward: &[f64; N], size: usize) -> [f64; N] {
+    /// The first `SIZE` of `L^-T D^-1 forward`: the solution, where `forward` is that of its right-hand side.
+    #[inline(always)]
+    pub fn backward<const SIZE: usize>(&self, forward: &[f64; N]) -> [f64; N] {
         let mut result = [0.0; N];
-        for n in (0..size).rev() {
-            let mut sum = forward[n];
-            for (row, value) in self.factor.iter().zip(result).take(size).skip(n + 1) {
-                sum -= row[n] * value;
+        for n in (0..SIZE).rev() {
+            let mut part = forward[n] * self.pivot[n];
+            for (line, known) in self.lower[n + 1..SIZE].iter().zip(&result[n + 1..]) {
+                part -= line[n] * known;
             }
-            result[n] = sum * self.pivot[n];
-        }
-        for (value, scale) in result.iter_mut().zip(&self.scale) {
-            *value *= scale;
+            result[n] = part;
         }
         result
     }
 
-    /// Element `(i, j)` of the inverse of `A`; the later they stand, the less work.
-    pub fn inverse(&self, i: usize, j: usize) -> f64 {
-        let (left, right) = (self.column(i), self.column(j));
-        (i.max(j)..N).map(|n| left[n] * right[n]).sum()
+    /// `y^2 / d` of number `n` of a forward solution: what it explains of the sum of squares.
+    #[inline(always)]
+    pub fn explained(&self, forward: &[f64; N], n: usize) -> f64 {
+        forward[n] * forward[n] * self.pivot[n]
     }
 
-    /// Column `i` of `L^-1 S`.
-    fn column(&self, i: usize) -> [f64; N] {
-        let mut result = [0.0; N];
-        result[i] = self.scale[i] * self.pivot[i];
-        for n in i + 1..N {
-            let mut sum = 0.0;
-            for (entry, value) in self.factor[n].iter().zip(result).take(n).skip(i) {
-                sum -= entry * value;
-            }
-            result[n] = sum * self.pivot[n];
+    /// Element `(I, I)` of the inverse of `A`; the later it stands, the less work.
+    #[inline(always)]
+    pub fn inverse<const I: usize>(&self) -> f64 {
+        // Column I of L^-1.
+        let mut column = [0.0; N];
+        column[I] = 1.0;
+        let mut sum = self.pivot[I];
+        for n in I + 1..N {
+            column[n] = without(0.0, &self.lower[n][I..n], &column[I..]);
+            sum += self.explained(&column, n);
         }
-        result
+        sum
     }
 
     /// Element `(n, n)` of `A`.
+    #[inline(always)]
     pub fn diagonal(&self, n: usize) -> f64 {
-        (self.scale[n] * self.scale[n]).recip()
+        self.diagonal[n]
     }
+}
+
+/// `whole - sum a_k b_k`, over the shorter of the two.
+#[inline(always)]
+fn without(whole: f64, a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(whole, |rest, (a, b)| rest - a * b)
 }

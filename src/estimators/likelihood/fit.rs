@@ -1,22 +1,19 @@
 //! One Gauss-Newton step of the likelihood from accumulated second moments.
 
 use super::cholesky::Cholesky;
+use super::moments::Moments;
+use super::priors::Priors;
 use super::track::Track;
-use crate::estimators::modal_response::{
-    DEFORMATION, FREE, FREE_SLOPE, INPUT, LINK, OFFSET, RATE, RESIDUAL, VELOCITY, WIDTH,
-};
+use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE, RESIDUAL, WIDTH};
 use nalgebra::SMatrix;
-
-/// Sums of products of the columns of every row.
-pub type Moments = [[f64; WIDTH]; WIDTH];
 
 /// Normal equations of past stretches, their free decays eliminated: `ln w`, `xi`, offset, rate,
 /// scale, gain, and the residual as last row.
 pub type Past = SMatrix<f64, 7, 7>;
 
-/// Linear unknowns: free decay (two), offset, rate, scale, gain. They come first, so that the factor of
-/// their normal equations is the beginning of that of all eight.
-const LINEAR: [usize; 6] = [FREE, FREE + 1, OFFSET, VELOCITY, DEFORMATION, INPUT];
+/// Column of the first of the linear unknowns: free decay (two), offset, rate, scale, gain. They come first,
+/// so that the factor of their normal equations is the beginning of that of all eight.
+const LINEAR: usize = FREE;
 const SCALE: usize = 4;
 const RATE_GAIN: usize = 3;
 const GAIN: usize = 5;
@@ -34,15 +31,6 @@ const PLACE: [Option<usize>; 8] = [
     Some(1),
 ];
 
-/// Gaussian priors of all unknowns: `ln w`, `xi`, then the linear ones.
-#[derive(Clone, Copy, Debug)]
-pub struct Priors {
-    /// Means of `ln w` and `xi`.
-    pub mean: [f64; 2],
-    /// Inverse variances of the eight unknowns.
-    pub precision: [f64; 8],
-}
-
 /// What the moments say at and near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
@@ -52,8 +40,8 @@ pub struct Fit {
     pub cost_after: f64,
     /// Step of `ln w` and `xi`.
     pub step: [f64; 2],
-    /// Covariance of `ln w`, `xi` for a noise of unit variance.
-    pub covariance: [[f64; 2]; 2],
+    /// Variances of `ln w`, `xi` for a noise of unit variance.
+    pub variances: [f64; 2],
     /// Static gain and its variance for a noise of unit variance.
     pub gain: (f64, f64),
     /// Weights of a row's columns that give the residual after the step.
@@ -69,36 +57,43 @@ impl Fit {
     /// Variance of what is predicted for a row, for a noise of unit variance.
     pub fn doubt(&self, row: &[f64; WIDTH]) -> f64 {
         let mut derivatives = [0.0; 8];
-        for (derivative, &column) in derivatives.iter_mut().zip(&LINEAR) {
-            *derivative = row[column];
-        }
+        derivatives[..MODE].copy_from_slice(&row[LINEAR..RESIDUAL]);
         for (k, slope) in self.slopes.iter().enumerate() {
-            derivatives[MODE + k] = slope.iter().map(|&(column, c)| c * row[column]).sum();
+            derivatives[MODE + k] = weighted(k, slope).map(|(column, c)| c * row[column]).sum();
         }
-        self.factor
-            .forward(&derivatives, 8)
-            .iter()
-            .map(|y| y * y)
-            .sum()
+        let forward = self.factor.forward::<8>(&derivatives);
+        (0..8).map(|n| self.factor.explained(&forward, n)).sum()
     }
 }
 
-/// The derivative of a row by `ln w` or `xi`: columns and their weights.
+/// The derivative of a row by `ln w` or `xi`: weights of its columns.
 ///
 /// The derivatives by the mode contain the linear unknowns: the free decay's amplitude, the rate's
 /// coefficient, the scale.
-type Slope = [(usize, f64); 4];
+type Slope = [f64; 4];
 
+/// The columns of the derivative by `ln w` (0) or `xi` (1).
+#[inline(always)]
+fn columns(k: usize) -> [usize; 4] {
+    [LINK + k, RATE + k, FREE_SLOPE, FREE_SLOPE + 1]
+}
+
+/// The columns of a derivative with their weights.
+#[inline(always)]
+fn weighted(k: usize, slope: &Slope) -> impl Iterator<Item = (usize, f64)> {
+    columns(k).into_iter().zip(*slope)
+}
+
+#[inline(always)]
 fn slopes(track: &Track, linear: &[f64; 8]) -> [Slope; 2] {
-    let turns = track.response.lambda_slopes();
-    core::array::from_fn(|k| {
+    track.response.lambda_slopes().map(|turn| {
         // Re((a - j b) e^(lambda t)) has the derivative Re((a - j b) lambda_p t e^(lambda t)).
-        let turned = nalgebra::Complex::new(linear[0], -linear[1]) * turns[k];
+        let turned = nalgebra::Complex::new(linear[0], -linear[1]) * turn;
         [
-            (LINK + k, 1.0 + linear[SCALE]),
-            (RATE + k, linear[RATE_GAIN]),
-            (FREE_SLOPE, turned.re),
-            (FREE_SLOPE + 1, -turned.im),
+            1.0 + linear[SCALE],
+            linear[RATE_GAIN],
+            turned.re,
+            -turned.im,
         ]
     })
 }
@@ -113,6 +108,7 @@ struct Profile {
 
 /// Adds to a row of the normal equations, and to its right-hand side, what past stretches say; the residual
 /// is the seventh of [`Past`].
+#[inline]
 fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
     let (true, Some(p)) = (track.has_past, PLACE[i]) else {
         return;
@@ -123,35 +119,83 @@ fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
     *rhs += track.past[(p, 6)];
 }
 
+#[inline(always)]
 fn solve_linear(track: &Track, priors: &Priors, variance: f64) -> Option<Profile> {
-    let (moments, mode) = (&track.moments, track.mode);
-    let mut factor = Cholesky::default();
-    let mut rhs = [0.0; 8];
-    for (i, &p) in LINEAR.iter().enumerate() {
-        let mut row = [0.0; 8];
-        for (j, &q) in LINEAR.iter().enumerate().take(i + 1) {
-            row[j] = moments[p][q];
-        }
-        rhs[i] = moments[p][RESIDUAL];
-        add_past(track, i, &mut row, &mut rhs[i]);
-        row[i] += variance * priors.precision[i + 2];
-        factor.append(i, &row)?;
-    }
-    let forward = factor.forward(&rhs, MODE);
-    let miss = [
-        mode.natural_frequency().ln() - priors.mean[0],
-        mode.damping_ratio() - priors.mean[1],
-    ];
     let prior: f64 = (0..2)
-        .map(|k| priors.precision[k] * miss[k] * miss[k])
+        .map(|k| priors.precision[k] * (track.point[k] - priors.mean[k]).powi(2))
         .sum();
-    let square = moments[RESIDUAL][RESIDUAL] + track.past[(6, 6)];
-    let explained: f64 = forward.iter().map(|y| y * y).sum();
-    Some(Profile {
-        factor,
-        forward,
-        cost: square - explained + variance * prior,
-    })
+    let mut profile = Profile {
+        factor: Cholesky::default(),
+        forward: [0.0; 8],
+        cost: track.moments.of(RESIDUAL, RESIDUAL) + track.past[(6, 6)] + variance * prior,
+    };
+    profile.add::<0>(track, priors, variance)?;
+    profile.add::<1>(track, priors, variance)?;
+    profile.add::<2>(track, priors, variance)?;
+    profile.add::<3>(track, priors, variance)?;
+    profile.add::<4>(track, priors, variance)?;
+    profile.add::<5>(track, priors, variance)?;
+    Some(profile)
+}
+
+impl Profile {
+    /// Adds a linear unknown.
+    #[inline(always)]
+    fn add<const I: usize>(&mut self, track: &Track, priors: &Priors, variance: f64) -> Option<()> {
+        let mut row = [0.0; 8];
+        for (j, entry) in row.iter_mut().enumerate().take(I + 1) {
+            *entry = track.moments.line(LINEAR + j)[LINEAR + I];
+        }
+        let mut rhs = track.moments.line(LINEAR + I)[RESIDUAL];
+        add_past(track, I, &mut row, &mut rhs);
+        row[I] += variance * priors.precision[I + 2];
+        self.factor.append::<I>(&row)?;
+        self.forward[I] = self.factor.next_forward(&self.forward, I, rhs);
+        self.cost -= self.factor.explained(&self.forward, I);
+        Some(())
+    }
+
+    /// Adds `ln w` and `xi`.
+    #[inline(always)]
+    fn add_mode<const I: usize>(
+        &mut self,
+        track: &Track,
+        priors: &Priors,
+        variance: f64,
+        slopes: &[Slope; 2],
+    ) -> Option<()> {
+        let k = I - MODE;
+        let mut row = [0.0; 8];
+        let weight = variance * priors.precision[k];
+        let mut rhs = weight * (priors.mean[k] - track.point[k]);
+        for (column, weight) in weighted(k, &slopes[k]) {
+            let line = track.moments.line(column);
+            for (product, moment) in row.iter_mut().zip(&line[LINEAR..RESIDUAL]) {
+                *product += weight * moment;
+            }
+            rhs += weight * line[RESIDUAL];
+        }
+        for l in 0..=k {
+            row[MODE + l] = product_of(&track.moments, slopes, [k, l]);
+        }
+        add_past(track, I, &mut row, &mut rhs);
+        row[I] += weight;
+        self.factor.append::<I>(&row)?;
+        self.forward[I] = self.factor.next_forward(&self.forward, I, rhs);
+        Some(())
+    }
+}
+
+/// Sum of the products of two derivatives.
+#[inline(always)]
+fn product_of(moments: &Moments, slopes: &[Slope; 2], [k, l]: [usize; 2]) -> f64 {
+    let mut sum = 0.0;
+    for (i, weight) in weighted(k, &slopes[k]) {
+        for (j, other) in weighted(l, &slopes[l]) {
+            sum += weight * other * moments.of(i, j);
+        }
+    }
+    sum
 }
 
 /// Sum of squares at a track's mode, the linear unknowns at their best.
@@ -164,18 +208,18 @@ pub fn fold(track: &Track, priors: &Priors, variance: f64) -> Option<Past> {
     let Profile {
         factor, forward, ..
     } = solve_linear(track, priors, variance)?;
-    let linear = factor.backward(&forward, MODE);
+    let linear = factor.backward::<MODE>(&forward);
     let mut rows = SMatrix::<f64, 9, WIDTH>::zeros();
     for (k, slope) in slopes(track, &linear).iter().enumerate() {
-        for &(column, weight) in slope {
+        for (column, weight) in weighted(k, slope) {
             rows[(k, column)] = weight;
         }
     }
-    for (i, &column) in LINEAR.iter().enumerate() {
-        rows[(i + 2, column)] = 1.0;
+    for i in 0..MODE {
+        rows[(i + 2, LINEAR + i)] = 1.0;
     }
     rows[(8, RESIDUAL)] = 1.0;
-    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| track.moments[i][j]);
+    let full = SMatrix::<f64, WIDTH, WIDTH>::from_fn(|i, j| track.moments.of(i, j));
     let mut normal = rows * full * rows.transpose();
     normal[(2, 2)] += variance * priors.precision[2];
     normal[(3, 3)] += variance * priors.precision[3];
@@ -187,51 +231,16 @@ pub fn fold(track: &Track, priors: &Priors, variance: f64) -> Option<Past> {
     Some(track.past + shared - cross * inverse * cross.transpose())
 }
 
-/// Adds `ln w` and `xi` to the normal equations of the linear unknowns.
-fn add_mode(
-    track: &Track,
-    priors: &Priors,
-    variance: f64,
-    slopes: &[Slope; 2],
-    profile: &mut Profile,
-) -> Option<()> {
-    let point = [
-        track.mode.natural_frequency().ln(),
-        track.mode.damping_ratio(),
-    ];
-    let mut products = [[0.0; WIDTH]; 2];
-    for (k, slope) in slopes.iter().enumerate() {
-        for &(column, weight) in slope {
-            for (product, moment) in products[k].iter_mut().zip(&track.moments[column]) {
-                *product += weight * moment;
-            }
-        }
-        let mut row = [0.0; 8];
-        for (i, &column) in LINEAR.iter().enumerate() {
-            row[i] = products[k][column];
-        }
-        for (entry, product) in row[MODE..].iter_mut().zip(&products).take(k + 1) {
-            *entry = slope.iter().map(|&(c, w)| w * product[c]).sum();
-        }
-        let weight = variance * priors.precision[k];
-        let mut rhs = products[k][RESIDUAL] + weight * (priors.mean[k] - point[k]);
-        add_past(track, MODE + k, &mut row, &mut rhs);
-        row[MODE + k] += weight;
-        profile.factor.append(MODE + k, &row)?;
-        profile.forward[MODE + k] = profile.factor.next_forward(&profile.forward, MODE + k, rhs);
-    }
-    Some(())
-}
-
 /// Weights of a row's columns that give the residual of a solution.
+#[inline(always)]
 fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
     let mut residual = [0.0; WIDTH];
-    for (&column, unknown) in LINEAR.iter().zip(solution) {
-        residual[column] = -unknown;
+    for (weight, unknown) in residual[LINEAR..RESIDUAL].iter_mut().zip(solution) {
+        *weight = -unknown;
     }
-    for (slope, unknown) in slopes.iter().zip(&solution[MODE..]) {
-        for &(column, weight) in slope {
-            residual[column] -= unknown * weight;
+    for (k, slope) in slopes.iter().enumerate() {
+        for (column, weight) in weighted(k, slope) {
+            residual[column] -= solution[MODE + k] * weight;
         }
     }
     residual[RESIDUAL] = 1.0;
@@ -239,6 +248,7 @@ fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
 }
 
 /// How many unknowns the samples determine.
+#[inline(always)]
 fn determined(factor: &Cholesky<8>, priors: &Priors, variance: f64) -> f64 {
     let share = |i: usize| {
         let precision = priors.precision[(i + 2) % 8];
@@ -250,23 +260,23 @@ fn determined(factor: &Cholesky<8>, priors: &Priors, variance: f64) -> f64 {
 /// One Gauss-Newton step of all eight unknowns.
 pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
     let mut profile = solve_linear(track, priors, variance)?;
-    let linear = profile.factor.backward(&profile.forward, MODE);
+    let linear = profile.factor.backward::<MODE>(&profile.forward);
     let slopes = slopes(track, &linear);
-    add_mode(track, priors, variance, &slopes, &mut profile)?;
+    profile.add_mode::<MODE>(track, priors, variance, &slopes)?;
+    profile.add_mode::<{ MODE + 1 }>(track, priors, variance, &slopes)?;
     let Profile {
         factor,
         forward,
         cost,
     } = profile;
-    let solution = factor.backward(&forward, 8);
+    let solution = factor.backward::<8>(&forward);
     Some(Fit {
         cost,
         // What the step gains beyond the best linear unknowns.
-        cost_after: cost - forward[MODE].powi(2) - forward[MODE + 1].powi(2),
+        cost_after: cost - factor.explained(&forward, MODE) - factor.explained(&forward, MODE + 1),
         step: [solution[MODE], solution[MODE + 1]],
-        covariance: [MODE, MODE + 1]
-            .map(|i| [factor.inverse(i, MODE), factor.inverse(i, MODE + 1)]),
-        gain: (solution[GAIN], factor.inverse(GAIN, GAIN)),
+        variances: [factor.inverse::<MODE>(), factor.inverse::<{ MODE + 1 }>()],
+        gain: (solution[GAIN], factor.inverse::<GAIN>()),
         residual: residual(&solution, &slopes),
         unknowns: determined(&factor, priors, variance),
         slopes,

@@ -20,8 +20,8 @@ impl Likelihood {
         let innovation: f64 = fit.residual.iter().zip(row).map(|(w, x)| w * x).sum();
         let square = innovation * innovation;
         // The doubt only widens: most samples need no more than this.
-        let outside =
-            self.evidence(square) > SPIKE && self.evidence(square / (1.0 + fit.doubt(row))) > SPIKE;
+        let outside = self.is_evident(square, SPIKE)
+            && self.is_evident(square / (1.0 + fit.doubt(row)), SPIKE);
         self.outside = if outside { self.outside + 1 } else { 0 };
         outside && self.outside <= LONGEST
     }
@@ -29,15 +29,15 @@ impl Likelihood {
     /// Takes the youngest sample into the active track; of a spike only the input is kept.
     pub(super) fn take_youngest(&mut self) {
         let folding = self.folding();
-        let Some(&sample) = self.active.approach(&self.samples, &folding) else {
+        let Some(&sample) = self.active.approach(&self.window, &folding) else {
             return;
         };
         let row = self.active.row;
         if !self.refuses(&row) {
             self.active.take(&sample);
             self.largest = self.largest.max(sample.deformation.abs());
-        } else if let Some(youngest) = self.samples.last_mut() {
-            youngest.deformation = f64::NAN;
+        } else {
+            self.window.refuse_youngest();
             // Nor does it say anything of the noise's colour.
             self.active.row[RESIDUAL] = f64::NAN;
         }

@@ -26,19 +26,25 @@ mod cholesky;
 mod correlation;
 mod fit;
 mod gate;
+mod moments;
+mod priors;
 mod region;
 mod relinearise;
 mod search;
 mod track;
+mod window;
 
 use quell_shapers::Mode;
 
-pub(super) use self::fit::{Priors, fit};
+pub(super) use self::fit::fit;
+pub(super) use self::priors::Priors;
 pub(super) use self::track::{Folding, Track};
+pub(super) use self::window::Window;
 
 use self::correlation::Correlation;
 use self::fit::Fit;
-use self::region::{DAMPING_RANGE, TRUST, bounded, log_point, trusted};
+use self::priors::inverse_square;
+use self::region::{DAMPING_RANGE, Region, TRUST, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
 
@@ -66,7 +72,10 @@ const RULED_OUT: f64 = 30.0;
 #[derive(Clone, Debug)]
 pub struct Likelihood {
     settings: Settings,
-    samples: Vec<Sample>,
+    region: Region,
+    /// What does not change of the priors.
+    belief: Priors,
+    window: Window,
     grid: Vec<Track>,
     active: Track,
     fit: Option<Fit>,
@@ -104,14 +113,15 @@ impl Likelihood {
             .belief
             .or(grid.first().map(|track| track.mode))
             .unwrap_or(fallback);
+        let region = Region::new(settings.frequency_range);
+        let start = region.mode(log_point(start)).unwrap_or(start);
         Self {
             settings: *settings,
-            samples: Vec::with_capacity(settings.capacity()),
+            region,
+            belief: Priors::believed(settings),
+            window: Window::with_capacity(settings.capacity()),
             grid,
-            active: Track::new(
-                bounded(settings, log_point(start)).unwrap_or(start),
-                settings.sample_time,
-            ),
+            active: Track::new(start, settings.sample_time),
             fit: None,
             candidate: None,
             must_replace: false,
@@ -128,34 +138,18 @@ impl Likelihood {
         }
     }
 
-    /// Means and inverse variances: a belief says little (the whole range of frequencies, a fifth
-    /// in damping), the sensors' imperfections what the settings say.
+    /// Priors of the moment: what vibrates is of the size of the deformations seen.
     fn priors(&self) -> Priors {
-        let (low, high) = self.settings.frequency_range;
-        let (mean, damping) = match self.settings.belief {
-            Some(mode) => (mode.natural_frequency().ln(), mode.damping_ratio()),
-            None => (0.5 * (low * high).ln(), 0.1),
-        };
-        let inverse_square = |std: f64| if std > 0.0 { (std * std).recip() } else { 1e30 };
+        let mut priors = self.belief;
         let amplitude = inverse_square(10.0 * self.largest.max(1e-12));
-        let noise = self.variance.max(1e-30);
-        let w = self.active.mode.natural_frequency();
-        Priors {
-            mean: [mean, damping],
-            precision: [
-                inverse_square((0.5 * (high / low).ln()).max(0.1)),
-                inverse_square(0.2),
-                amplitude,
-                amplitude,
-                self.settings
-                    .offset_std
-                    .map_or(noise.recip(), inverse_square),
-                // The damper across the joint needs 2 xi / w, at most 2 / w.
-                w * w,
-                inverse_square(self.settings.scale_std),
-                inverse_square(self.settings.gain_std),
-            ],
+        priors.precision[2] = amplitude;
+        priors.precision[3] = amplitude;
+        if self.settings.offset_std.is_none() {
+            priors.precision[4] = self.variance.max(1e-30).recip();
         }
+        // The damper across the joint needs 2 xi / w, at most 2 / w.
+        priors.precision[5] = self.active.mode.natural_frequency().powi(2);
+        priors
     }
 
     fn folding(&self) -> Folding {
@@ -191,14 +185,17 @@ impl Likelihood {
         self.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
     }
 
-    /// `-2 ln` of the odds against a sum of squares that is larger by so much, the noise's level known as
-    /// well as it is: `n ln(1 + d / (n s^2))`, which for many samples is `d / s^2`.
+    /// Whether `-2 ln` of the odds against a sum of squares that is larger by so much is above a limit, the
+    /// noise's level known as well as it is: `n ln(1 + d / (n s^2))`, which for many samples is `d / s^2`.
     ///
     /// Source: T. W. Anderson, An Introduction to Multivariate Statistical Analysis, ch. 8 (likelihood ratio
     /// with an unknown variance).
-    fn evidence(&self, difference: f64) -> f64 {
+    fn is_evident(&self, difference: f64, limit: f64) -> bool {
         let freedom = self.freedom.max(1.0);
-        freedom * (difference / (freedom * self.variance)).max(0.0).ln_1p()
+        let ratio = (difference / (freedom * self.variance)).max(0.0);
+        // 2 x / (2 + x) <= ln(1 + x) <= x says it without a logarithm, unless it is close.
+        freedom * ratio > limit
+            && (freedom * 2.0 * ratio > limit * (2.0 + ratio) || freedom * ratio.ln_1p() > limit)
     }
 
     fn refit(&mut self) {
@@ -214,8 +211,7 @@ impl Likelihood {
             _ => 1.0,
         };
         let variance = self.variance * student * self.correlation.inflation();
-        [fit.covariance[0][0], fit.covariance[1][1], fit.gain.1]
-            .map(|unit| (unit * variance).sqrt())
+        [fit.variances[0], fit.variances[1], fit.gain.1].map(|unit| (unit * variance).sqrt())
     }
 
     /// Writes the estimate that goes with the present fit.
@@ -229,13 +225,13 @@ impl Likelihood {
         let [log_std, damping_std, gain_std] = self.spread(fit);
         // What an offset and a gain explain as well is no vibration: noise always has a best mode.
         let explained = self.active.without_vibration() - fit.cost_after;
-        let heard = self.evidence(explained) > RULED_OUT + UNKNOWNS;
+        let heard = self.is_evident(explained, RULED_OUT + UNKNOWNS);
         let usable = log_std < USABLE && fit.step[0].abs() < TRUST[0];
         if !(heard && usable) {
             return;
         }
-        let point = trusted(self.active.mode, fit.step, 1.0);
-        let Some(mode) = bounded(&self.settings, point) else {
+        let point = trusted(self.active.point, fit.step, 1.0);
+        let Some(mode) = self.region.mode(point) else {
             return;
         };
         let residual = (0..self.active.row.len())
@@ -245,7 +241,8 @@ impl Likelihood {
         if f64::is_finite(residual) {
             self.correlation.observe(residual);
         }
-        self.convergence.push(time, log_point(mode));
+        let (w, xi) = (mode.natural_frequency(), mode.damping_ratio());
+        self.convergence.push(time, w, xi);
         // What the noise leaves is in the standard deviations, what the model leaves in the spread;
         // where the residual turns out coloured the word is taken back.
         let within = |limit: f64| log_std < limit && damping_std < limit;
@@ -268,16 +265,17 @@ impl Likelihood {
 impl Estimator for Likelihood {
     fn observe(&mut self, sample: Sample) {
         let advances = self
-            .samples
+            .window
+            .samples()
             .last()
             .is_none_or(|last| sample.time > last.time);
         if !(sample.is_finite() && advances) {
             return;
         }
-        if self.samples.len() == self.samples.capacity() {
+        if self.window.is_full() {
             self.slide();
         }
-        self.samples.push(sample);
+        self.window.push(sample);
         self.take_youngest();
         self.update_variance();
         self.refit();
@@ -293,7 +291,7 @@ impl Estimator for Likelihood {
     }
 
     fn restart(&mut self) {
-        self.samples.clear();
+        self.window.clear();
         let sample_time = self.settings.sample_time;
         for track in &mut self.grid {
             *track = Track::new(track.mode, sample_time);

@@ -2,8 +2,6 @@
 
 use quell_shapers::Mode;
 
-use crate::estimators::Settings;
-
 /// Largest step of `ln w` and of `xi` before the track is moved: a tenth of the ratio between two
 /// grid points less would never reach from one to the next, more would leave its linear range.
 pub const TRUST: [f64; 2] = [0.15, 0.08];
@@ -15,19 +13,45 @@ pub fn log_point(mode: Mode) -> [f64; 2] {
     [mode.natural_frequency().ln(), mode.damping_ratio()]
 }
 
-/// The end of a step cut to the trusted length.
-pub fn trusted(mode: Mode, step: [f64; 2], shrink: f64) -> [f64; 2] {
+/// The end of a step from a point, cut to the trusted length.
+pub fn trusted(point: [f64; 2], step: [f64; 2], shrink: f64) -> [f64; 2] {
     let excess = (step[0].abs() / TRUST[0])
         .max(step[1].abs() / TRUST[1])
         .max(1.0);
-    let point = log_point(mode);
     [0, 1].map(|k| point[k] + shrink * step[k] / excess)
 }
 
-/// The mode at a point, moved into the allowed ranges.
-pub fn bounded(settings: &Settings, point: [f64; 2]) -> Option<Mode> {
-    let (low, high) = settings.frequency_range;
-    let w = point[0].exp().max(low).min(high);
-    let xi = point[1].max(DAMPING_RANGE.0).min(DAMPING_RANGE.1);
-    Mode::new(w, xi).ok()
+/// The modes that are looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    /// Natural frequencies, rad/s.
+    frequencies: (f64, f64),
+    /// Their logarithms.
+    logarithms: (f64, f64),
+}
+
+impl Region {
+    /// Of frequencies from the lowest to the highest, rad/s, and all dampings.
+    pub fn new((low, high): (f64, f64)) -> Self {
+        Self {
+            frequencies: (low, high),
+            logarithms: (low.ln(), high.ln()),
+        }
+    }
+
+    /// The nearest point within, `ln w` and `xi`.
+    pub fn nearest(&self, point: [f64; 2]) -> [f64; 2] {
+        let (low, high) = self.logarithms;
+        [
+            point[0].max(low).min(high),
+            point[1].max(DAMPING_RANGE.0).min(DAMPING_RANGE.1),
+        ]
+    }
+
+    /// The mode at the nearest point within.
+    pub fn mode(&self, point: [f64; 2]) -> Option<Mode> {
+        let (low, high) = self.frequencies;
+        let [log, xi] = self.nearest(point);
+        Mode::new(log.exp().max(low).min(high), xi).ok()
+    }
 }

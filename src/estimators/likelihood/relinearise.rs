@@ -3,7 +3,7 @@
 use quell_shapers::Mode;
 
 use super::fit::profile;
-use super::region::{bounded, log_point, trusted};
+use super::region::trusted;
 use super::{Likelihood, Track};
 
 /// Samples that replays may take in one tick.
@@ -12,8 +12,8 @@ const REPLAY_BUDGET: usize = 128;
 impl Likelihood {
     /// Keeps the younger half of a full window and replays it from its own first sample.
     pub(super) fn slide(&mut self) {
-        let half = self.samples.len() / 2;
-        self.samples.drain(..half);
+        let half = self.window.samples().len() / 2;
+        self.window.drop_oldest(half);
         self.start_candidate(self.active.mode);
         self.must_replace = true;
         // The active track goes on with its old sums; only its place in the window has moved.
@@ -28,19 +28,20 @@ impl Likelihood {
     /// Iterates: new linearisations while the step matters and the tick's budget lasts.
     pub(super) fn relinearise(&mut self) {
         let mut budget = REPLAY_BUDGET;
-        let folding = self.folding();
         while budget > 0 {
             if self.candidate.is_none() && !self.propose() {
                 return;
             }
+            let folding = self.folding();
             let Some(candidate) = &mut self.candidate else {
                 return;
             };
-            while budget > 0 && candidate.count < self.samples.len() {
-                candidate.absorb(&self.samples, &folding);
+            let length = self.window.samples().len();
+            while budget > 0 && candidate.count < length {
+                candidate.absorb(&self.window, &folding);
                 budget -= 1;
             }
-            if candidate.count < self.samples.len() {
+            if candidate.count < length {
                 return;
             }
             self.judge();
@@ -52,27 +53,29 @@ impl Likelihood {
     /// of a standard deviation of that is too much.
     fn propose(&mut self) -> bool {
         let Some(fit) = &self.fit else { return false };
-        let target = |shrink| bounded(&self.settings, trusted(self.active.mode, fit.step, shrink));
-        let (Some(end), Some(next)) = (target(1.0), target(self.shrink)) else {
-            return false;
-        };
         // At the end of the range the step may lead nowhere.
-        let (from, to) = (log_point(self.active.mode), log_point(end));
+        let from = self.active.point;
+        let to = self.region.nearest(trusted(from, fit.step, 1.0));
         let [x, y] = [0, 1].map(|k| to[k] - from[k]);
         let missed = 0.5 * (x * x + y * y) * self.phase();
-        let least = fit.covariance[0][0].min(fit.covariance[1][1]);
+        let least = fit.variances[0].min(fit.variances[1]);
         let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
         let exact = missed * missed <= 0.01 * least * self.variance;
-        if negligible || exact || self.shrink < 1e-3 || next == self.active.mode {
+        if negligible || exact || self.shrink < 1e-3 {
             return false;
         }
+        let next = self.region.mode(trusted(from, fit.step, self.shrink));
+        let Some(next) = next.filter(|&next| next != self.active.mode) else {
+            return false;
+        };
         self.start_candidate(next);
         true
     }
 
     /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
     fn phase(&self) -> f64 {
-        let ends = self.samples.first().zip(self.samples.last());
+        let samples = self.window.samples();
+        let ends = samples.first().zip(samples.last());
         let elapsed = ends.map_or(0.0, |(first, last)| last.time - first.time);
         let mode = self.active.mode;
         (mode.natural_frequency() * elapsed)

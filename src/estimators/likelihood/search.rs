@@ -6,17 +6,16 @@ use super::{Likelihood, RULED_OUT, USABLE};
 impl Likelihood {
     /// Moves to the start of the grid that explains the data best.
     pub(super) fn search_grid(&mut self) {
-        let priors = self.priors();
         let folding = self.folding();
         for track in &mut self.grid {
-            track.absorb(&self.samples, &folding);
+            track.absorb(&self.window, &folding);
         }
-        let Some(active) = self.fit else { return };
+        let Some(active) = &self.fit else { return };
         let mut best = None;
         let mut best_cost = active.cost;
         let mut second = f64::INFINITY;
         for (index, track) in self.grid.iter().enumerate() {
-            let Some(cost) = profile(track, &priors, self.variance) else {
+            let Some(cost) = profile(track, &folding.priors, self.variance) else {
                 continue;
             };
             second = second.min(cost);
@@ -30,8 +29,8 @@ impl Likelihood {
             self.candidate = None;
             self.shrink = 1.0;
             self.refit();
-        } else if self.evidence(second - active.cost_after) > RULED_OUT {
-            self.locked = self.spread(&active)[0] < 0.25 * USABLE;
+        } else if self.is_evident(second - active.cost_after, RULED_OUT) {
+            self.locked = self.spread(active)[0] < 0.25 * USABLE;
         }
     }
 }

@@ -2,15 +2,21 @@
 
 use quell_shapers::Mode;
 
-use super::fit::{Moments, Past, Priors, fold};
+use super::fit::{Past, fold};
+use super::moments::Moments;
+use super::priors::Priors;
+use super::region::log_point;
+use super::window::Window;
 use crate::estimators::Sample;
-use crate::estimators::modal_response::{INPUT, Interval, ModalResponse, WIDTH};
+use crate::estimators::modal_response::{INPUT, ModalResponse, WIDTH};
 
 /// One linearisation of the likelihood, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
 pub struct Track {
     /// Where it is linearised.
     pub mode: Mode,
+    /// `ln w` and `xi` there.
+    pub point: [f64; 2],
     /// The mode's response to the input so far.
     pub response: ModalResponse,
     /// Sums over the rows of the present stretch.
@@ -23,13 +29,23 @@ pub struct Track {
     pub row: [f64; WIDTH],
     /// Samples of the window seen so far.
     pub count: usize,
-    /// Sums of products of 1, the input and the deformation, of which an offset and a gain are
-    /// fitted without any vibration.
-    still: [[f64; 3]; 3],
+    still: Still,
     /// Input at the first sample, and at the present stretch's first.
     origin: f64,
     stretch_origin: f64,
     stretch_from: f64,
+}
+
+/// Sums of products of 1, the input and the deformation, of which an offset and a gain are fitted without
+/// any vibration.
+#[derive(Clone, Copy, Debug, Default)]
+struct Still {
+    count: f64,
+    input: f64,
+    deformation: f64,
+    input_square: f64,
+    product: f64,
+    deformation_square: f64,
 }
 
 /// When a stretch ends, and what its elimination needs.
@@ -48,13 +64,14 @@ impl Track {
     pub fn new(mode: Mode, sample_time: f64) -> Self {
         Self {
             mode,
+            point: log_point(mode),
             response: ModalResponse::new(mode, sample_time),
-            moments: [[0.0; WIDTH]; WIDTH],
+            moments: Moments::ZERO,
             past: Past::zeros(),
             has_past: false,
             row: [0.0; WIDTH],
             count: 0,
-            still: [[0.0; 3]; 3],
+            still: Still::default(),
             origin: 0.0,
             stretch_origin: 0.0,
             stretch_from: 0.0,
@@ -62,15 +79,15 @@ impl Track {
     }
 
     /// Takes the next sample of the window, if there is one.
-    pub fn absorb(&mut self, samples: &[Sample], folding: &Folding) {
-        if let Some(sample) = self.approach(samples, folding) {
+    pub fn absorb(&mut self, window: &Window, folding: &Folding) {
+        if let Some(sample) = self.approach(window, folding) {
             self.take(sample);
         }
     }
 
     /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
-    pub fn approach<'a>(&mut self, samples: &'a [Sample], folding: &Folding) -> Option<&'a Sample> {
-        let sample = samples.get(self.count)?;
+    pub fn approach<'a>(&mut self, window: &'a Window, folding: &Folding) -> Option<&'a Sample> {
+        let sample = window.samples().get(self.count)?;
         if self.count == 0 {
             self.origin = sample.motor_position;
             self.stretch_origin = self.origin;
@@ -78,7 +95,8 @@ impl Track {
         } else if sample.time - self.stretch_from >= folding.memory {
             self.set_free(sample, folding);
         } else {
-            self.advance(samples, sample);
+            let (step, parabola) = window.interval(self.count, self.stretch_origin);
+            self.response.advance(step, &parabola);
         }
         let input = sample.motor_position - self.stretch_origin;
         self.row = self.response.row(input, sample.deformation);
@@ -93,39 +111,19 @@ impl Track {
         if !sample.deformation.is_finite() {
             return;
         }
-        let row = self.row;
-        for (sums, x) in self.moments.iter_mut().zip(row) {
-            for (sum, y) in sums.iter_mut().zip(row) {
-                *sum += x * y;
-            }
-        }
-        let measured = [1.0, row[INPUT], sample.deformation];
-        for (sums, x) in self.still.iter_mut().zip(measured) {
-            for (sum, y) in sums.iter_mut().zip(measured) {
-                *sum += x * y;
-            }
-        }
+        self.moments.add(&self.row);
+        let (still, input, deformation) = (&mut self.still, self.row[INPUT], sample.deformation);
+        still.count += 1.0;
+        still.input += input;
+        still.deformation += deformation;
+        still.input_square += input * input;
+        still.product += input * deformation;
+        still.deformation_square += deformation * deformation;
     }
 
     /// Samples in the sums.
     pub fn taken(&self) -> f64 {
-        self.still[0][0]
-    }
-
-    fn advance(&mut self, samples: &[Sample], sample: &Sample) {
-        let last = samples[self.count - 1];
-        let mut interval = Interval {
-            start: last.motor_position - self.stretch_origin,
-            end: sample.motor_position - self.stretch_origin,
-            step: sample.time - last.time,
-            ..Interval::default()
-        };
-        if self.count > 1 {
-            let before = samples[self.count - 2];
-            interval.before = before.motor_position - self.stretch_origin;
-            interval.step_before = last.time - before.time;
-        }
-        self.response.advance(&interval);
+        self.still.count
     }
 
     /// Ends a stretch: what it says is kept, the vibration from here on is free.
@@ -134,7 +132,7 @@ impl Track {
             self.past = past;
             self.has_past = true;
         }
-        self.moments = [[0.0; WIDTH]; WIDTH];
+        self.moments = Moments::ZERO;
         self.response.restart();
         self.stretch_origin = sample.motor_position;
         self.stretch_from = sample.time;
@@ -142,19 +140,16 @@ impl Track {
 
     /// Sum of squares that an offset and a gain alone leave of the deformation.
     pub fn without_vibration(&self) -> f64 {
-        let [
-            [one, input, sum],
-            [_, input_square, product],
-            [_, _, square],
-        ] = self.still;
-        if one <= 0.0 {
+        let still = &self.still;
+        if still.count <= 0.0 {
             return 0.0;
         }
-        let spread = input_square - input * input / one;
-        let centred = square - sum * sum / one;
-        let slope = product - input * sum / one;
+        let mean = 1.0 / still.count;
+        let spread = still.input_square - still.input * still.input * mean;
+        let centred = still.deformation_square - still.deformation * still.deformation * mean;
+        let slope = still.product - still.input * still.deformation * mean;
         // An input that stands still is no column.
-        if spread > 1e-12 * input_square {
+        if spread > 1e-12 * still.input_square {
             centred - slope * slope / spread
         } else {
             centred

@@ -89,7 +89,8 @@ impl Problem<'_> {
                 first = k;
                 response.restart();
             } else if k > 0 {
-                response.advance(&interval(self.samples, first, k));
+                let interval = interval(self.samples, first, k);
+                response.advance(interval.step, &interval.parabola());
             }
             let origin = self.samples[first].motor_position;
             let mut row = response.row(sample.motor_position - origin, sample.deformation);

@@ -1,0 +1,89 @@
+//! The samples that count, and how the input moves between them.
+
+use crate::estimators::Sample;
+use crate::estimators::modal_response::Interval;
+
+/// The stored samples, oldest first; every linearisation that runs along them finds the input's parabolas ready.
+#[derive(Clone, Debug)]
+pub struct Window {
+    samples: Vec<Sample>,
+    /// Slope and curvature of the input on the interval that ends with a sample.
+    bends: Vec<[f64; 2]>,
+}
+
+impl Window {
+    /// An empty window; takes all memory it will ever need.
+    pub fn with_capacity(capacity: usize) -> Self {
+        Self {
+            samples: Vec::with_capacity(capacity),
+            bends: Vec::with_capacity(capacity),
+        }
+    }
+
+    /// The samples.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Whether a further sample has no place.
+    pub fn is_full(&self) -> bool {
+        self.samples.len() == self.samples.capacity().min(self.bends.capacity())
+    }
+
+    /// Takes a sample that is later than those before.
+    pub fn push(&mut self, sample: Sample) {
+        self.bends.push(bend(&self.samples, &sample));
+        self.samples.push(sample);
+    }
+
+    /// Of the youngest sample only the input is kept.
+    pub fn refuse_youngest(&mut self) {
+        if let Some(youngest) = self.samples.last_mut() {
+            youngest.deformation = f64::NAN;
+        }
+    }
+
+    /// Drops the oldest samples: before the first that is left there is none.
+    pub fn drop_oldest(&mut self, count: usize) {
+        self.samples.drain(..count);
+        self.bends.drain(..count);
+        if let Some(second) = self.bends.get_mut(1) {
+            second[1] = 0.0;
+        }
+    }
+
+    /// Drops all.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+        self.bends.clear();
+    }
+
+    /// Length of the interval that ends with sample `index`, 1 or above, and the coefficients of the input on
+    /// it, counted from `origin`.
+    #[inline]
+    pub fn interval(&self, index: usize, origin: f64) -> (f64, [f64; 3]) {
+        let (last, now) = (&self.samples[index - 1], &self.samples[index]);
+        let step = now.time - last.time;
+        let [slope, curvature] = self.bends[index];
+        let start = last.motor_position - origin;
+        (step, [start, slope - curvature * step, curvature])
+    }
+}
+
+/// Slope and curvature of the input up to the sample that comes next.
+fn bend(samples: &[Sample], next: &Sample) -> [f64; 2] {
+    let Some(last) = samples.last() else {
+        return [0.0; 2];
+    };
+    let mut interval = Interval {
+        start: last.motor_position,
+        end: next.motor_position,
+        step: next.time - last.time,
+        ..Interval::default()
+    };
+    if let [.., before, _] = samples {
+        interval.before = before.motor_position;
+        interval.step_before = last.time - before.time;
+    }
+    interval.bend()
+}
