@@ -22,14 +22,16 @@
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
 
-mod cholesky;
-mod correlation;
+pub(super) mod cholesky;
+pub(super) mod correlation;
 mod fit;
 mod gate;
-mod region;
+pub(super) mod noise;
+pub(super) mod region;
 mod relinearise;
 mod search;
 mod track;
+pub(super) mod walk;
 
 use quell_shapers::Mode;
 
@@ -38,25 +40,21 @@ pub(super) use self::track::{Folding, Track};
 
 use self::correlation::Correlation;
 use self::fit::Fit;
+use self::noise::{Noise, SPARE};
 use self::region::{DAMPING_RANGE, TRUST, bounded, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.
 const GRID_RATIO: f64 = 1.25;
-/// Weight of a given noise level in samples, against the residual's own.
-const NOISE_SAMPLES: f64 = 10.0;
 /// Window, in periods, over which the estimates must agree before they count as converged.
 const CONVERGENCE_PERIODS: f64 = 0.25;
-/// Samples beyond the unknowns from which a noise level is learned: its distribution (Student's) has a
-/// variance from three on.
-const SPARE: f64 = 4.0;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
 /// A standard deviation of `ln w` above which there is no estimate to speak of.
-const USABLE: f64 = 0.2;
+pub(super) const USABLE: f64 = 0.2;
 /// Difference of `-2 ln` likelihood that rules another start out (odds of 3e6).
-const RULED_OUT: f64 = 30.0;
+pub(super) const RULED_OUT: f64 = 30.0;
 
 /// The likelihood estimator.
 ///
@@ -75,9 +73,7 @@ pub struct Likelihood {
     shrink: f64,
     locked: bool,
     largest: f64,
-    variance: f64,
-    /// Degrees of freedom of `variance`.
-    freedom: f64,
+    noise: Noise,
     /// Samples in a row that were taken for spikes, or would have been.
     outside: u32,
     correlation: Correlation,
@@ -118,8 +114,7 @@ impl Likelihood {
             shrink: 1.0,
             locked: false,
             largest: 0.0,
-            variance: 0.0,
-            freedom: 0.0,
+            noise: Noise::default(),
             outside: 0,
             correlation: Correlation::default(),
             convergence: Convergence::over(CONVERGENCE_PERIODS),
@@ -131,6 +126,11 @@ impl Likelihood {
     /// Means and inverse variances: a belief says little (the whole range of frequencies, a fifth
     /// in damping), the sensors' imperfections what the settings say.
     fn priors(&self) -> Priors {
+        self.priors_for(self.noise.variance)
+    }
+
+    /// The same at another level of the noise.
+    pub(super) fn priors_for(&self, variance: f64) -> Priors {
         let (low, high) = self.settings.frequency_range;
         let (mean, damping) = match self.settings.belief {
             Some(mode) => (mode.natural_frequency().ln(), mode.damping_ratio()),
@@ -138,7 +138,7 @@ impl Likelihood {
         };
         let inverse_square = |std: f64| if std > 0.0 { (std * std).recip() } else { 1e30 };
         let amplitude = inverse_square(10.0 * self.largest.max(1e-12));
-        let noise = self.variance.max(1e-30);
+        let noise = variance.max(1e-30);
         let w = self.active.mode.natural_frequency();
         Priors {
             mean: [mean, damping],
@@ -158,62 +158,67 @@ impl Likelihood {
         }
     }
 
+    /// The samples that count, spikes marked by a deformation that is no number.
+    pub(super) fn window(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Where it is linearised.
+    pub(super) fn mode(&self) -> Mode {
+        self.active.mode
+    }
+
+    /// Level of the noise.
+    pub(super) fn noise(&self) -> Noise {
+        self.noise
+    }
+
+    /// The largest deformation so far.
+    pub(super) fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Sum of squares that one mode leaves, at the end of the present step.
+    pub(super) fn least_cost(&self) -> Option<f64> {
+        self.fit.as_ref().map(|fit| fit.cost_after)
+    }
+
     fn folding(&self) -> Folding {
         Folding {
             memory: self.settings.memory,
             priors: self.priors(),
-            variance: self.variance,
+            variance: self.noise.variance,
         }
     }
 
     /// Pools a given noise level with the residual's.
     fn update_variance(&mut self) {
         let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
-        let spare = (self.active.taken() - unknowns).max(0.0);
-        let residual = self.fit.as_ref().map_or(0.0, |fit| fit.cost_after.max(0.0));
-        let smallest = (1e-24 * self.largest * self.largest).max(1e-60);
-        (self.variance, self.freedom) = match self.settings.noise_std {
-            Some(std) => {
-                let residual = if spare > 0.0 { residual } else { 0.0 };
-                let freedom = NOISE_SAMPLES + spare;
-                let variance = (NOISE_SAMPLES * std * std + residual) / freedom;
-                (variance, freedom)
-            }
-            None if spare >= SPARE => (residual / spare, spare),
-            None => (1e-4 * self.largest * self.largest, 0.0),
-        };
-        self.variance = self.variance.max(smallest);
+        let square = self.fit.as_ref().map_or(0.0, |fit| fit.cost_after);
+        let spare = self.active.taken() - unknowns;
+        self.noise = Noise::pooled(self.settings.noise_std, square, spare, self.largest);
     }
 
     /// Whether there are enough samples to know the noise's level, beside the mode.
     fn knows_noise(&self) -> bool {
         let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
-        self.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
+        self.noise.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
     }
 
-    /// `-2 ln` of the odds against a sum of squares that is larger by so much, the noise's level known as
-    /// well as it is: `n ln(1 + d / (n s^2))`, which for many samples is `d / s^2`.
-    ///
-    /// Source: T. W. Anderson, An Introduction to Multivariate Statistical Analysis, ch. 8 (likelihood ratio
-    /// with an unknown variance).
     fn evidence(&self, difference: f64) -> f64 {
-        let freedom = self.freedom.max(1.0);
-        freedom * (difference / (freedom * self.variance)).max(0.0).ln_1p()
+        self.noise.evidence(difference)
     }
 
     fn refit(&mut self) {
         let priors = self.priors();
-        self.fit = fit(&self.active, &priors, self.variance);
+        self.fit = fit(&self.active, &priors, self.noise.variance);
     }
 
     /// Standard deviations of `ln w`, `xi` and the gain; where the noise's level was learned, those of
     /// Student's distribution.
     fn spread(&self, fit: &Fit) -> [f64; 3] {
-        let student = match self.settings.noise_std {
-            None if self.freedom >= SPARE => self.freedom / (self.freedom - 2.0),
-            _ => 1.0,
-        };
-        let variance = self.variance * student * self.correlation.inflation();
+        let student = self.noise.student(self.settings.noise_std);
+        let variance = self.noise.variance * student * self.correlation.inflation();
         [fit.covariance[0][0], fit.covariance[1][1], fit.gain.1]
             .map(|unit| (unit * variance).sqrt())
     }
@@ -305,8 +310,7 @@ impl Estimator for Likelihood {
         self.shrink = 1.0;
         self.locked = false;
         self.largest = 0.0;
-        self.variance = 0.0;
-        self.freedom = 0.0;
+        self.noise = Noise::default();
         self.outside = 0;
         self.correlation = Correlation::default();
         self.convergence = Convergence::over(CONVERGENCE_PERIODS);

@@ -17,7 +17,7 @@ impl Likelihood {
         self.start_candidate(self.active.mode);
         self.must_replace = true;
         // The active track goes on with its old sums; only its place in the window has moved.
-        self.active.count -= half;
+        self.active.walk.count -= half;
         self.locked = true;
     }
 
@@ -36,11 +36,11 @@ impl Likelihood {
             let Some(candidate) = &mut self.candidate else {
                 return;
             };
-            while budget > 0 && candidate.count < self.samples.len() {
+            while budget > 0 && candidate.walk.count < self.samples.len() {
                 candidate.absorb(&self.samples, &folding);
                 budget -= 1;
             }
-            if candidate.count < self.samples.len() {
+            if candidate.walk.count < self.samples.len() {
                 return;
             }
             self.judge();
@@ -62,7 +62,7 @@ impl Likelihood {
         let missed = 0.5 * (x * x + y * y) * self.phase();
         let least = fit.covariance[0][0].min(fit.covariance[1][1]);
         let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
-        let exact = missed * missed <= 0.01 * least * self.variance;
+        let exact = missed * missed <= 0.01 * least * self.noise.variance;
         if negligible || exact || self.shrink < 1e-3 || next == self.active.mode {
             return false;
         }
@@ -86,7 +86,7 @@ impl Likelihood {
             return;
         };
         let priors = self.priors();
-        let cost = profile(&candidate, &priors, self.variance).unwrap_or(f64::INFINITY);
+        let cost = profile(&candidate, &priors, self.noise.variance).unwrap_or(f64::INFINITY);
         let present = self.fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost);
         if self.must_replace || cost <= present {
             self.must_replace = false;

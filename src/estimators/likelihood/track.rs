@@ -3,8 +3,9 @@
 use quell_shapers::Mode;
 
 use super::fit::{Moments, Past, Priors, fold};
+use super::walk::{Step, Walk};
 use crate::estimators::Sample;
-use crate::estimators::modal_response::{INPUT, Interval, ModalResponse, WIDTH};
+use crate::estimators::modal_response::{INPUT, ModalResponse, WIDTH};
 
 /// One linearisation of the likelihood, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
@@ -21,15 +22,11 @@ pub struct Track {
     pub has_past: bool,
     /// The last row.
     pub row: [f64; WIDTH],
-    /// Samples of the window seen so far.
-    pub count: usize,
+    /// Its place in the window.
+    pub walk: Walk,
     /// Sums of products of 1, the input and the deformation, of which an offset and a gain are
     /// fitted without any vibration.
     still: [[f64; 3]; 3],
-    /// Input at the first sample, and at the present stretch's first.
-    origin: f64,
-    stretch_origin: f64,
-    stretch_from: f64,
 }
 
 /// When a stretch ends, and what its elimination needs.
@@ -53,11 +50,8 @@ impl Track {
             past: Past::zeros(),
             has_past: false,
             row: [0.0; WIDTH],
-            count: 0,
+            walk: Walk::default(),
             still: [[0.0; 3]; 3],
-            origin: 0.0,
-            stretch_origin: 0.0,
-            stretch_from: 0.0,
         }
     }
 
@@ -70,21 +64,16 @@ impl Track {
 
     /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
     pub fn approach<'a>(&mut self, samples: &'a [Sample], folding: &Folding) -> Option<&'a Sample> {
-        let sample = samples.get(self.count)?;
-        if self.count == 0 {
-            self.origin = sample.motor_position;
-            self.stretch_origin = self.origin;
-            self.stretch_from = sample.time;
-        } else if sample.time - self.stretch_from >= folding.memory {
-            self.set_free(sample, folding);
-        } else {
-            self.advance(samples, sample);
+        let (sample, step) = self.walk.next(samples, folding.memory)?;
+        match step {
+            Step::First => {}
+            Step::Interval(interval) => self.response.advance(&interval),
+            Step::Free => self.set_free(folding),
         }
-        let input = sample.motor_position - self.stretch_origin;
+        let input = self.walk.input(sample);
         self.row = self.response.row(input, sample.deformation);
         // The gain is on the input since the first sample, whatever the stretch.
-        self.row[INPUT] = sample.motor_position - self.origin;
-        self.count += 1;
+        self.row[INPUT] = self.walk.total_input(sample);
         Some(sample)
     }
 
@@ -112,32 +101,14 @@ impl Track {
         self.still[0][0]
     }
 
-    fn advance(&mut self, samples: &[Sample], sample: &Sample) {
-        let last = samples[self.count - 1];
-        let mut interval = Interval {
-            start: last.motor_position - self.stretch_origin,
-            end: sample.motor_position - self.stretch_origin,
-            step: sample.time - last.time,
-            ..Interval::default()
-        };
-        if self.count > 1 {
-            let before = samples[self.count - 2];
-            interval.before = before.motor_position - self.stretch_origin;
-            interval.step_before = last.time - before.time;
-        }
-        self.response.advance(&interval);
-    }
-
     /// Ends a stretch: what it says is kept, the vibration from here on is free.
-    fn set_free(&mut self, sample: &Sample, folding: &Folding) {
+    fn set_free(&mut self, folding: &Folding) {
         if let Some(past) = fold(self, &folding.priors, folding.variance) {
             self.past = past;
             self.has_past = true;
         }
         self.moments = [[0.0; WIDTH]; WIDTH];
         self.response.restart();
-        self.stretch_origin = sample.motor_position;
-        self.stretch_from = sample.time;
     }
 
     /// Sum of squares that an offset and a gain alone leave of the deformation.
