@@ -1,0 +1,254 @@
+//! Maximum likelihood of two modes, and whether there are two.
+//!
+//! The measured deformation is taken as
+//! ```text
+//! delta = p_1 (q_1 - u) + p_2 (q_2 - u) + sum_m [c_m q_m' + a_m Re e^(lambda_m t) + b_m Im e^(lambda_m t)]
+//!         + o + K u + noise,        p_1 + p_2 = 1 + g
+//! q_m'' = w_m^2 (u - q_m) - 2 xi_m w_m q_m'
+//! ```
+//! which with `p_2 = c_2 = a_2 = b_2 = 0` is the model of [`Likelihood`]. That runs beside it, and speaks
+//! while one mode explains the samples: two are told once the likelihood ratio excludes one.
+//!
+//! Under one mode the second's frequency and damping mean nothing, so that the ratio is no chi-squared but
+//! the largest of a process of them: beyond `u` it goes with a probability of about
+//! `B T (pi u)^(1/2) e^(-u/2)` for each linear pair of unknowns, `B` the range of frequencies and `T` the
+//! length. At `u = 30`, an octave to either side and six periods: 3e-5, and 1e-3 with the four linear unknowns
+//! that a motion adds. A residual whose neighbours are correlated counts for as much less as it does in the
+//! standard deviations.
+//!
+//! Two modes that damp alike and have one frequency are one: their frequencies must differ by two standard
+//! deviations of the difference. The input is trusted to the end, whatever `memory` the settings have.
+//!
+//! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7; likelihood ratio where a
+//! nuisance exists under the alternative only, R. B. Davies, Biometrika 74 (1987) 33-43.
+
+mod descent;
+mod fit;
+mod grid;
+mod pair;
+mod search;
+
+use quell_shapers::Mode;
+
+use self::descent::{Descent, Ground, stepped};
+use self::fit::{Fit, Priors};
+use self::search::Search;
+use super::convergence::{Convergence, SETTLED};
+use super::likelihood::{Likelihood, RULED_OUT, USABLE};
+use super::{Estimate, Estimator, Sample, Settings};
+
+pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair};
+pub(super) use self::pair::Pair;
+
+/// Samples that replays may take in one tick.
+const REPLAY_BUDGET: usize = 128;
+/// Standard deviations of a difference of frequencies by which two modes are two.
+const APART: f64 = 2.0;
+/// Damping ratio above which nothing rings twice: it loses nine tenths in a period. A drift is no mode.
+const RINGS: f64 = 0.35;
+/// Ratio of energies at which the other mode becomes the first.
+const CHANGES_PLACES: f64 = 2.0;
+/// Window, in periods, over which the estimates must agree before they count as converged.
+const CONVERGENCE_PERIODS: f64 = 0.25;
+
+/// The likelihood estimator of two modes.
+///
+/// # Cost
+/// One tick: that of [`Likelihood`], 128 samples of a pair, and a few 14 x 14 solutions; memory is taken in
+/// [`TwoModeLikelihood::new`] only.
+#[derive(Clone, Debug)]
+pub struct TwoModeLikelihood {
+    settings: Settings,
+    one: Likelihood,
+    search: Search,
+    active: Option<Descent>,
+    /// Which of the two modes has the more energy.
+    first: usize,
+    convergence: [Convergence; 2],
+    converged: [bool; 2],
+    told: Option<[Estimate; 2]>,
+}
+
+impl TwoModeLikelihood {
+    /// Takes all memory it will ever need.
+    pub fn new(settings: &Settings) -> Self {
+        let one = Likelihood::new(settings);
+        Self {
+            settings: *settings,
+            search: Search::new(one.mode(), settings.sample_time),
+            one,
+            active: None,
+            first: 0,
+            convergence: [Convergence::over(CONVERGENCE_PERIODS); 2],
+            converged: [false; 2],
+            told: None,
+        }
+    }
+
+    /// Runs what is fitted, and what is looked for, over the youngest sample.
+    fn work(&mut self) {
+        let noise = self.active.as_ref().map_or(self.one.noise(), |a| a.noise);
+        let modes = self.active.as_ref().and_then(Descent::modes);
+        let modes = modes.unwrap_or([self.one.mode(); 2]);
+        let priors = pair_priors(&self.one, noise.variance, modes);
+        let ground = Ground {
+            settings: &self.settings,
+            samples: self.one.window(),
+            priors: &priors,
+            largest: self.one.largest(),
+        };
+        let mut budget = REPLAY_BUDGET / 2;
+        if let Some(active) = &mut self.active {
+            active.follow(&ground);
+            active.advance(&ground, &mut budget);
+        }
+        self.search.follow(&ground);
+        budget += REPLAY_BUDGET / 2;
+        let around = (self.one.mode(), noise);
+        if self.one.estimate().is_some()
+            && let Some(found) = self.search.advance(&ground, around, &mut budget)
+        {
+            self.consider(found);
+        }
+    }
+
+    /// Takes what a search has found, if it leaves less by more than the noise.
+    fn consider(&mut self, found: Descent) {
+        let cost = |descent: &Descent| descent.best().map(|(_, fit)| fit.cost);
+        let Some(new) = cost(&found) else { return };
+        let old = self.active.as_ref().and_then(cost);
+        if old.is_none_or(|old| new < old - found.noise.variance) {
+            self.active = Some(found);
+            self.forget();
+        }
+    }
+
+    fn forget(&mut self) {
+        self.convergence = [Convergence::over(CONVERGENCE_PERIODS); 2];
+        self.converged = [false; 2];
+    }
+
+    /// What is told of two modes, if there are two.
+    fn conclude(&mut self, time: f64) {
+        let told = self.two(time);
+        if told.is_none() && self.told.is_some() {
+            self.forget();
+        }
+        self.told = told;
+    }
+
+    fn two(&mut self, time: f64) -> Option<[Estimate; 2]> {
+        let active = self.active.as_ref()?;
+        let (pair, fit) = active.best()?;
+        let one = self.one.least_cost()?;
+        let inflation = pair.correlation.inflation();
+        let evidence = active.noise.evidence(one - fit.cost_after) / inflation;
+        if active.noise.freedom <= 0.0 || evidence <= RULED_OUT {
+            return None;
+        }
+        let student = active.noise.student(self.settings.noise_std);
+        let variance = active.noise.variance * student * inflation;
+        let modes = stepped(&self.settings, pair.modes, fit.step).unwrap_or(pair.modes);
+        if !are_two(fit, modes, variance) {
+            return None;
+        }
+        let rests = active.rests();
+        let [a, b] = [fit.energy[self.first], fit.energy[1 - self.first]];
+        if b > CHANGES_PLACES * a {
+            self.first = 1 - self.first;
+        }
+        let (covariance, gain) = (fit.covariance, fit.gain);
+        let order = [self.first, 1 - self.first];
+        Some(order.map(|m| {
+            let std = [2 * m, 2 * m + 1].map(|n| (covariance[n][n] * variance).sqrt());
+            Estimate {
+                time,
+                mode: modes[m],
+                natural_frequency_std: std[0] * modes[m].natural_frequency(),
+                damping_ratio_std: std[1],
+                gain: gain.0,
+                gain_std: (gain.1 * variance).sqrt(),
+                converged: self.settles(m, time, modes[m], std, rests),
+            }
+        }))
+    }
+
+    /// The rule of [`Likelihood`], for each mode.
+    fn settles(&mut self, m: usize, time: f64, mode: Mode, std: [f64; 2], rests: bool) -> bool {
+        let point = [mode.natural_frequency().ln(), mode.damping_ratio()];
+        self.convergence[m].push(time, point);
+        let within = |limit: f64| std.iter().all(|std| *std < limit);
+        self.converged[m] = match self.converged[m] {
+            true => within(2.0 * SETTLED),
+            false => within(SETTLED) && self.convergence[m].settled() && rests,
+        };
+        self.converged[m]
+    }
+}
+
+/// Whether two modes ring, and differ in frequency.
+fn are_two(fit: &Fit, modes: [Mode; 2], variance: f64) -> bool {
+    let [a, b] = modes.map(|mode| mode.natural_frequency().ln());
+    let c = &fit.covariance;
+    let difference = (c[0][0] + c[2][2] - 2.0 * c[0][2]) * variance;
+    let known = [c[0][0], c[2][2]]
+        .iter()
+        .all(|unit| (unit * variance).sqrt() < USABLE);
+    known
+        && (a - b).abs() > APART * difference.max(0.0).sqrt()
+        && modes.iter().all(|mode| mode.damping_ratio() < RINGS)
+}
+
+/// Priors of a pair: those of one mode for each; the share of the second is open by the whole.
+fn pair_priors(one: &Likelihood, variance: f64, modes: [Mode; 2]) -> Priors {
+    let base = one.priors_for(variance);
+    let [w, xi, a, b, offset, _, scale, gain] = base.precision;
+    let rate = modes.map(|mode| mode.natural_frequency().powi(2));
+    Priors {
+        mean: base.mean,
+        precision: [
+            a, b, a, b, offset, rate[0], rate[1], scale, 1.0, gain, w, xi, w, xi,
+        ],
+    }
+}
+
+impl Estimator for TwoModeLikelihood {
+    fn observe(&mut self, sample: Sample) {
+        let before = self.one.window().len();
+        self.one.observe(sample);
+        let now = self.one.window().len();
+        if now == before {
+            return;
+        }
+        if now < before {
+            // The window has slid: all is replayed from its new first sample on.
+            self.search.restart();
+            if let Some(active) = &mut self.active
+                && let Some(modes) = active.modes()
+            {
+                *active = Descent::new(modes, active.noise, self.settings.sample_time);
+            }
+        }
+        self.work();
+        self.conclude(sample.time);
+    }
+
+    fn estimate(&self) -> Option<Estimate> {
+        match self.told {
+            Some([first, _]) => Some(first),
+            None => self.one.estimate(),
+        }
+    }
+
+    fn further(&self) -> Option<Estimate> {
+        self.told.map(|[_, second]| second)
+    }
+
+    fn restart(&mut self) {
+        self.one.restart();
+        self.search.restart();
+        self.active = None;
+        self.told = None;
+        self.forget();
+    }
+}

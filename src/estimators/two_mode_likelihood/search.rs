@@ -1,0 +1,102 @@
+//! The search for a pair that explains the window better, again and again while the window grows.
+
+use quell_shapers::Mode;
+
+use super::descent::{Descent, Ground};
+use super::grid::{Grid, STARTS};
+use crate::estimators::likelihood::noise::Noise;
+
+/// Growth of the window between two searches. What a second mode shows grows with the window at least
+/// linearly, and all searches together replay it some five times.
+const GROWTH: f64 = 1.3;
+/// Damping ratios of the grid's modes. Over some periods a mode whose damping is off by less than a few
+/// hundredths is still alike.
+const DAMPING: (f64, f64) = (0.01, 0.1);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Waiting for a longer window.
+    Waiting,
+    /// The grid walks along the window.
+    Grid,
+    /// From one start after another.
+    Descents,
+}
+
+/// Starts from a grid, and descents from them.
+#[derive(Clone, Debug)]
+pub struct Search {
+    stage: Stage,
+    grid: Grid,
+    starts: [Option<[Mode; 2]>; STARTS],
+    descent: Option<Descent>,
+    /// Samples of the window from which on to search again.
+    next: usize,
+}
+
+impl Search {
+    /// Takes all memory that it will ever need.
+    pub fn new(mode: Mode, sample_time: f64) -> Self {
+        Self {
+            stage: Stage::Waiting,
+            grid: Grid::new(mode, sample_time),
+            starts: [None; STARTS],
+            descent: None,
+            next: 0,
+        }
+    }
+
+    /// Breaks off; the next search may begin at once.
+    pub fn restart(&mut self) {
+        self.stage = Stage::Waiting;
+        self.starts = [None; STARTS];
+        self.descent = None;
+        self.next = 0;
+    }
+
+    /// Takes what is new in the window.
+    pub fn follow(&mut self, ground: &Ground<'_>) {
+        if let Some(descent) = &mut self.descent {
+            descent.follow(ground);
+        }
+    }
+
+    /// Goes on around the one mode that is fitted, within the budget; a descent that has arrived is handed
+    /// over.
+    pub fn advance(
+        &mut self,
+        ground: &Ground<'_>,
+        (mode, noise): (Mode, Noise),
+        budget: &mut usize,
+    ) -> Option<Descent> {
+        let sample_time = ground.settings.sample_time;
+        if self.stage == Stage::Waiting && ground.samples.len() >= self.next {
+            let damping = mode.damping_ratio().clamp(DAMPING.0, DAMPING.1);
+            let start = Mode::new(mode.natural_frequency(), damping).unwrap_or(mode);
+            self.grid.begin(start, sample_time);
+            self.stage = Stage::Grid;
+        }
+        if self.stage == Stage::Grid {
+            let (samples, priors) = (ground.samples, ground.priors);
+            if !self.grid.advance(samples, priors, noise.variance, budget) {
+                return None;
+            }
+            self.starts = self.grid.starts();
+            self.stage = Stage::Descents;
+        }
+        if self.stage == Stage::Descents {
+            if self.descent.is_none() {
+                let Some(start) = self.starts.iter_mut().find_map(Option::take) else {
+                    self.stage = Stage::Waiting;
+                    self.next = (GROWTH * ground.samples.len() as f64) as usize + 1;
+                    return None;
+                };
+                self.descent = Some(Descent::new(start, noise, sample_time));
+            }
+            let descent = self.descent.as_mut()?;
+            descent.advance(ground, budget);
+            return self.descent.take_if(|descent| descent.rests());
+        }
+        None
+    }
+}
