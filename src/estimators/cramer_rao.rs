@@ -89,7 +89,7 @@ pub fn two_mode_cramer_rao(
     for _ in samples {
         pair.absorb(samples);
     }
-    let fit = fit_pair(&pair, &priors, noise_std * noise_std, 0.0)?;
+    let fit = fit_pair(&pair, &priors, noise_std * noise_std, &[0.0; 4])?;
     Some([0, 1].map(|m| Bound {
         natural_frequency_std: fit.covariance[2 * m][2 * m].sqrt()
             * noise_std

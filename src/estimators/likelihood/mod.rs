@@ -163,6 +163,12 @@ impl Likelihood {
         &self.samples
     }
 
+    /// Length of the window, s.
+    pub(super) fn elapsed(&self) -> f64 {
+        let ends = self.samples.first().zip(self.samples.last());
+        ends.map_or(0.0, |(first, last)| last.time - first.time)
+    }
+
     /// Where it is linearised.
     pub(super) fn mode(&self) -> Mode {
         self.active.mode

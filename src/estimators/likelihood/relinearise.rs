@@ -72,10 +72,8 @@ impl Likelihood {
 
     /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
     fn phase(&self) -> f64 {
-        let ends = self.samples.first().zip(self.samples.last());
-        let elapsed = ends.map_or(0.0, |(first, last)| last.time - first.time);
         let mode = self.active.mode;
-        (mode.natural_frequency() * elapsed)
+        (mode.natural_frequency() * self.elapsed())
             .min(mode.damping_ratio().recip())
             .max(1.0)
     }

@@ -5,8 +5,9 @@ use quell_shapers::Mode;
 
 use super::fit::{Fit, Priors, fit, profile};
 use super::pair::Pair;
+use crate::estimators::likelihood::RULED_OUT;
 use crate::estimators::likelihood::noise::Noise;
-use crate::estimators::likelihood::region::{TRUST, bounded};
+use crate::estimators::likelihood::region::{TRUST, bounded, log_point};
 use crate::estimators::{Sample, Settings};
 
 /// What a new linearisation must promise to gain, in variances of the noise: a tenth of a standard deviation
@@ -14,6 +15,10 @@ use crate::estimators::{Sample, Settings};
 const WORTH: f64 = 0.01;
 /// Step below which rounding is all that moves it.
 const ROUNDING: f64 = 1e-9;
+/// Linearisations after which a descent knows its direction: the first steps are cut.
+const FOUND: u32 = 3;
+/// Damping that holds.
+const HOLDS: f64 = 1e15;
 /// Damping above which there is nothing to gain from here, as the samples stand.
 const STUCK: f64 = 1e6;
 
@@ -26,6 +31,10 @@ pub struct Descent {
     best: Option<(Pair, Fit)>,
     candidate: Option<Pair>,
     damping: f64,
+    /// Linearisations that were taken.
+    taken: u32,
+    /// Damping of what stands on the edge of its range and would leave it.
+    held: [f64; 4],
     /// Level of the noise as the best one leaves it.
     pub noise: Noise,
 }
@@ -41,6 +50,8 @@ pub struct Ground<'a> {
     pub priors: &'a Priors,
     /// The largest deformation so far.
     pub largest: f64,
+    /// Sum of squares that one mode leaves.
+    pub one: f64,
 }
 
 impl Descent {
@@ -50,6 +61,8 @@ impl Descent {
             best: None,
             candidate: Some(Pair::new(modes, sample_time)),
             damping: 0.0,
+            taken: 0,
+            held: [0.0; 4],
             noise,
         }
     }
@@ -70,6 +83,14 @@ impl Descent {
         self.candidate.is_none()
     }
 
+    /// Whether it promises too little, once it has found its direction, to end where one mode is excluded.
+    pub fn is_hopeless(&self, ground: &Ground<'_>) -> bool {
+        self.taken >= FOUND
+            && self.best.is_some_and(|(_, fit)| {
+                self.noise.evidence(ground.one - fit.cost_after) < 0.5 * RULED_OUT
+            })
+    }
+
     /// Takes what is new in the window.
     pub fn follow(&mut self, ground: &Ground<'_>) {
         let Some((pair, _)) = &mut self.best else {
@@ -78,16 +99,27 @@ impl Descent {
         pair.absorb(ground.samples);
         // What has failed is tried again once there are more data.
         self.damping *= 0.9;
-        self.refit(ground);
     }
 
-    fn refit(&mut self, ground: &Ground<'_>) {
+    /// Fits anew to all that the best linearisation has taken.
+    pub fn refit(&mut self, ground: &Ground<'_>) {
         let Some((pair, old)) = &mut self.best else {
             return;
         };
-        let Some(new) = fit(pair, ground.priors, self.noise.variance, 0.0) else {
+        let variance = self.noise.variance;
+        let Some(mut new) = fit(pair, ground.priors, variance, &[0.0; 4]) else {
             return;
         };
+        // On the edge of the allowed ranges the others go on alone.
+        self.held = held(ground.settings, pair.modes, new.step);
+        if self.held.iter().any(|&held| held > 0.0)
+            && let Some(rest) = fit(pair, ground.priors, variance, &self.held)
+        {
+            new = Fit {
+                covariance: new.covariance,
+                ..rest
+            };
+        }
         *old = new;
         pair.weights = Some(new.residual);
         let spare = pair.taken - new.unknowns;
@@ -126,7 +158,10 @@ impl Descent {
         }
         let damped = match self.damping {
             damping if damping < ROUNDING => *best,
-            damping => fit(pair, ground.priors, self.noise.variance, damping)?,
+            damping => {
+                let damped = self.held.map(|held| held + damping);
+                fit(pair, ground.priors, self.noise.variance, &damped)?
+            }
         };
         let modes = stepped(ground.settings, pair.modes, damped.step)?;
         let mut next = Pair::new(modes, ground.settings.sample_time);
@@ -139,16 +174,18 @@ impl Descent {
         let Some(candidate) = self.candidate.take() else {
             return;
         };
+        self.refit(ground);
         let variance = self.noise.variance;
         let cost = profile(&candidate, ground.priors, variance);
         let present = self.best.as_ref().map_or(f64::INFINITY, |best| best.1.cost);
         let fitted = cost
             .filter(|cost| *cost <= present)
-            .and_then(|_| fit(&candidate, ground.priors, variance, 0.0));
+            .and_then(|_| fit(&candidate, ground.priors, variance, &[0.0; 4]));
         match fitted {
             Some(fitted) => {
                 self.best = Some((candidate, fitted));
                 self.damping *= 0.1;
+                self.taken += 1;
                 self.refit(ground);
             }
             None => self.damping = (10.0 * self.damping).max(1e-3),
@@ -156,23 +193,36 @@ impl Descent {
     }
 }
 
+/// `ln w` and `xi` of both modes.
+fn points(modes: [Mode; 2]) -> [f64; 4] {
+    let [[a, b], [c, d]] = modes.map(log_point);
+    [a, b, c, d]
+}
+
+/// Damping that holds what a step would push over the edge that it stands on.
+fn held(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> [f64; 4] {
+    let Some(ends) = stepped(settings, modes, step) else {
+        return [0.0; 4];
+    };
+    let (from, to) = (points(modes), points(ends));
+    core::array::from_fn(|n| {
+        let stays = (to[n] - from[n]).abs() < ROUNDING && step[n].abs() > ROUNDING;
+        if stays { HOLDS } else { 0.0 }
+    })
+}
+
 /// The modes at the end of a step, cut to the trusted length and moved into the allowed ranges; `None` where
 /// that leads nowhere.
 pub fn stepped(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> Option<[Mode; 2]> {
     let excess = (0..4).map(|n| step[n].abs() / TRUST[n % 2]);
     let cut = excess.fold(1.0, f64::max).recip();
-    let end = |k: usize| {
-        let w = modes[k].natural_frequency().ln() + cut * step[2 * k];
-        bounded(
-            settings,
-            [w, modes[k].damping_ratio() + cut * step[2 * k + 1]],
-        )
-    };
-    let ends = [end(0)?, end(1)?];
-    let moved = |k: usize| {
-        let w = ends[k].natural_frequency() / modes[k].natural_frequency() - 1.0;
-        let xi = ends[k].damping_ratio() - modes[k].damping_ratio();
-        w.abs().max(xi.abs()) > ROUNDING
-    };
-    (moved(0) || moved(1)).then_some(ends)
+    let from = points(modes);
+    let to: [f64; 4] = core::array::from_fn(|n| from[n] + cut * step[n]);
+    let ends = [
+        bounded(settings, [to[0], to[1]])?,
+        bounded(settings, [to[2], to[3]])?,
+    ];
+    let reached = points(ends);
+    let moves = (0..4).any(|n| (reached[n] - from[n]).abs() > ROUNDING);
+    moves.then_some(ends)
 }

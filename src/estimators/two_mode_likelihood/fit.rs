@@ -138,11 +138,11 @@ pub fn profile(pair: &Pair, priors: &Priors, variance: f64) -> Option<f64> {
 }
 
 /// Adds both modes to the normal equations of the linear unknowns, their diagonal longer by a share
-/// `damping` of itself (Levenberg and Marquardt).
+/// `damping` of itself each (Levenberg and Marquardt).
 fn add_modes(
     pair: &Pair,
     (priors, variance): (&Priors, f64),
-    damping: f64,
+    damping: &[f64; 4],
     slopes: &[Slope; 4],
     profile: &mut Profile,
 ) -> Option<()> {
@@ -160,7 +160,7 @@ fn add_modes(
         }
         let weight = variance * priors.precision[MODES + n];
         let rhs = product(&slopes[n], MISS) + weight * (priors.mean[n % 2] - point[n]);
-        row[MODES + n] = (row[MODES + n] + weight) * (1.0 + damping);
+        row[MODES + n] = (row[MODES + n] + weight) * (1.0 + damping[n]);
         profile.factor.append(MODES + n, &row)?;
         profile.forward[MODES + n] = profile
             .factor
@@ -202,8 +202,9 @@ fn energies(pair: &Pair, linear: &[f64; UNKNOWNS]) -> [f64; 2] {
     })
 }
 
-/// One step of all unknowns, `damping` as in Levenberg and Marquardt's method.
-pub fn fit(pair: &Pair, priors: &Priors, variance: f64, damping: f64) -> Option<Fit> {
+/// One step of all unknowns, `damping` as in Levenberg and Marquardt's method: infinitely much of it holds `ln w` or
+/// `xi` where it is.
+pub fn fit(pair: &Pair, priors: &Priors, variance: f64, damping: &[f64; 4]) -> Option<Fit> {
     let mut profile = solve_linear(pair, priors, variance)?;
     let linear = profile.factor.backward(&profile.forward, MODES);
     let slopes = slopes(pair, &linear);

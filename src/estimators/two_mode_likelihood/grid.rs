@@ -16,6 +16,8 @@ pub const MODES: usize = 16;
 /// Ratio of neighbours: four periods resolve no less than an eighth of the frequency, half of a period
 /// over their length. 16 of them reach an octave to either side.
 const RATIO: f64 = 1.1;
+/// Ratio of the last to the middle, `RATIO^7.5`.
+pub const REACH: f64 = 2.04;
 /// Columns of a mode: two of its free decay, `q'`, `q - u`.
 const OF_A_MODE: usize = 4;
 /// Columns of all modes, then 1, the input, and the measured deformation.

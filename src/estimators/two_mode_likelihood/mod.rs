@@ -16,7 +16,7 @@
 //! that a motion adds. A residual whose neighbours are correlated counts for as much less as it does in the
 //! standard deviations.
 //!
-//! Two modes that damp alike and have one frequency are one: their frequencies must differ by two standard
+//! Two modes that damp alike and have one frequency are one: their frequencies must differ by three standard
 //! deviations of the difference. The input is trusted to the end, whatever `memory` the settings have.
 //!
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7; likelihood ratio where a
@@ -31,21 +31,32 @@ mod search;
 use quell_shapers::Mode;
 
 use self::descent::{Descent, Ground, stepped};
-use self::fit::{Fit, Priors};
+use self::fit::{Fit, Priors, UNKNOWNS};
 use self::search::Search;
 use super::convergence::{Convergence, SETTLED};
-use super::likelihood::{Likelihood, RULED_OUT, USABLE};
+use super::likelihood::{Likelihood, RULED_OUT};
 use super::{Estimate, Estimator, Sample, Settings};
 
 pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair};
 pub(super) use self::pair::Pair;
 
-/// Samples that replays may take in one tick.
-const REPLAY_BUDGET: usize = 128;
+/// Share of the time between two samples that replays may take, and what one sample of them takes, s.
+const REPLAY_SHARE: f64 = 0.05;
+const REPLAY_TIME: f64 = 200e-9;
+/// Fits in a period of the faster mode.
+const FITS: f64 = 64.0;
+/// Samples that replays may take in one tick, whatever the rate.
+const REPLAYS: (f64, f64) = (128.0, 1024.0);
 /// Standard deviations of a difference of frequencies by which two modes are two.
-const APART: f64 = 2.0;
-/// Damping ratio above which nothing rings twice: it loses nine tenths in a period. A drift is no mode.
+const APART: f64 = 3.0;
+/// Standard deviation of `ln w`, or of `xi`, above which a mode is of no use: two of them are the half width of
+/// what a ZVD shaper holds at 5 % (0.33 of the frequency), and an error of either leaves the same.
+const USEFUL: f64 = 0.08;
+/// Damping ratio above which nothing rings twice: it loses nine tenths in a period. Two standard deviations must
+/// exclude it, since a drift is no mode.
 const RINGS: f64 = 0.35;
+/// Share of their distance that the next step of a frequency may be: within it the linearisation holds.
+const ARRIVED: f64 = 0.25;
 /// Ratio of energies at which the other mode becomes the first.
 const CHANGES_PLACES: f64 = 2.0;
 /// Window, in periods, over which the estimates must agree before they count as converged.
@@ -62,6 +73,10 @@ pub struct TwoModeLikelihood {
     one: Likelihood,
     search: Search,
     active: Option<Descent>,
+    /// Samples that replays may take in one tick.
+    budget: usize,
+    /// Time of the last fit, s.
+    fitted_at: f64,
     /// Which of the two modes has the more energy.
     first: usize,
     convergence: [Convergence; 2],
@@ -75,9 +90,13 @@ impl TwoModeLikelihood {
         let one = Likelihood::new(settings);
         Self {
             settings: *settings,
-            search: Search::new(one.mode(), settings.sample_time),
+            search: Search::new(settings, one.mode()),
             one,
             active: None,
+            budget: (REPLAY_SHARE * settings.sample_time / REPLAY_TIME)
+                .max(REPLAYS.0)
+                .min(REPLAYS.1) as usize,
+            fitted_at: f64::NEG_INFINITY,
             first: 0,
             convergence: [Convergence::over(CONVERGENCE_PERIODS); 2],
             converged: [false; 2],
@@ -86,7 +105,7 @@ impl TwoModeLikelihood {
     }
 
     /// Runs what is fitted, and what is looked for, over the youngest sample.
-    fn work(&mut self) {
+    fn work(&mut self, due: bool) {
         let noise = self.active.as_ref().map_or(self.one.noise(), |a| a.noise);
         let modes = self.active.as_ref().and_then(Descent::modes);
         let modes = modes.unwrap_or([self.one.mode(); 2]);
@@ -96,20 +115,41 @@ impl TwoModeLikelihood {
             samples: self.one.window(),
             priors: &priors,
             largest: self.one.largest(),
+            one: self.one.least_cost().unwrap_or(f64::INFINITY),
         };
-        let mut budget = REPLAY_BUDGET / 2;
+        let mut budget = self.budget / 2;
         if let Some(active) = &mut self.active {
             active.follow(&ground);
+            if due {
+                active.refit(&ground);
+            }
             active.advance(&ground, &mut budget);
         }
         self.search.follow(&ground);
-        budget += REPLAY_BUDGET / 2;
+        budget += self.budget / 2;
+        // Where both have settled there is nothing to look for.
+        let settled = self.told.is_some() && self.converged == [true; 2];
         let around = (self.one.mode(), noise);
-        if self.one.estimate().is_some()
+        if ground.samples.len() > UNKNOWNS
+            && !settled
             && let Some(found) = self.search.advance(&ground, around, &mut budget)
         {
+            if let Some(active) = &mut self.active {
+                active.refit(&ground);
+            }
             self.consider(found);
         }
+    }
+
+    /// Whether it is time for a fit: so often in a period of the faster mode.
+    fn is_due(&mut self, time: f64) -> bool {
+        let modes = self.active.as_ref().and_then(Descent::modes);
+        let fastest = modes.map_or(f64::INFINITY, |[a, b]| a.hertz().max(b.hertz()));
+        let due = (time - self.fitted_at) * fastest * FITS >= 1.0;
+        if due {
+            self.fitted_at = time;
+        }
+        due
     }
 
     /// Takes what a search has found, if it leaves less by more than the noise.
@@ -130,6 +170,11 @@ impl TwoModeLikelihood {
 
     /// What is told of two modes, if there are two.
     fn conclude(&mut self, time: f64) {
+        let replays = |active: &Descent| active.best().is_none() && !active.rests();
+        if self.active.as_ref().is_some_and(replays) {
+            // Half of the window is gone, and the rest not yet seen again.
+            return;
+        }
         let told = self.two(time);
         if told.is_none() && self.told.is_some() {
             self.forget();
@@ -141,15 +186,16 @@ impl TwoModeLikelihood {
         let active = self.active.as_ref()?;
         let (pair, fit) = active.best()?;
         let one = self.one.least_cost()?;
-        let inflation = pair.correlation.inflation();
-        let evidence = active.noise.evidence(one - fit.cost_after) / inflation;
+        let colour = pair.correlation;
+        let evidence = active.noise.evidence(one - fit.cost_after) / colour.largest_inflation();
+        let inflation = colour.inflation();
         if active.noise.freedom <= 0.0 || evidence <= RULED_OUT {
             return None;
         }
         let student = active.noise.student(self.settings.noise_std);
         let variance = active.noise.variance * student * inflation;
         let modes = stepped(&self.settings, pair.modes, fit.step).unwrap_or(pair.modes);
-        if !are_two(fit, modes, variance) {
+        if !are_two(fit, modes, variance, self.one.elapsed()) {
             return None;
         }
         let rests = active.rests();
@@ -186,17 +232,22 @@ impl TwoModeLikelihood {
     }
 }
 
-/// Whether two modes ring, and differ in frequency.
-fn are_two(fit: &Fit, modes: [Mode; 2], variance: f64) -> bool {
+/// Whether two modes have rung for a period each, and differ in frequency: what has not come round once may
+/// be a drift.
+fn are_two(fit: &Fit, modes: [Mode; 2], variance: f64, elapsed: f64) -> bool {
     let [a, b] = modes.map(|mode| mode.natural_frequency().ln());
     let c = &fit.covariance;
     let difference = (c[0][0] + c[2][2] - 2.0 * c[0][2]) * variance;
-    let known = [c[0][0], c[2][2]]
-        .iter()
-        .all(|unit| (unit * variance).sqrt() < USABLE);
-    known
-        && (a - b).abs() > APART * difference.max(0.0).sqrt()
-        && modes.iter().all(|mode| mode.damping_ratio() < RINGS)
+    let std = |n: usize| (c[n][n] * variance).sqrt();
+    let rings = |m: usize| {
+        let [frequency, damping] = [std(2 * m), std(2 * m + 1)];
+        frequency.max(damping) < USEFUL
+            && modes[m].damping_ratio() + 2.0 * damping < RINGS
+            && modes[m].hertz() * elapsed > 1.0
+    };
+    let spacing = (a - b).abs();
+    let arrived = fit.step[0].abs().max(fit.step[2].abs()) < ARRIVED * spacing;
+    arrived && spacing > APART * difference.max(0.0).sqrt() && rings(0) && rings(1)
 }
 
 /// Priors of a pair: those of one mode for each; the share of the second is open by the whole.
@@ -229,8 +280,11 @@ impl Estimator for TwoModeLikelihood {
                 *active = Descent::new(modes, active.noise, self.settings.sample_time);
             }
         }
-        self.work();
-        self.conclude(sample.time);
+        let due = self.is_due(sample.time);
+        self.work(due);
+        if due {
+            self.conclude(sample.time);
+        }
     }
 
     fn estimate(&self) -> Option<Estimate> {
@@ -248,6 +302,7 @@ impl Estimator for TwoModeLikelihood {
         self.one.restart();
         self.search.restart();
         self.active = None;
+        self.fitted_at = f64::NEG_INFINITY;
         self.told = None;
         self.forget();
     }

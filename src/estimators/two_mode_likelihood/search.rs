@@ -3,12 +3,13 @@
 use quell_shapers::Mode;
 
 use super::descent::{Descent, Ground};
-use super::grid::{Grid, STARTS};
+use super::grid::{Grid, REACH, STARTS};
+use crate::estimators::Settings;
 use crate::estimators::likelihood::noise::Noise;
 
 /// Growth of the window between two searches. What a second mode shows grows with the window at least
-/// linearly, and all searches together replay it some five times.
-const GROWTH: f64 = 1.3;
+/// linearly, and all searches together cost some three and a half times the last.
+const GROWTH: f64 = 1.4;
 /// Damping ratios of the grid's modes. Over some periods a mode whose damping is off by less than a few
 /// hundredths is still alike.
 const DAMPING: (f64, f64) = (0.01, 0.1);
@@ -21,6 +22,19 @@ enum Stage {
     Grid,
     /// From one start after another.
     Descents,
+}
+
+/// The middle of the grid: the mode that is fitted, moved so that the grid covers no more than the range that is
+/// looked for, or the middle of that.
+fn centre(settings: &Settings, mode: Mode) -> Mode {
+    let (low, high) = settings.frequency_range;
+    let (first, last) = (low * REACH, high / REACH);
+    let w = match first < last {
+        true => mode.natural_frequency().max(first).min(last),
+        false => (low * high).sqrt(),
+    };
+    let damping = mode.damping_ratio().clamp(DAMPING.0, DAMPING.1);
+    Mode::new(w, damping).unwrap_or(mode)
 }
 
 /// Starts from a grid, and descents from them.
@@ -36,10 +50,10 @@ pub struct Search {
 
 impl Search {
     /// Takes all memory that it will ever need.
-    pub fn new(mode: Mode, sample_time: f64) -> Self {
+    pub fn new(settings: &Settings, mode: Mode) -> Self {
         Self {
             stage: Stage::Waiting,
-            grid: Grid::new(mode, sample_time),
+            grid: Grid::new(centre(settings, mode), settings.sample_time),
             starts: [None; STARTS],
             descent: None,
             next: 0,
@@ -71,9 +85,7 @@ impl Search {
     ) -> Option<Descent> {
         let sample_time = ground.settings.sample_time;
         if self.stage == Stage::Waiting && ground.samples.len() >= self.next {
-            let damping = mode.damping_ratio().clamp(DAMPING.0, DAMPING.1);
-            let start = Mode::new(mode.natural_frequency(), damping).unwrap_or(mode);
-            self.grid.begin(start, sample_time);
+            self.grid.begin(centre(ground.settings, mode), sample_time);
             self.stage = Stage::Grid;
         }
         if self.stage == Stage::Grid {
@@ -95,6 +107,10 @@ impl Search {
             }
             let descent = self.descent.as_mut()?;
             descent.advance(ground, budget);
+            if descent.is_hopeless(ground) {
+                self.descent = None;
+                return None;
+            }
             return self.descent.take_if(|descent| descent.rests());
         }
         None
