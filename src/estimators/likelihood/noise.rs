@@ -47,6 +47,16 @@ impl Noise {
         freedom * (difference / (freedom * self.variance)).max(0.0).ln_1p()
     }
 
+    /// The same where the noise is coloured and counts for as many fewer degrees of freedom, down to those that
+    /// a level is learned from; nothing where its colour is not known (an infinite inflation).
+    pub fn coloured_evidence(&self, difference: f64, inflation: f64) -> f64 {
+        if !inflation.is_finite() {
+            return 0.0;
+        }
+        let independent = (self.freedom / inflation).max(SPARE).min(self.freedom);
+        self.evidence(difference) * independent / self.freedom.max(1.0)
+    }
+
     /// Variance of an unknown over that of a Gaussian one: Student's, where the level was learned.
     pub fn student(&self, given: Option<f64>) -> f64 {
         match given {

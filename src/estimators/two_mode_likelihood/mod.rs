@@ -187,7 +187,9 @@ impl TwoModeLikelihood {
         let (pair, fit) = active.best()?;
         let one = self.one.least_cost()?;
         let colour = pair.correlation;
-        let evidence = active.noise.evidence(one - fit.cost_after) / colour.largest_inflation();
+        let evidence = active
+            .noise
+            .coloured_evidence(one - fit.cost_after, colour.largest_inflation());
         let inflation = colour.inflation();
         if active.noise.freedom <= 0.0 || evidence <= RULED_OUT {
             return None;
