@@ -184,7 +184,7 @@ fn val_two_close_modes_after_four_periods() {
     assert!((0.75..1.25).contains(&bound), "{bound}");
 }
 
-/// By its level once in thousands of decays, at any instant of them.
+/// At no instant of a decay, but once in tens of thousands of them.
 #[test]
 fn val_one_mode_is_never_told_as_two() {
     let mut alarms = 0;
@@ -209,7 +209,7 @@ fn val_one_mode_is_never_told_as_two() {
         }
         alarms += usize::from(ever);
     }
-    // Two or more of 500 would come about once in 5000 times at a level of 3e-5 a decay.
+    // At a level of 3e-5 a decay two of 500 come about once in ten thousand times.
     assert!(alarms <= 1, "{alarms} of 500");
 }
 

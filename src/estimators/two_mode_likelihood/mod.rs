@@ -10,17 +10,18 @@
 //! while one mode explains the samples: two are told once the likelihood ratio excludes one.
 //!
 //! Under one mode the second's frequency and damping mean nothing, so that the ratio is no chi-squared but
-//! the largest of a process of them: beyond `u` it goes with a probability of about
-//! `B T (pi u)^(1/2) e^(-u/2)` for each linear pair of unknowns, `B` the range of frequencies and `T` the
-//! length. At `u = 30`, an octave to either side and six periods: 3e-5, and 1e-3 with the four linear unknowns
-//! that a motion adds. A residual whose neighbours are correlated counts for as much less as it does in the
-//! standard deviations.
+//! the largest of a process of them. With two linear unknowns it goes beyond `u` with a probability of about
+//! `B T (pi u / 6)^(1/2) e^(-u/2)`, `B` the range of frequencies (Hz) and `T` the length; an open damping makes
+//! that some three times as much, two more linear unknowns `u / 2` times. At `u = 30`, an octave to either side
+//! and six periods: 3e-5 for a free decay, 5e-4 in motion. A residual whose neighbours are correlated counts for
+//! as much less as it does in the standard deviations.
 //!
 //! Two modes that damp alike and have one frequency are one: their frequencies must differ by three standard
 //! deviations of the difference. The input is trusted to the end, whatever `memory` the settings have.
 //!
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7; likelihood ratio where a
-//! nuisance exists under the alternative only, R. B. Davies, Biometrika 74 (1987) 33-43.
+//! nuisance exists under the alternative only, R. B. Davies, Biometrika 74 (1987) 33-43; its form for a
+//! frequency, R. V. Baluev, Mon. Not. R. Astron. Soc. 385 (2008) 1279-1285.
 
 mod descent;
 mod fit;
@@ -65,8 +66,8 @@ const CONVERGENCE_PERIODS: f64 = 0.25;
 /// The likelihood estimator of two modes.
 ///
 /// # Cost
-/// One tick: that of [`Likelihood`], 128 samples of a pair, and a few 14 x 14 solutions; memory is taken in
-/// [`TwoModeLikelihood::new`] only.
+/// One tick: that of [`Likelihood`], 128 to 1024 samples of a pair (a twentieth of the time between samples, where
+/// that is more than 128), and a few 14 x 14 solutions; memory is taken in [`TwoModeLikelihood::new`] only.
 #[derive(Clone, Debug)]
 pub struct TwoModeLikelihood {
     settings: Settings,

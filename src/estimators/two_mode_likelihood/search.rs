@@ -83,9 +83,9 @@ impl Search {
         (mode, noise): (Mode, Noise),
         budget: &mut usize,
     ) -> Option<Descent> {
-        let sample_time = ground.settings.sample_time;
         if self.stage == Stage::Waiting && ground.samples.len() >= self.next {
-            self.grid.begin(centre(ground.settings, mode), sample_time);
+            let centre = centre(ground.settings, mode);
+            self.grid.begin(centre, ground.settings.sample_time);
             self.stage = Stage::Grid;
         }
         if self.stage == Stage::Grid {
@@ -96,23 +96,35 @@ impl Search {
             self.starts = self.grid.starts();
             self.stage = Stage::Descents;
         }
-        if self.stage == Stage::Descents {
-            if self.descent.is_none() {
-                let Some(start) = self.starts.iter_mut().find_map(Option::take) else {
-                    self.stage = Stage::Waiting;
-                    self.next = (GROWTH * ground.samples.len() as f64) as usize + 1;
-                    return None;
-                };
-                self.descent = Some(Descent::new(start, noise, sample_time));
-            }
-            let descent = self.descent.as_mut()?;
-            descent.advance(ground, budget);
-            if descent.is_hopeless(ground) {
-                self.descent = None;
-                return None;
-            }
-            return self.descent.take_if(|descent| descent.rests());
+        match self.stage {
+            Stage::Descents => self.descend(ground, noise, budget),
+            _ => None,
         }
-        None
+    }
+
+    /// From the present start, or from the next one.
+    fn descend(
+        &mut self,
+        ground: &Ground<'_>,
+        noise: Noise,
+        budget: &mut usize,
+    ) -> Option<Descent> {
+        if self.descent.is_none() {
+            let Some(start) = self.starts.iter_mut().find_map(Option::take) else {
+                self.stage = Stage::Waiting;
+                self.next = (GROWTH * ground.samples.len() as f64) as usize + 1;
+                return None;
+            };
+            self.descent = Some(Descent::new(start, noise, ground.settings.sample_time));
+        }
+        let descent = self.descent.as_mut()?;
+        descent.advance(ground, budget);
+        if descent.is_hopeless(ground) {
+            // The other starts leave more than this one did.
+            self.descent = None;
+            self.starts = [None; STARTS];
+            return None;
+        }
+        self.descent.take_if(|descent| descent.rests())
     }
 }
