@@ -114,10 +114,10 @@ fn val_cramer_rao_of_two_modes() {
     let second = faster(ratio, 0.05);
     let times = stamps(RATE, 3.0 / SLOW.frequency_hz);
     let value = |p: [f64; 8]| {
-        let truths = [SLOW, second].map(|truth| (truth, ()));
+        let truths = [SLOW, second];
         let part = |m: usize, amplitude: f64| {
             let truth = Truth {
-                frequency_hz: truths[m].0.frequency_hz * p[4 * m].exp(),
+                frequency_hz: truths[m].frequency_hz * p[4 * m].exp(),
                 damping_ratio: p[4 * m + 1],
                 across: false,
             };

@@ -183,16 +183,24 @@ impl TwoModeLikelihood {
         self.told = told;
     }
 
+    /// Whether the likelihood ratio says that one mode is not enough.
+    fn excludes_one(&self, active: &Descent, pair: &Pair, fit: &Fit) -> bool {
+        let Some(one) = self.one.least_cost() else {
+            return false;
+        };
+        let inflation = pair.correlation.largest_inflation();
+        let evidence = active
+            .noise
+            .coloured_evidence(one - fit.cost_after, inflation);
+        active.noise.freedom > 0.0 && evidence > RULED_OUT
+    }
+
+    /// Both, the one with more energy first; `None` where one is enough, or two are not known well enough.
     fn two(&mut self, time: f64) -> Option<[Estimate; 2]> {
         let active = self.active.as_ref()?;
         let (pair, fit) = active.best()?;
-        let one = self.one.least_cost()?;
-        let colour = pair.correlation;
-        let evidence = active
-            .noise
-            .coloured_evidence(one - fit.cost_after, colour.largest_inflation());
-        let inflation = colour.inflation();
-        if active.noise.freedom <= 0.0 || evidence <= RULED_OUT {
+        let inflation = pair.correlation.inflation();
+        if !self.excludes_one(active, pair, fit) {
             return None;
         }
         let student = active.noise.student(self.settings.noise_std);
