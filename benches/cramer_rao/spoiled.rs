@@ -18,9 +18,9 @@ const MISSING: f64 = 0.2;
 /// Offset, and drift over all periods, as a share of the amplitude.
 const SHARE: f64 = 0.1;
 
-type Spoil = fn(&Case, Vec<Sample>, &mut ChaCha8Rng) -> Vec<Sample>;
+pub type Spoil = fn(&Case, Vec<Sample>, &mut ChaCha8Rng) -> Vec<Sample>;
 
-const SPOILS: [(&str, Spoil); 6] = [
+pub const SPOILS: [(&str, Spoil); 6] = [
     ("white noise alone", |_, samples, _| samples),
     ("coloured noise", coloured),
     ("1 % outliers", |case, mut samples, random| {
@@ -55,7 +55,7 @@ const SPOILS: [(&str, Spoil); 6] = [
 fn coloured(case: &Case, samples: Vec<Sample>, _: &mut ChaCha8Rng) -> Vec<Sample> {
     let fresh = (1.0 - CORRELATION * CORRELATION).sqrt();
     let mut state: Option<f64> = None;
-    let clean = case.clean(PERIODS);
+    let clean = case.clean(samples.len() as f64 * case.mode.hertz() / case.rate);
     samples
         .iter()
         .zip(&clean)

@@ -3,6 +3,7 @@
 use quell_shapers::Mode;
 
 use super::likelihood::{Folding, Priors, Track, Window, fit};
+use super::two_mode_likelihood::{Pair, PairPriors, fit_pair};
 use super::{Sample, Settings};
 
 /// Smallest standard deviations of an unbiased estimator.
@@ -12,6 +13,10 @@ pub struct Bound {
     pub natural_frequency_std: f64,
     /// Of `xi`.
     pub damping_ratio_std: f64,
+}
+
+fn precision(std: f64) -> f64 {
+    if std > 0.0 { (std * std).recip() } else { 1e30 }
 }
 
 /// The bound for noise-free samples of a mode, under white noise of `noise_std`.
@@ -28,7 +33,6 @@ pub fn cramer_rao(
     settings: &Settings,
 ) -> Option<Bound> {
     let w = mode.natural_frequency();
-    let precision = |std: f64| if std > 0.0 { (std * std).recip() } else { 1e30 };
     let priors = Priors {
         mean: [w.ln(), mode.damping_ratio()],
         precision: [
@@ -59,4 +63,41 @@ pub fn cramer_rao(
         natural_frequency_std: fit.variances[0].sqrt() * noise_std * w,
         damping_ratio_std: fit.variances[1].sqrt() * noise_std,
     })
+}
+
+/// The bound for noise-free samples of two modes, as [`cramer_rao`]; an infinite `memory` is assumed.
+///
+/// `None` where the samples do not determine the modes.
+pub fn two_mode_cramer_rao(
+    samples: &[Sample],
+    modes: [Mode; 2],
+    noise_std: f64,
+    settings: &Settings,
+) -> Option<[Bound; 2]> {
+    let [first, second] = modes.map(|mode| mode.natural_frequency());
+    let mut known = [0.0; 14];
+    known[4] = precision(settings.offset_std.unwrap_or(noise_std));
+    known[5] = first * first;
+    known[6] = second * second;
+    known[7] = precision(settings.scale_std);
+    known[8] = 1.0;
+    known[9] = precision(settings.gain_std);
+    let priors = PairPriors {
+        // Of no weight.
+        mean: [0.0; 2],
+        precision: known,
+    };
+    let mut pair = Pair::new(modes, settings.sample_time);
+    let mut window = Window::with_capacity(samples.len());
+    for &sample in samples {
+        window.push(sample);
+        pair.absorb(&window);
+    }
+    let fit = fit_pair(&pair, &priors, noise_std * noise_std, &[0.0; 4])?;
+    Some([0, 1].map(|m| Bound {
+        natural_frequency_std: fit.covariance[2 * m][2 * m].sqrt()
+            * noise_std
+            * modes[m].natural_frequency(),
+        damping_ratio_std: fit.covariance[2 * m + 1][2 * m + 1].sqrt() * noise_std,
+    }))
 }

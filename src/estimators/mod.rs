@@ -24,14 +24,16 @@ mod quadrature;
 mod regression;
 mod settings;
 mod super_twisting;
+mod two_mode_likelihood;
 
 pub use algebraic::{Algebraic, AlgebraicForm};
 pub use convergence::{Convergence, SETTLED};
-pub use cramer_rao::{Bound, cramer_rao};
+pub use cramer_rao::{Bound, cramer_rao, two_mode_cramer_rao};
 pub use likelihood::Likelihood;
 pub use quadrature::Integral;
 pub use settings::Settings;
 pub use super_twisting::SuperTwisting;
+pub use two_mode_likelihood::TwoModeLikelihood;
 
 /// One aligned sample of the axis, on the sensor's stamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +81,10 @@ pub trait Estimator: Send {
     fn observe(&mut self, sample: Sample);
     /// The present estimate, once there is one.
     fn estimate(&self) -> Option<Estimate>;
+    /// A further mode beside that of the estimate, where the method looks for one and there is one.
+    fn further(&self) -> Option<Estimate> {
+        None
+    }
     /// Forgets every sample, to begin a new window.
     fn restart(&mut self);
 }
@@ -108,6 +114,13 @@ pub const ESTIMATORS: &[EstimatorEntry] = &[
         uses_motion: true,
         states_error: true,
         build: |settings| Box::new(Likelihood::new(settings)),
+    },
+    EstimatorEntry {
+        name: "two_mode_likelihood",
+        summary: "the same of two modes, where the likelihood ratio excludes one",
+        uses_motion: true,
+        states_error: true,
+        build: |settings| Box::new(TwoModeLikelihood::new(settings)),
     },
     EstimatorEntry {
         name: "algebraic",

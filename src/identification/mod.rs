@@ -24,7 +24,7 @@ use core::f64::consts::TAU;
 use quell_shapers::Mode;
 
 use crate::estimators::offline::{BatchFit, batch_fit};
-use crate::estimators::{ESTIMATORS, Sample, Settings};
+use crate::estimators::{ESTIMATORS, Estimate, Sample, Settings};
 
 /// What is known before the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,6 +68,14 @@ impl Identification {
             _ if uses_motion => Some(&self.whole),
             _ => None,
         }
+    }
+
+    /// The two modes of the first estimator that told two, over what is quoted of it.
+    pub fn two_modes(&self) -> Option<(Estimate, Estimate)> {
+        ESTIMATORS.iter().enumerate().find_map(|(index, line)| {
+            let result = self.quoted(index)?.estimator(line.name)?;
+            result.estimate.zip(result.further)
+        })
     }
 
     /// The run whose off-line references are quoted: the best free decay, else the whole.

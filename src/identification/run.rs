@@ -26,6 +26,8 @@ pub struct OnLine {
     pub name: &'static str,
     /// The last estimate, if there was one.
     pub estimate: Option<Estimate>,
+    /// A further mode, if it told one in the end.
+    pub further: Option<Estimate>,
     /// When it first called itself converged, s.
     pub converged_at: Option<f64>,
     /// The same in periods of its mode, counted from `counted_from` of the run.
@@ -199,6 +201,7 @@ fn on_line(line: &EstimatorEntry, samples: &[Sample], settings: &Settings, from:
     OnLine {
         name: line.name,
         estimate,
+        further: estimator.further(),
         converged_at,
         periods,
         history,

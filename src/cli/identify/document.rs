@@ -43,8 +43,17 @@ pub fn document(findings: &Findings) -> Value {
 
 fn estimate(name: &str, run: Option<&Run>, result: Option<&OnLine>) -> Value {
     let estimate = result.and_then(|result| result.estimate);
+    let further = result.and_then(|result| result.further).map(|e| {
+        json!({
+            "frequency_hz": e.mode.hertz(),
+            "frequency_std_hz": e.natural_frequency_std / TAU,
+            "damping_ratio": e.mode.damping_ratio(),
+            "damping_std": e.damping_ratio_std,
+        })
+    });
     json!({
         "estimator": name,
+        "further_mode": further,
         "frequency_hz": estimate.map(|e| e.mode.hertz()),
         "frequency_std_hz": estimate.map(|e| e.natural_frequency_std / TAU),
         "damping_ratio": estimate.map(|e| e.mode.damping_ratio()),

@@ -33,6 +33,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
             found.memory
         ));
     }
+    remarks.extend(two_modes(findings));
     remarks.extend(damping(findings));
     if let Some(registration) = &findings.series.registration {
         remarks.push(format!(
@@ -44,6 +45,28 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
         ));
     }
     remarks
+}
+
+/// A sentence on a second mode, and what to do about it.
+fn two_modes(findings: &Findings) -> Option<String> {
+    let (first, second) = findings.found.two_modes()?;
+    let [one, other] = [first, second].map(|e| {
+        format!(
+            "{:.3} Hz (± {:.3}) with a damping ratio of {:.4} (± {:.4})",
+            e.mode.hertz(),
+            e.natural_frequency_std / core::f64::consts::TAU,
+            e.mode.damping_ratio(),
+            e.damping_ratio_std,
+        )
+    });
+    Some(format!(
+        "There are two modes: {one}, and {other}. One is excluded by the likelihood ratio. `quell shape` \
+         shapes for both: `--mode {:.3},{:.4} --mode {:.3},{:.4}`.",
+        first.mode.hertz(),
+        first.mode.damping_ratio(),
+        second.mode.hertz(),
+        second.mode.damping_ratio(),
+    ))
 }
 
 /// A sentence on damping against amplitude.

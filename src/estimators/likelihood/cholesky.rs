@@ -33,29 +33,40 @@ impl<const N: usize> Cholesky<N> {
     /// not positive definite.
     #[inline(always)]
     pub fn append<const ROW: usize>(&mut self, row: &[f64; N]) -> Option<()> {
-        if !(row[ROW].is_finite() && row[ROW] > 0.0) {
+        self.append_at(ROW, row)
+    }
+
+    /// The same where the number of the row is not known before.
+    #[inline(always)]
+    pub fn append_at(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
+        if !(row[n].is_finite() && row[n] > 0.0) {
             return None;
         }
-        let scaled = self.forward::<ROW>(row);
-        let mut left = row[ROW] * (1.0 + RIDGE);
-        let line = self.lower[ROW].iter_mut().zip(&self.pivot);
-        for ((entry, pivot), part) in line.zip(scaled).take(ROW) {
+        let scaled = self.forward_to(n, row);
+        let mut left = row[n] * (1.0 + RIDGE);
+        let line = self.lower[n].iter_mut().zip(&self.pivot);
+        for ((entry, pivot), part) in line.zip(scaled).take(n) {
             *entry = part * pivot;
             left -= part * *entry;
         }
         if left.is_nan() || left <= 0.0 {
             return None;
         }
-        self.pivot[ROW] = left.recip();
-        self.diagonal[ROW] = row[ROW];
+        self.pivot[n] = left.recip();
+        self.diagonal[n] = row[n];
         Some(())
     }
 
     /// The first `SIZE` of `L^-1 rhs`, the rest 0.
     #[inline(always)]
     pub fn forward<const SIZE: usize>(&self, rhs: &[f64; N]) -> [f64; N] {
+        self.forward_to(SIZE, rhs)
+    }
+
+    #[inline(always)]
+    fn forward_to(&self, size: usize, rhs: &[f64; N]) -> [f64; N] {
         let mut result = [0.0; N];
-        for n in 0..SIZE {
+        for n in 0..size {
             result[n] = self.next_forward(&result, n, rhs[n]);
         }
         result
@@ -90,15 +101,27 @@ impl<const N: usize> Cholesky<N> {
     /// Element `(I, I)` of the inverse of `A`; the later it stands, the less work.
     #[inline(always)]
     pub fn inverse<const I: usize>(&self) -> f64 {
-        // Column I of L^-1.
+        let column = self.column(I);
+        (I..N).map(|n| self.explained(&column, n)).sum()
+    }
+
+    /// Element `(i, j)` of the inverse of `A`.
+    pub fn inverse_at(&self, i: usize, j: usize) -> f64 {
+        let (left, right) = (self.column(i), self.column(j));
+        (i.max(j)..N)
+            .map(|n| left[n] * right[n] * self.pivot[n])
+            .sum()
+    }
+
+    /// Column `i` of `L^-1`.
+    #[inline(always)]
+    fn column(&self, i: usize) -> [f64; N] {
         let mut column = [0.0; N];
-        column[I] = 1.0;
-        let mut sum = self.pivot[I];
-        for n in I + 1..N {
-            column[n] = without(0.0, &self.lower[n][I..n], &column[I..]);
-            sum += self.explained(&column, n);
+        column[i] = 1.0;
+        for n in i + 1..N {
+            column[n] = without(0.0, &self.lower[n][i..n], &column[i..]);
         }
-        sum
+        column
     }
 
     /// Element `(n, n)` of `A`.

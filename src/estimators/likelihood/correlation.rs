@@ -22,14 +22,27 @@ impl Correlation {
     /// `(1 + rho) / (1 - rho)`, the variance inflation of a mean of AR(1) noise; 1 where `rho` is
     /// within two standard deviations (`1 / sqrt n`) of 0.
     pub fn inflation(&self) -> f64 {
-        if self.count < 16.0 || self.square <= 0.0 {
-            return 1.0;
-        }
-        let rho = (self.product / self.square).min(0.999);
-        if rho < 2.0 / self.count.sqrt() {
-            1.0
-        } else {
-            (1.0 + rho) / (1.0 - rho)
+        let doubt = 2.0 / self.count.sqrt();
+        match self.rho() {
+            Some(rho) if rho >= doubt => inflation(rho),
+            _ => 1.0,
         }
     }
+
+    /// The same a standard deviation of `rho` higher: what the noise may be, for a decision that must not
+    /// be led by its colour. Infinite where there are too few samples to know.
+    pub fn largest_inflation(&self) -> f64 {
+        let doubt = self.count.sqrt().recip();
+        self.rho()
+            .map_or(f64::INFINITY, |rho| inflation((rho + doubt).max(0.0)))
+    }
+
+    fn rho(&self) -> Option<f64> {
+        (self.count >= 16.0 && self.square > 0.0).then(|| self.product / self.square)
+    }
+}
+
+fn inflation(rho: f64) -> f64 {
+    let rho = rho.min(0.999);
+    (1.0 + rho) / (1.0 - rho)
 }

@@ -22,16 +22,18 @@
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
 
-mod cholesky;
-mod correlation;
+pub(super) mod cholesky;
+pub(super) mod correlation;
 mod fit;
 mod gate;
 mod moments;
+pub(super) mod noise;
 mod priors;
-mod region;
+pub(super) mod region;
 mod relinearise;
 mod search;
 mod track;
+pub(super) mod walk;
 mod window;
 
 use quell_shapers::Mode;
@@ -43,6 +45,7 @@ pub(super) use self::window::Window;
 
 use self::correlation::Correlation;
 use self::fit::Fit;
+use self::noise::{Noise, SPARE};
 use self::priors::inverse_square;
 use self::region::{DAMPING_RANGE, Region, TRUST, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
@@ -50,19 +53,14 @@ use super::{Estimate, Estimator, Sample, Settings};
 
 /// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.
 const GRID_RATIO: f64 = 1.25;
-/// Weight of a given noise level in samples, against the residual's own.
-const NOISE_SAMPLES: f64 = 10.0;
 /// Window, in periods, over which the estimates must agree before they count as converged.
 const CONVERGENCE_PERIODS: f64 = 0.25;
-/// Samples beyond the unknowns from which a noise level is learned: its distribution (Student's) has a
-/// variance from three on.
-const SPARE: f64 = 4.0;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
 /// A standard deviation of `ln w` above which there is no estimate to speak of.
-const USABLE: f64 = 0.2;
+pub(super) const USABLE: f64 = 0.2;
 /// Difference of `-2 ln` likelihood that rules another start out (odds of 3e6).
-const RULED_OUT: f64 = 30.0;
+pub(super) const RULED_OUT: f64 = 30.0;
 
 /// The likelihood estimator.
 ///
@@ -84,9 +82,7 @@ pub struct Likelihood {
     shrink: f64,
     locked: bool,
     largest: f64,
-    variance: f64,
-    /// Degrees of freedom of `variance`.
-    freedom: f64,
+    noise: Noise,
     /// Samples in a row that were taken for spikes, or would have been.
     outside: u32,
     correlation: Correlation,
@@ -128,8 +124,7 @@ impl Likelihood {
             shrink: 1.0,
             locked: false,
             largest: 0.0,
-            variance: 0.0,
-            freedom: 0.0,
+            noise: Noise::default(),
             outside: 0,
             correlation: Correlation::default(),
             convergence: Convergence::over(CONVERGENCE_PERIODS),
@@ -140,77 +135,91 @@ impl Likelihood {
 
     /// Priors of the moment: what vibrates is of the size of the deformations seen.
     fn priors(&self) -> Priors {
+        self.priors_for(self.noise.variance)
+    }
+
+    /// The same at another level of the noise.
+    pub(super) fn priors_for(&self, variance: f64) -> Priors {
         let mut priors = self.belief;
         let amplitude = inverse_square(10.0 * self.largest.max(1e-12));
         priors.precision[2] = amplitude;
         priors.precision[3] = amplitude;
         if self.settings.offset_std.is_none() {
-            priors.precision[4] = self.variance.max(1e-30).recip();
+            priors.precision[4] = variance.max(1e-30).recip();
         }
         // The damper across the joint needs 2 xi / w, at most 2 / w.
         priors.precision[5] = self.active.mode.natural_frequency().powi(2);
         priors
     }
 
+    /// The samples that count, spikes marked by a deformation that is no number.
+    pub(super) fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// Length of the window, s.
+    pub(super) fn elapsed(&self) -> f64 {
+        let samples = self.window.samples();
+        let ends = samples.first().zip(samples.last());
+        ends.map_or(0.0, |(first, last)| last.time - first.time)
+    }
+
+    /// Where it is linearised.
+    pub(super) fn mode(&self) -> Mode {
+        self.active.mode
+    }
+
+    /// Level of the noise.
+    pub(super) fn noise(&self) -> Noise {
+        self.noise
+    }
+
+    /// The largest deformation so far.
+    pub(super) fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Sum of squares that one mode leaves, at the end of the present step.
+    pub(super) fn least_cost(&self) -> Option<f64> {
+        self.fit.as_ref().map(|fit| fit.cost_after)
+    }
+
     fn folding(&self) -> Folding {
         Folding {
             memory: self.settings.memory,
             priors: self.priors(),
-            variance: self.variance,
+            variance: self.noise.variance,
         }
     }
 
     /// Pools a given noise level with the residual's.
     fn update_variance(&mut self) {
         let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
-        let spare = (self.active.taken() - unknowns).max(0.0);
-        let residual = self.fit.as_ref().map_or(0.0, |fit| fit.cost_after.max(0.0));
-        let smallest = (1e-24 * self.largest * self.largest).max(1e-60);
-        (self.variance, self.freedom) = match self.settings.noise_std {
-            Some(std) => {
-                let residual = if spare > 0.0 { residual } else { 0.0 };
-                let freedom = NOISE_SAMPLES + spare;
-                let variance = (NOISE_SAMPLES * std * std + residual) / freedom;
-                (variance, freedom)
-            }
-            None if spare >= SPARE => (residual / spare, spare),
-            None => (1e-4 * self.largest * self.largest, 0.0),
-        };
-        self.variance = self.variance.max(smallest);
+        let square = self.fit.as_ref().map_or(0.0, |fit| fit.cost_after);
+        let spare = self.active.taken() - unknowns;
+        self.noise = Noise::pooled(self.settings.noise_std, square, spare, self.largest);
     }
 
     /// Whether there are enough samples to know the noise's level, beside the mode.
     fn knows_noise(&self) -> bool {
         let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
-        self.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
+        self.noise.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
     }
 
-    /// Whether `-2 ln` of the odds against a sum of squares that is larger by so much is above a limit, the
-    /// noise's level known as well as it is: `n ln(1 + d / (n s^2))`, which for many samples is `d / s^2`.
-    ///
-    /// Source: T. W. Anderson, An Introduction to Multivariate Statistical Analysis, ch. 8 (likelihood ratio
-    /// with an unknown variance).
     fn is_evident(&self, difference: f64, limit: f64) -> bool {
-        let freedom = self.freedom.max(1.0);
-        let ratio = (difference / (freedom * self.variance)).max(0.0);
-        // 2 x / (2 + x) <= ln(1 + x) <= x says it without a logarithm, unless it is close.
-        freedom * ratio > limit
-            && (freedom * 2.0 * ratio > limit * (2.0 + ratio) || freedom * ratio.ln_1p() > limit)
+        self.noise.is_evident(difference, limit)
     }
 
     fn refit(&mut self) {
         let priors = self.priors();
-        self.fit = fit(&self.active, &priors, self.variance);
+        self.fit = fit(&self.active, &priors, self.noise.variance);
     }
 
     /// Standard deviations of `ln w`, `xi` and the gain; where the noise's level was learned, those of
     /// Student's distribution.
     fn spread(&self, fit: &Fit) -> [f64; 3] {
-        let student = match self.settings.noise_std {
-            None if self.freedom >= SPARE => self.freedom / (self.freedom - 2.0),
-            _ => 1.0,
-        };
-        let variance = self.variance * student * self.correlation.inflation();
+        let student = self.noise.student(self.settings.noise_std);
+        let variance = self.noise.variance * student * self.correlation.inflation();
         [fit.variances[0], fit.variances[1], fit.gain.1].map(|unit| (unit * variance).sqrt())
     }
 
@@ -303,8 +312,7 @@ impl Estimator for Likelihood {
         self.shrink = 1.0;
         self.locked = false;
         self.largest = 0.0;
-        self.variance = 0.0;
-        self.freedom = 0.0;
+        self.noise = Noise::default();
         self.outside = 0;
         self.correlation = Correlation::default();
         self.convergence = Convergence::over(CONVERGENCE_PERIODS);

@@ -17,7 +17,7 @@ impl Likelihood {
         self.start_candidate(self.active.mode);
         self.must_replace = true;
         // The active track goes on with its old sums; only its place in the window has moved.
-        self.active.count -= half;
+        self.active.walk.count -= half;
         self.locked = true;
     }
 
@@ -37,11 +37,11 @@ impl Likelihood {
                 return;
             };
             let length = self.window.samples().len();
-            while budget > 0 && candidate.count < length {
+            while budget > 0 && candidate.walk.count < length {
                 candidate.absorb(&self.window, &folding);
                 budget -= 1;
             }
-            if candidate.count < length {
+            if candidate.walk.count < length {
                 return;
             }
             self.judge();
@@ -60,7 +60,7 @@ impl Likelihood {
         let missed = 0.5 * (x * x + y * y) * self.phase();
         let least = fit.variances[0].min(fit.variances[1]);
         let negligible = x.abs() < 1e-9 && y.abs() < 1e-9;
-        let exact = missed * missed <= 0.01 * least * self.variance;
+        let exact = missed * missed <= 0.01 * least * self.noise.variance;
         if negligible || exact || self.shrink < 1e-3 {
             return false;
         }
@@ -74,11 +74,8 @@ impl Likelihood {
 
     /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
     fn phase(&self) -> f64 {
-        let samples = self.window.samples();
-        let ends = samples.first().zip(samples.last());
-        let elapsed = ends.map_or(0.0, |(first, last)| last.time - first.time);
         let mode = self.active.mode;
-        (mode.natural_frequency() * elapsed)
+        (mode.natural_frequency() * self.elapsed())
             .min(mode.damping_ratio().recip())
             .max(1.0)
     }
@@ -89,7 +86,7 @@ impl Likelihood {
             return;
         };
         let priors = self.priors();
-        let cost = profile(&candidate, &priors, self.variance).unwrap_or(f64::INFINITY);
+        let cost = profile(&candidate, &priors, self.noise.variance).unwrap_or(f64::INFINITY);
         let present = self.fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost);
         if self.must_replace || cost <= present {
             self.must_replace = false;

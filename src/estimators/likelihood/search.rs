@@ -15,7 +15,7 @@ impl Likelihood {
         let mut best_cost = active.cost;
         let mut second = f64::INFINITY;
         for (index, track) in self.grid.iter().enumerate() {
-            let Some(cost) = profile(track, &folding.priors, self.variance) else {
+            let Some(cost) = profile(track, &folding.priors, self.noise.variance) else {
                 continue;
             };
             second = second.min(cost);

@@ -6,6 +6,7 @@ use super::fit::{Past, fold};
 use super::moments::Moments;
 use super::priors::Priors;
 use super::region::log_point;
+use super::walk::{Step, Walk};
 use super::window::Window;
 use crate::estimators::Sample;
 use crate::estimators::modal_response::{INPUT, ModalResponse, WIDTH};
@@ -27,13 +28,9 @@ pub struct Track {
     pub has_past: bool,
     /// The last row.
     pub row: [f64; WIDTH],
-    /// Samples of the window seen so far.
-    pub count: usize,
+    /// Its place in the window.
+    pub walk: Walk,
     still: Still,
-    /// Input at the first sample, and at the present stretch's first.
-    origin: f64,
-    stretch_origin: f64,
-    stretch_from: f64,
 }
 
 /// Sums of products of 1, the input and the deformation, of which an offset and a gain are fitted without
@@ -70,11 +67,8 @@ impl Track {
             past: Past::zeros(),
             has_past: false,
             row: [0.0; WIDTH],
-            count: 0,
+            walk: Walk::default(),
             still: Still::default(),
-            origin: 0.0,
-            stretch_origin: 0.0,
-            stretch_from: 0.0,
         }
     }
 
@@ -87,22 +81,16 @@ impl Track {
 
     /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
     pub fn approach<'a>(&mut self, window: &'a Window, folding: &Folding) -> Option<&'a Sample> {
-        let sample = window.samples().get(self.count)?;
-        if self.count == 0 {
-            self.origin = sample.motor_position;
-            self.stretch_origin = self.origin;
-            self.stretch_from = sample.time;
-        } else if sample.time - self.stretch_from >= folding.memory {
-            self.set_free(sample, folding);
-        } else {
-            let (step, parabola) = window.interval(self.count, self.stretch_origin);
-            self.response.advance(step, &parabola);
+        let (sample, step) = self.walk.next(window, folding.memory)?;
+        match step {
+            Step::First => {}
+            Step::Interval(length, input) => self.response.advance(length, &input),
+            Step::Free => self.set_free(folding),
         }
-        let input = sample.motor_position - self.stretch_origin;
+        let input = self.walk.input(sample);
         self.row = self.response.row(input, sample.deformation);
         // The gain is on the input since the first sample, whatever the stretch.
-        self.row[INPUT] = sample.motor_position - self.origin;
-        self.count += 1;
+        self.row[INPUT] = self.walk.total_input(sample);
         Some(sample)
     }
 
@@ -127,15 +115,13 @@ impl Track {
     }
 
     /// Ends a stretch: what it says is kept, the vibration from here on is free.
-    fn set_free(&mut self, sample: &Sample, folding: &Folding) {
+    fn set_free(&mut self, folding: &Folding) {
         if let Some(past) = fold(self, &folding.priors, folding.variance) {
             self.past = past;
             self.has_past = true;
         }
         self.moments = Moments::ZERO;
         self.response.restart();
-        self.stretch_origin = sample.motor_position;
-        self.stretch_from = sample.time;
     }
 
     /// Sum of squares that an offset and a gain alone leave of the deformation.

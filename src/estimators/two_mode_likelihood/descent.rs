@@ -1,0 +1,226 @@
+//! From a start to the best pair of modes near it, a bounded number of samples a tick, and along with new
+//! samples from there.
+
+use quell_shapers::Mode;
+
+use super::fit::{Fit, Priors, fit, profile};
+use super::pair::Pair;
+use crate::estimators::Settings;
+use crate::estimators::likelihood::noise::Noise;
+use crate::estimators::likelihood::region::{Region, TRUST, log_point};
+use crate::estimators::likelihood::{RULED_OUT, Window};
+
+/// What a new linearisation must promise to gain, in variances of the noise: a tenth of a standard deviation
+/// squared.
+const WORTH: f64 = 0.01;
+/// Step below which rounding is all that moves it.
+const ROUNDING: f64 = 1e-9;
+/// Linearisations after which a descent knows its direction: the first steps are cut.
+const FOUND: u32 = 3;
+/// Damping that holds.
+const HOLDS: f64 = 1e15;
+/// Damping above which there is nothing to gain from here, as the samples stand.
+const STUCK: f64 = 1e6;
+
+/// Levenberg and Marquardt's method along a growing window.
+///
+/// Source: D. W. Marquardt, J. Soc. Indust. Appl. Math. 11 (1963) 431-441.
+#[derive(Clone, Copy, Debug)]
+pub struct Descent {
+    /// The best linearisation so far.
+    best: Option<(Pair, Fit)>,
+    candidate: Option<Pair>,
+    damping: f64,
+    /// Linearisations that were taken.
+    taken: u32,
+    /// Damping of what stands on the edge of its range and would leave it.
+    held: [f64; 4],
+    /// Level of the noise as the best one leaves it.
+    pub noise: Noise,
+}
+
+/// What a descent must know of the rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// What was told before the first sample.
+    pub settings: &'a Settings,
+    /// The window.
+    pub window: &'a Window,
+    /// Priors of a pair.
+    pub priors: &'a Priors,
+    /// The largest deformation so far.
+    pub largest: f64,
+    /// Sum of squares that one mode leaves.
+    pub one: f64,
+}
+
+impl Descent {
+    /// A descent that begins at a pair of modes, at a level of the noise.
+    pub fn new(modes: [Mode; 2], noise: Noise, sample_time: f64) -> Self {
+        Self {
+            best: None,
+            candidate: Some(Pair::new(modes, sample_time)),
+            damping: 0.0,
+            taken: 0,
+            held: [0.0; 4],
+            noise,
+        }
+    }
+
+    /// The best linearisation and its fit.
+    pub fn best(&self) -> Option<&(Pair, Fit)> {
+        self.best.as_ref()
+    }
+
+    /// The modes that it stands at, or begins with.
+    pub fn modes(&self) -> Option<[Mode; 2]> {
+        let best = self.best.as_ref().map(|(pair, _)| pair);
+        best.or(self.candidate.as_ref()).map(|pair| pair.modes)
+    }
+
+    /// Whether it has arrived, as the samples stand.
+    pub fn rests(&self) -> bool {
+        self.candidate.is_none()
+    }
+
+    /// Whether it promises too little, once it has found its direction, to end where one mode is excluded.
+    pub fn is_hopeless(&self, ground: &Ground<'_>) -> bool {
+        self.taken >= FOUND
+            && self.best.is_some_and(|(_, fit)| {
+                self.noise.evidence(ground.one - fit.cost_after) < 0.5 * RULED_OUT
+            })
+    }
+
+    /// Takes what is new in the window.
+    pub fn follow(&mut self, ground: &Ground<'_>) {
+        let Some((pair, _)) = &mut self.best else {
+            return;
+        };
+        pair.absorb(ground.window);
+        // What has failed is tried again once there are more data.
+        self.damping *= 0.9;
+    }
+
+    /// Fits anew to all that the best linearisation has taken.
+    pub fn refit(&mut self, ground: &Ground<'_>) {
+        let Some((pair, old)) = &mut self.best else {
+            return;
+        };
+        let variance = self.noise.variance;
+        let Some(mut new) = fit(pair, ground.priors, variance, &[0.0; 4]) else {
+            return;
+        };
+        // On the edge of the allowed ranges the others go on alone.
+        self.held = held(ground.settings, pair.modes, new.step);
+        if self.held.iter().any(|&held| held > 0.0)
+            && let Some(rest) = fit(pair, ground.priors, variance, &self.held)
+        {
+            new = Fit {
+                covariance: new.covariance,
+                ..rest
+            };
+        }
+        *old = new;
+        pair.weights = Some(new.residual);
+        let spare = pair.taken - new.unknowns;
+        let given = ground.settings.noise_std;
+        self.noise = Noise::pooled(given, new.cost_after, spare, ground.largest);
+    }
+
+    /// New linearisations while they are worth it and the budget of samples lasts.
+    pub fn advance(&mut self, ground: &Ground<'_>, budget: &mut usize) {
+        while *budget > 0 {
+            if self.candidate.is_none() {
+                self.candidate = self.next(ground);
+            }
+            let Some(candidate) = &mut self.candidate else {
+                return;
+            };
+            while *budget > 0 && candidate.walk.count < ground.window.samples().len() {
+                candidate.absorb(ground.window);
+                *budget -= 1;
+            }
+            if candidate.walk.count < ground.window.samples().len() {
+                return;
+            }
+            self.judge(ground);
+            // The solution itself is as much work as some samples.
+            *budget = budget.saturating_sub(8);
+        }
+    }
+
+    /// The linearisation at the end of a step, where it is worth one.
+    fn next(&self, ground: &Ground<'_>) -> Option<Pair> {
+        let (pair, best) = self.best.as_ref()?;
+        let gain = best.cost - best.cost_after;
+        if gain <= WORTH * self.noise.variance || self.damping > STUCK {
+            return None;
+        }
+        let damped = match self.damping {
+            damping if damping < ROUNDING => *best,
+            damping => {
+                let damped = self.held.map(|held| held + damping);
+                fit(pair, ground.priors, self.noise.variance, &damped)?
+            }
+        };
+        let modes = stepped(ground.settings, pair.modes, damped.step)?;
+        let mut next = Pair::new(modes, ground.settings.sample_time);
+        next.weights = Some(damped.linear_residual);
+        Some(next)
+    }
+
+    /// Takes the candidate that has caught up where it leaves less.
+    fn judge(&mut self, ground: &Ground<'_>) {
+        let Some(candidate) = self.candidate.take() else {
+            return;
+        };
+        self.refit(ground);
+        let variance = self.noise.variance;
+        let cost = profile(&candidate, ground.priors, variance);
+        let present = self.best.as_ref().map_or(f64::INFINITY, |best| best.1.cost);
+        let fitted = cost
+            .filter(|cost| *cost <= present)
+            .and_then(|_| fit(&candidate, ground.priors, variance, &[0.0; 4]));
+        match fitted {
+            Some(fitted) => {
+                self.best = Some((candidate, fitted));
+                self.damping *= 0.1;
+                self.taken += 1;
+                self.refit(ground);
+            }
+            None => self.damping = (10.0 * self.damping).max(1e-3),
+        }
+    }
+}
+
+/// `ln w` and `xi` of both modes.
+fn points(modes: [Mode; 2]) -> [f64; 4] {
+    let [[a, b], [c, d]] = modes.map(log_point);
+    [a, b, c, d]
+}
+
+/// Damping that holds what a step would push over the edge that it stands on.
+fn held(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> [f64; 4] {
+    let Some(ends) = stepped(settings, modes, step) else {
+        return [0.0; 4];
+    };
+    let (from, to) = (points(modes), points(ends));
+    core::array::from_fn(|n| {
+        let stays = (to[n] - from[n]).abs() < ROUNDING && step[n].abs() > ROUNDING;
+        if stays { HOLDS } else { 0.0 }
+    })
+}
+
+/// The modes at the end of a step, cut to the trusted length and moved into the allowed ranges; `None` where
+/// that leads nowhere.
+pub fn stepped(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> Option<[Mode; 2]> {
+    let excess = (0..4).map(|n| step[n].abs() / TRUST[n % 2]);
+    let cut = excess.fold(1.0, f64::max).recip();
+    let from = points(modes);
+    let to: [f64; 4] = core::array::from_fn(|n| from[n] + cut * step[n]);
+    let region = Region::new(settings.frequency_range);
+    let ends = [region.mode([to[0], to[1]])?, region.mode([to[2], to[3]])?];
+    let reached = points(ends);
+    let moves = (0..4).any(|n| (reached[n] - from[n]).abs() > ROUNDING);
+    moves.then_some(ends)
+}
