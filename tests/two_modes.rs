@@ -213,6 +213,29 @@ fn val_one_mode_is_never_told_as_two() {
     assert!(alarms <= 1, "{alarms} of 500");
 }
 
+/// A window that is cut in half again and again, of an undying mode: what one mode leaves is counted over the same samples as
+/// what two leave.
+#[test]
+fn a_window_that_slides_makes_no_second_mode() {
+    let truth = Truth {
+        damping_ratio: 0.001,
+        ..SLOW
+    };
+    let times = stamps(RATE, 20.0 / SLOW.frequency_hz);
+    for seed in 0..8 {
+        let mut samples = decay(&truth, 0.74e-3, seed as f64 * PHASE, &times);
+        add_noise(&mut samples, 20e-6, seed);
+        let mut estimator = TwoModeLikelihood::new(&Settings {
+            window: 0.0,
+            ..settings(8.12)
+        });
+        for (index, sample) in samples.iter().enumerate() {
+            estimator.observe(*sample);
+            assert!(estimator.further().is_none(), "seed {seed}, sample {index}");
+        }
+    }
+}
+
 /// A joint with two modes that moves: each carries its share of the static compliance.
 fn moved(share: f64, ratio: f64, noise: f64, seed: u64) -> Vec<Sample> {
     let segments = jerk_limited_move(0.1, 0.4, 0.06, 0.5);

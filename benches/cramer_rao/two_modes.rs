@@ -121,7 +121,6 @@ struct Outcome {
     couples: usize,
     told: usize,
     separated: usize,
-    within: usize,
     /// Squares of errors over bounds, of `ln f` and `xi`.
     squares: [Vec<f64>; 2],
     inside: [usize; 2],
@@ -139,20 +138,17 @@ impl Outcome {
         ];
         let half = 0.5 * couple.spacing();
         self.separated += usize::from(errors.iter().all(|error| error[0].abs() < half));
-        let mut within = true;
         for m in 0..2 {
             let std = found[m].natural_frequency_std / found[m].mode.natural_frequency();
             let stated = [std, found[m].damping_ratio_std];
             for k in 0..2 {
                 let inside = errors[m][k].abs() <= 1.96 * stated[k];
                 self.inside[k] += usize::from(inside);
-                within &= k == 1 || inside;
                 if let Some(bound) = bound {
                     self.squares[k].push((errors[m][k] / bound[m][k]).powi(2));
                 }
             }
         }
-        self.within += usize::from(within);
     }
 
     fn print(&mut self, name: &str) {

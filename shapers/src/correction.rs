@@ -251,7 +251,7 @@ impl Comb {
     }
 }
 
-/// The `x` of least norm with `M x = right`, `M` given by rows of so many numbers: each condition in turn adds its part that
+/// The `x` of least norm with `M x = right`, `M` given by its rows, of which the first `count` numbers count: each condition in turn adds its part that
 /// is orthogonal to those before (modified Gram-Schmidt, twice, as the conditions of a mode that damps well
 /// are nearly those of its slope). `M' (M M')^-1 right` is the same, and squares how ill they are.
 ///

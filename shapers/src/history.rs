@@ -65,7 +65,7 @@ const SLOPE: f64 = 50.0;
 /// So many time constants in ticks.
 fn remembered(pole: Complex, constants: f64) -> usize {
     match constants / -pole.re {
-        ticks if ticks.is_finite() && ticks > 0.0 => ticks as usize + 1,
+        ticks if ticks.is_finite() && ticks > 0.0 => (ticks as usize).saturating_add(1),
         _ => usize::MAX,
     }
 }

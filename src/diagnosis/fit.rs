@@ -189,7 +189,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Derivative by a difference of a small share of the typical size, away from a bound.
+    /// Derivative by a difference of a small share of its [`reach`](Problem::reach), away from a bound.
     fn slope(
         &self,
         p: &Point,

@@ -14,18 +14,19 @@ use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 
-/// Hops that are made.
-const HOPS: usize = 20;
-/// Steps of the descent after each.
+/// Hops of each width.
+const EACH: usize = 4;
+/// Steps of the descent after a hop: as many as a candidate makes before its best start is chosen.
 const STEPS: usize = 6;
-/// Standard deviations of the unknowns by which hops are wide, in turn.
+/// Standard deviations of the unknowns by which hops are wide, in turn: from within what noise makes of an
+/// unknown to where a single dent is small.
 const WIDTHS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
 impl Descent<'_> {
     /// Hops around, the same each time, and stays where the cost is least.
     pub fn hop(&mut self) {
         let mut random = StdRng::seed_from_u64(1);
-        for width in WIDTHS.into_iter().cycle().take(HOPS) {
+        for width in WIDTHS.repeat(EACH) {
             let Some(step) = self.drawn(width, &mut random) else {
                 return;
             };
@@ -44,6 +45,9 @@ impl Descent<'_> {
         let root = Cholesky::new(covariance(&normal, &scale)?)?.l();
         let count = normal.nrows();
         let draw = DVector::from_fn(count, |_, _| random.sample::<f64, _>(StandardNormal));
-        Some((root * draw).component_div(&scale) * width)
+        let step = (root * draw).component_div(&scale) * width;
+        // What has no effect stays where it is.
+        let stays = |step, own| if own > 0.0 { step } else { 0.0 };
+        Some(step.zip_map(&normal.diagonal(), stays))
     }
 }

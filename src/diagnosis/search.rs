@@ -170,10 +170,6 @@ impl Search<'_> {
             trial.held_out_ratio = ratio(trial.explanation.held_out, baseline.held_out);
         }
         let equals = self.equals(&best, &pool, unit);
-        let several = |trial: &&Trial| trial.passed && trial.explanation.effects().len() > 1;
-        let further = pool.iter().filter(several);
-        let further = further.map(|trial| trial.explanation.fitted.point.clone());
-        let further = further.collect();
         sort(&mut trials);
         let ablated = self.ablated(&best, &baseline);
         Found {
@@ -181,7 +177,7 @@ impl Search<'_> {
             baseline,
             best,
             equals,
-            further,
+            further: several(&pool),
             trials,
             unit,
         }
@@ -323,6 +319,14 @@ fn passed(trials: &[Trial], count: usize) -> Vec<Explanation> {
         }
     }
     passed
+}
+
+/// Where those of several effects ended that passed.
+fn several(trials: &[Trial]) -> Vec<Point> {
+    let ended = trials.iter().filter(|trial| trial.passed);
+    let points = ended.map(|trial| &trial.explanation.fitted.point);
+    let several = points.filter(|point| point.terms.len() > point.given_terms + 1);
+    several.cloned().collect()
 }
 
 pub(super) fn sort(trials: &mut [Trial]) {

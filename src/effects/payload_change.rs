@@ -56,8 +56,8 @@ pub const PAYLOAD_CHANGE: Effect = Effect {
         }))
     },
     starts: |scales| {
-        // Large ones, and those by which the frequency moves by the half width of its peak: of a mode that rings
-        // long a larger one has left the phase before it has decayed.
+        // Large ones, and those by which the frequency moves by the half width of its peak, where that is less: of a
+        // mode that rings long a larger one has left the phase before it has decayed.
         let width = (2.0 * scales.damping_ratio).min(0.1);
         product(&[&[-0.15, -width, width, 0.2], &times(scales, 12)])
     },

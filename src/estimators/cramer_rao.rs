@@ -2,7 +2,7 @@
 
 use quell_shapers::Mode;
 
-use super::likelihood::{Folding, Priors, Track, Window, fit};
+use super::likelihood::{Folding, Priors, Track, Window, fit, inverse_square};
 use super::two_mode_likelihood::{Pair, PairPriors, fit_pair};
 use super::{Sample, Settings};
 
@@ -13,10 +13,6 @@ pub struct Bound {
     pub natural_frequency_std: f64,
     /// Of `xi`.
     pub damping_ratio_std: f64,
-}
-
-fn precision(std: f64) -> f64 {
-    if std > 0.0 { (std * std).recip() } else { 1e30 }
 }
 
 /// The bound for noise-free samples of a mode, under white noise of `noise_std`.
@@ -40,10 +36,10 @@ pub fn cramer_rao(
             0.0,
             0.0,
             0.0,
-            precision(settings.offset_std.unwrap_or(noise_std)),
+            inverse_square(settings.offset_std.unwrap_or(noise_std)),
             w * w,
-            precision(settings.scale_std),
-            precision(settings.gain_std),
+            inverse_square(settings.scale_std),
+            inverse_square(settings.gain_std),
         ],
     };
     let variance = noise_std * noise_std;
@@ -68,6 +64,8 @@ pub fn cramer_rao(
 /// The bound for noise-free samples of two modes, as [`cramer_rao`]; an infinite `memory` is assumed.
 ///
 /// `None` where the samples do not determine the modes.
+///
+/// Source: as [`cramer_rao`].
 pub fn two_mode_cramer_rao(
     samples: &[Sample],
     modes: [Mode; 2],
@@ -76,12 +74,12 @@ pub fn two_mode_cramer_rao(
 ) -> Option<[Bound; 2]> {
     let [first, second] = modes.map(|mode| mode.natural_frequency());
     let mut known = [0.0; 14];
-    known[4] = precision(settings.offset_std.unwrap_or(noise_std));
+    known[4] = inverse_square(settings.offset_std.unwrap_or(noise_std));
     known[5] = first * first;
     known[6] = second * second;
-    known[7] = precision(settings.scale_std);
+    known[7] = inverse_square(settings.scale_std);
     known[8] = 1.0;
-    known[9] = precision(settings.gain_std);
+    known[9] = inverse_square(settings.gain_std);
     let priors = PairPriors {
         // Of no weight.
         mean: [0.0; 2],

@@ -29,16 +29,10 @@ impl<const N: usize> Default for Cholesky<N> {
 
 // Sizes are known to the compiler: loops of so few steps cost more than what is in them.
 impl<const N: usize> Cholesky<N> {
-    /// Adds row `ROW` of the matrix, of which the numbers up to the diagonal count; `None` where the matrix is
-    /// not positive definite.
+    /// Adds row `n` of the matrix, of which the numbers up to the diagonal count; `None` where the matrix is not
+    /// positive definite.
     #[inline(always)]
-    pub fn append<const ROW: usize>(&mut self, row: &[f64; N]) -> Option<()> {
-        self.append_at(ROW, row)
-    }
-
-    /// The same where the number of the row is not known before.
-    #[inline(always)]
-    pub fn append_at(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
+    pub fn append(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
         if !(row[n].is_finite() && row[n] > 0.0) {
             return None;
         }
@@ -98,19 +92,18 @@ impl<const N: usize> Cholesky<N> {
         forward[n] * forward[n] * self.pivot[n]
     }
 
-    /// Element `(I, I)` of the inverse of `A`; the later it stands, the less work.
+    /// Element `(n, n)` of the inverse of `A`; the later it stands, the less work.
     #[inline(always)]
-    pub fn inverse<const I: usize>(&self) -> f64 {
-        let column = self.column(I);
-        (I..N).map(|n| self.explained(&column, n)).sum()
+    pub fn inverse(&self, n: usize) -> f64 {
+        let column = self.column(n);
+        (n..N).map(|m| self.explained(&column, m)).sum()
     }
 
     /// Element `(i, j)` of the inverse of `A`.
-    pub fn inverse_at(&self, i: usize, j: usize) -> f64 {
+    pub fn inverse_of(&self, i: usize, j: usize) -> f64 {
         let (left, right) = (self.column(i), self.column(j));
-        (i.max(j)..N)
-            .map(|n| left[n] * right[n] * self.pivot[n])
-            .sum()
+        let products = (i.max(j)..N).map(|n| left[n] * right[n] * self.pivot[n]);
+        products.sum()
     }
 
     /// Column `i` of `L^-1`.

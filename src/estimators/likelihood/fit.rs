@@ -149,7 +149,7 @@ impl Profile {
         let mut rhs = track.moments.line(LINEAR + I)[RESIDUAL];
         add_past(track, I, &mut row, &mut rhs);
         row[I] += variance * priors.precision[I + 2];
-        self.factor.append::<I>(&row)?;
+        self.factor.append(I, &row)?;
         self.forward[I] = self.factor.next_forward(&self.forward, I, rhs);
         self.cost -= self.factor.explained(&self.forward, I);
         Some(())
@@ -180,7 +180,7 @@ impl Profile {
         }
         add_past(track, I, &mut row, &mut rhs);
         row[I] += weight;
-        self.factor.append::<I>(&row)?;
+        self.factor.append(I, &row)?;
         self.forward[I] = self.factor.next_forward(&self.forward, I, rhs);
         Some(())
     }
@@ -275,8 +275,8 @@ pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
         // What the step gains beyond the best linear unknowns.
         cost_after: cost - factor.explained(&forward, MODE) - factor.explained(&forward, MODE + 1),
         step: [solution[MODE], solution[MODE + 1]],
-        variances: [factor.inverse::<MODE>(), factor.inverse::<{ MODE + 1 }>()],
-        gain: (solution[GAIN], factor.inverse::<GAIN>()),
+        variances: [factor.inverse(MODE), factor.inverse(MODE + 1)],
+        gain: (solution[GAIN], factor.inverse(GAIN)),
         residual: residual(&solution, &slopes),
         unknowns: determined(&factor, priors, variance),
         slopes,

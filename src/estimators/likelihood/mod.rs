@@ -39,14 +39,13 @@ mod window;
 use quell_shapers::Mode;
 
 pub(super) use self::fit::fit;
-pub(super) use self::priors::Priors;
+pub(super) use self::priors::{Priors, inverse_square};
 pub(super) use self::track::{Folding, Track};
 pub(super) use self::window::Window;
 
 use self::correlation::Correlation;
 use self::fit::Fit;
 use self::noise::{Noise, SPARE};
-use self::priors::inverse_square;
 use self::region::{DAMPING_RANGE, Region, TRUST, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
 use super::{Estimate, Estimator, Sample, Settings};
@@ -54,7 +53,7 @@ use super::{Estimate, Estimator, Sample, Settings};
 /// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.
 const GRID_RATIO: f64 = 1.25;
 /// Window, in periods, over which the estimates must agree before they count as converged.
-const CONVERGENCE_PERIODS: f64 = 0.25;
+pub(super) const CONVERGENCE_PERIODS: f64 = 0.25;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
 /// A standard deviation of `ln w` above which there is no estimate to speak of.
@@ -179,9 +178,11 @@ impl Likelihood {
         self.largest
     }
 
-    /// Sum of squares that one mode leaves, at the end of the present step.
+    /// Sum of squares that one mode leaves, at the end of the present step. `None` until a window that was cut has
+    /// been run along again: until then the sums are of samples that are no longer in it, too.
     pub(super) fn least_cost(&self) -> Option<f64> {
-        self.fit.as_ref().map(|fit| fit.cost_after)
+        let fit = self.fit.as_ref().filter(|_| !self.must_replace);
+        fit.map(|fit| fit.cost_after)
     }
 
     fn folding(&self) -> Folding {

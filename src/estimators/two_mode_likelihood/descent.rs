@@ -4,10 +4,10 @@
 use quell_shapers::Mode;
 
 use super::fit::{Fit, Priors, fit, profile};
-use super::pair::Pair;
+use super::pair::{Pair, points};
 use crate::estimators::Settings;
 use crate::estimators::likelihood::noise::Noise;
-use crate::estimators::likelihood::region::{Region, TRUST, log_point};
+use crate::estimators::likelihood::region::{Region, TRUST};
 use crate::estimators::likelihood::{RULED_OUT, Window};
 
 /// What a new linearisation must promise to gain, in variances of the noise: a tenth of a standard deviation
@@ -191,12 +191,6 @@ impl Descent {
             None => self.damping = (10.0 * self.damping).max(1e-3),
         }
     }
-}
-
-/// `ln w` and `xi` of both modes.
-fn points(modes: [Mode; 2]) -> [f64; 4] {
-    let [[a, b], [c, d]] = modes.map(log_point);
-    [a, b, c, d]
 }
 
 /// Damping that holds what a step would push over the edge that it stands on.

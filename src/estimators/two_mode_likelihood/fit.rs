@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use super::pair::{
-    CONSTANT, MISS, OF_A_MODE, Pair, RATE_COLUMN, Row, SHAPE_COLUMN, TOTAL_INPUT, WIDTH,
+    CONSTANT, MISS, OF_A_MODE, Pair, RATE_COLUMN, Row, SHAPE_COLUMN, TOTAL_INPUT, WIDTH, points,
 };
 use crate::estimators::likelihood::cholesky::Cholesky;
 use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE};
@@ -95,17 +95,6 @@ struct Profile {
     forward: [f64; UNKNOWNS],
     cost: f64,
 }
-
-fn point(pair: &Pair) -> [f64; 4] {
-    let [first, second] = pair.modes;
-    [
-        first.natural_frequency().ln(),
-        first.damping_ratio(),
-        second.natural_frequency().ln(),
-        second.damping_ratio(),
-    ]
-}
-
 fn solve_linear(pair: &Pair, priors: &Priors, variance: f64) -> Option<Profile> {
     let mut factor = Cholesky::default();
     let mut rhs = [0.0; UNKNOWNS];
@@ -116,10 +105,10 @@ fn solve_linear(pair: &Pair, priors: &Priors, variance: f64) -> Option<Profile> 
         }
         rhs[i] = pair.moment(p, MISS);
         row[i] += variance * priors.precision[i];
-        factor.append_at(i, &row)?;
+        factor.append(i, &row)?;
     }
     let forward = factor.forward::<MODES>(&rhs);
-    let prior: f64 = point(pair)
+    let prior: f64 = points(pair.modes)
         .iter()
         .enumerate()
         .map(|(n, value)| priors.precision[MODES + n] * (value - priors.mean[n % 2]).powi(2))
@@ -146,7 +135,7 @@ fn add_modes(
     slopes: &[Slope; 4],
     profile: &mut Profile,
 ) -> Option<()> {
-    let point = point(pair);
+    let point = points(pair.modes);
     let product = |slope: &Slope, column: usize| -> f64 {
         slope.iter().map(|&(c, w)| w * pair.moment(c, column)).sum()
     };
@@ -161,7 +150,7 @@ fn add_modes(
         let weight = variance * priors.precision[MODES + n];
         let rhs = product(&slopes[n], MISS) + weight * (priors.mean[n % 2] - point[n]);
         row[MODES + n] = (row[MODES + n] + weight) * (1.0 + damping[n]);
-        profile.factor.append_at(MODES + n, &row)?;
+        profile.factor.append(MODES + n, &row)?;
         profile.forward[MODES + n] = profile
             .factor
             .next_forward(&profile.forward, MODES + n, rhs);
@@ -225,9 +214,9 @@ pub fn fit(pair: &Pair, priors: &Priors, variance: f64, damping: &[f64; 4]) -> O
         cost_after: cost - gained,
         step: core::array::from_fn(|n| solution[MODES + n]),
         covariance: core::array::from_fn(|i| {
-            core::array::from_fn(|j| factor.inverse_at(MODES + i, MODES + j))
+            core::array::from_fn(|j| factor.inverse_of(MODES + i, MODES + j))
         }),
-        gain: (solution[GAIN], factor.inverse_at(GAIN, GAIN)),
+        gain: (solution[GAIN], factor.inverse(GAIN)),
         residual,
         linear_residual,
         unknowns: (0..UNKNOWNS).map(share).sum(),

@@ -175,7 +175,7 @@ impl Grid {
             }
             rhs[n] = self.moments[MEASURED][p];
             row[n] += variance * priors.precision[PRIOR[n]];
-            if factor.append_at(n, &row).is_none() {
+            if factor.append(n, &row).is_none() {
                 return f64::INFINITY;
             }
         }

@@ -35,7 +35,7 @@ use self::descent::{Descent, Ground, stepped};
 use self::fit::{Fit, Priors, UNKNOWNS};
 use self::search::Search;
 use super::convergence::{Convergence, SETTLED};
-use super::likelihood::{Likelihood, RULED_OUT};
+use super::likelihood::{CONVERGENCE_PERIODS, Likelihood, RULED_OUT};
 use super::{Estimate, Estimator, Sample, Settings};
 
 pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair};
@@ -60,8 +60,6 @@ const RINGS: f64 = 0.35;
 const ARRIVED: f64 = 0.25;
 /// Ratio of energies at which the other mode becomes the first.
 const CHANGES_PLACES: f64 = 2.0;
-/// Window, in periods, over which the estimates must agree before they count as converged.
-const CONVERGENCE_PERIODS: f64 = 0.25;
 
 /// The likelihood estimator of two modes.
 ///
@@ -155,10 +153,10 @@ impl TwoModeLikelihood {
 
     /// Takes what a search has found, if it leaves less by more than the noise.
     fn consider(&mut self, found: Descent) {
-        let cost = |descent: &Descent| descent.best().map(|(_, fit)| fit.cost);
-        let Some(new) = cost(&found) else { return };
-        let old = self.active.as_ref().and_then(cost);
-        if old.is_none_or(|old| new < old - found.noise.variance) {
+        let Some((_, new)) = found.best() else { return };
+        let old = self.active.as_ref().and_then(Descent::best);
+        if old.is_none_or(|(_, old)| new.cost < old.cost - found.noise.variance) {
+            self.first = usize::from(new.energy[1] > new.energy[0]);
             self.active = Some(found);
             self.forget();
         }
@@ -172,6 +170,7 @@ impl TwoModeLikelihood {
     /// What is told of two modes, if there are two.
     fn conclude(&mut self, time: f64) {
         let replays = |active: &Descent| active.best().is_none() && !active.rests();
+        let replays = |active| replays(active) || self.one.least_cost().is_none();
         if self.active.as_ref().is_some_and(replays) {
             // Half of the window is gone, and the rest not yet seen again.
             return;
@@ -312,6 +311,7 @@ impl Estimator for TwoModeLikelihood {
         self.one.restart();
         self.search.restart();
         self.active = None;
+        self.first = 0;
         self.fitted_at = f64::NEG_INFINITY;
         self.told = None;
         self.forget();

@@ -5,6 +5,7 @@ use quell_shapers::Mode;
 use crate::estimators::Sample;
 use crate::estimators::likelihood::Window;
 use crate::estimators::likelihood::correlation::Correlation;
+use crate::estimators::likelihood::region::log_point;
 use crate::estimators::likelihood::walk::{Step, Walk};
 use crate::estimators::modal_response::{
     DEFORMATION, INPUT, ModalResponse, OFFSET, RESIDUAL, VELOCITY,
@@ -25,6 +26,12 @@ pub const CONSTANT: usize = 20;
 pub const TOTAL_INPUT: usize = 21;
 /// Index of the measured deformation minus `q_1 - u`.
 pub const MISS: usize = 22;
+
+/// `ln w` and `xi` of both modes.
+pub fn points(modes: [Mode; 2]) -> [f64; 4] {
+    let [[a, b], [c, d]] = modes.map(log_point);
+    [a, b, c, d]
+}
 
 /// A row of a pair.
 pub type Row = [f64; WIDTH];

@@ -6,6 +6,7 @@ use super::descent::{Descent, Ground};
 use super::grid::{Grid, REACH, STARTS};
 use crate::estimators::Settings;
 use crate::estimators::likelihood::noise::Noise;
+use crate::estimators::likelihood::region::{Region, log_point};
 
 /// Growth of the window between two searches. What a second mode shows grows with the window at least
 /// linearly, and all searches together cost some three and a half times the last.
@@ -25,7 +26,7 @@ enum Stage {
 }
 
 /// The middle of the grid: the mode that is fitted, moved so that the grid covers no more than the range that is
-/// looked for, or the middle of that.
+/// looked for, or the middle of that: where that is an octave to either side, as around a belief, it stays there.
 fn centre(settings: &Settings, mode: Mode) -> Mode {
     let (low, high) = settings.frequency_range;
     let (first, last) = (low * REACH, high / REACH);
@@ -115,6 +116,9 @@ impl Search {
                 self.next = (GROWTH * ground.window.samples().len() as f64) as usize + 1;
                 return None;
             };
+            // The grid may reach a little beyond the range.
+            let region = Region::new(ground.settings.frequency_range);
+            let start = start.map(|mode| region.mode(log_point(mode)).unwrap_or(mode));
             self.descent = Some(Descent::new(start, noise, ground.settings.sample_time));
         }
         let descent = self.descent.as_mut()?;

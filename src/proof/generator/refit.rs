@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 /// Iterations of Gauss and Newton; five reach the floor from 5 % of frequency.
 const ITERATIONS: usize = 6;
 
-/// Rms of what frequency, damping, clock offset, output offset and the sensor's frame cannot explain of
-/// noise-free readings, in the channel's unit (m along the arc for a tip sensor).
+/// Rms of what frequency, damping, clock offset, output offset, the sensor's frame and, of a tip, the arm's length
+/// cannot explain of noise-free readings, in the channel's unit (m along the arc for a tip sensor).
 pub fn leftover(arm: &Arm, programme: &Programme, stamps: &[f64], columns: &[Vec<f64>]) -> f64 {
     leftover_beside(arm, programme, stamps, columns, &|_, _| ())
 }
@@ -186,7 +186,7 @@ fn traced_rms(arm: &Arm, angles: &[f64], columns: &[Vec<f64>]) -> f64 {
     left(0.5 * (low + high))
 }
 
-/// Most that an angle may be out of proportion: a load that bends the joint by a tenth of the way.
+/// Most that an angle may be out of proportion: far more than a length is ever off by.
 const STRETCH: f64 = 0.1;
 /// Cuts of that range: to a part in a million.
 const SECTIONS: usize = 26;
@@ -194,6 +194,9 @@ const SECTIONS: usize = 26;
 /// Rms distance of readings from predicted tips after the best fit of a frame and its scale.
 pub fn registered_rms(tips: &[Vector3<f64>], columns: &[Vec<f64>]) -> f64 {
     let seen = points(columns);
+    if seen.is_empty() {
+        return f64::NAN;
+    }
     let frame = Registration::new(tips, &seen);
     let distance = |(tip, point): (&Vector3<f64>, &Vector3<f64>)| {
         frame.scale.powi(2) * (frame.back(point) - tip).norm_squared()
@@ -233,7 +236,11 @@ impl Registration {
         let turned = rotation.matrix().transpose() * covariance;
         Self {
             rotation,
-            scale: turned.trace() / spread.max(f64::MIN_POSITIVE),
+            scale: if spread > 0.0 {
+                turned.trace() / spread
+            } else {
+                1.0
+            },
             tips: tip_mean,
             seen: seen_mean,
         }
