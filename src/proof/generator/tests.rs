@@ -145,10 +145,11 @@ fn hides(entry: &'static Entry) -> bool {
         range: 0.7,
         rich: true,
     };
-    // Some draws of place and shape cannot be seen; one in forty or more can.
-    (0..40).any(|index| {
+    // Some draws of place and shape, or by some sensor, cannot be seen; one in forty or more can.
+    let channels = entry.channels.iter().cycle();
+    (0..40).zip(channels).any(|(index, &channel)| {
         let mut draw = Draw::new(11, index);
-        let arm = bench_arm(&mut draw, entry.channels[0]);
+        let arm = bench_arm(&mut draw, channel);
         let programme = Programme::draw(&mut draw, &style).unwrap();
         let scales = scales(&arm, &programme);
         let noise = if arm.channel == Channel::Tip {
