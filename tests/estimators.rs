@@ -2,9 +2,12 @@
 
 #[path = "generator/decay.rs"]
 mod decay;
+#[path = "generator/differences.rs"]
+mod differences;
 mod generator;
 
 use decay::decay;
+use differences::covariance;
 use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 use proptest::prelude::*;
 use quell::estimators::offline::{
@@ -94,18 +97,7 @@ fn bound_by_differences(rate_hz: f64, count: usize, phase: f64) -> [f64; 2] {
         nalgebra::DVector::from_iterator(count, samples.iter().map(|s| s.deformation))
     };
     let point = [0.0, 0.084, 1.0, phase];
-    let columns: Vec<nalgebra::DVector<f64>> = (0..4)
-        .map(|k| {
-            let (mut up, mut down) = (point, point);
-            up[k] += 1e-6;
-            down[k] -= 1e-6;
-            (value(up) - value(down)) / 2e-6
-        })
-        .collect();
-    let jacobian = nalgebra::DMatrix::from_columns(&columns);
-    let covariance = (jacobian.transpose() * jacobian)
-        .try_inverse()
-        .expect("determined");
+    let covariance = covariance(point, value);
     [0, 1].map(|k| NOISE * covariance[(k, k)].sqrt())
 }
 

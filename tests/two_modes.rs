@@ -2,9 +2,12 @@
 
 #[path = "generator/decay.rs"]
 mod decay;
+#[path = "generator/differences.rs"]
+mod differences;
 mod generator;
 
 use decay::decay;
+use differences::covariance;
 use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 use quell::estimators::{
     Estimate, Estimator, Sample, Settings, TwoModeLikelihood, two_mode_cramer_rao,
@@ -127,18 +130,7 @@ fn val_cramer_rao_of_two_modes() {
         nalgebra::DVector::from_iterator(samples.len(), samples.iter().map(|s| s.deformation))
     };
     let point = [0.0, 0.03, 1.0, phase, 0.0, 0.05, 1.0, 2.0 * phase];
-    let columns: Vec<nalgebra::DVector<f64>> = (0..8)
-        .map(|k| {
-            let (mut up, mut down) = (point, point);
-            up[k] += 1e-6;
-            down[k] -= 1e-6;
-            (value(up) - value(down)) / 2e-6
-        })
-        .collect();
-    let jacobian = nalgebra::DMatrix::from_columns(&columns);
-    let covariance = (jacobian.transpose() * jacobian)
-        .try_inverse()
-        .expect("determined");
+    let covariance = covariance(point, value);
     let modes = [mode(&SLOW), mode(&second)];
     let samples = couple(ratio, 0.05, phase, 3.0);
     let bound = two_mode_cramer_rao(&samples, modes, noise, &settings(8.7)).expect("determined");

@@ -72,18 +72,16 @@ pub fn two_mode_cramer_rao(
     noise_std: f64,
     settings: &Settings,
 ) -> Option<[Bound; 2]> {
-    let [first, second] = modes.map(|mode| mode.natural_frequency());
-    let mut known = [0.0; 14];
-    known[4] = inverse_square(settings.offset_std.unwrap_or(noise_std));
-    known[5] = first * first;
-    known[6] = second * second;
-    known[7] = inverse_square(settings.scale_std);
-    known[8] = 1.0;
-    known[9] = inverse_square(settings.gain_std);
+    let offset = inverse_square(settings.offset_std.unwrap_or(noise_std));
+    let rate = modes.map(|mode| mode.natural_frequency().powi(2));
+    let scale = inverse_square(settings.scale_std);
+    let gain = inverse_square(settings.gain_std);
     let priors = PairPriors {
         // Of no weight.
         mean: [0.0; 2],
-        precision: known,
+        precision: [
+            0.0, 0.0, 0.0, 0.0, offset, rate[0], rate[1], scale, 1.0, gain, 0.0, 0.0, 0.0, 0.0,
+        ],
     };
     let mut pair = Pair::new(modes, settings.sample_time);
     let mut window = Window::with_capacity(samples.len());

@@ -50,8 +50,7 @@ impl Interval {
     /// A line where the interval before is missing, or so unlike in length that the parabola would
     /// extrapolate its noise.
     pub fn parabola(&self) -> [f64; 3] {
-        let [slope, curvature] = self.bend();
-        [self.start, slope - curvature * self.step, curvature]
+        parabola(self.start, self.bend(), self.step)
     }
 
     /// Slope of the chord, and the parabola's `u2`.
@@ -67,6 +66,12 @@ impl Interval {
             (slope - slope_before) / (self.step + self.step_before),
         ]
     }
+}
+
+/// Coefficients of an input from its value at the start of an interval, its [`Interval::bend`] and its length.
+#[inline]
+pub fn parabola(start: f64, [slope, curvature]: [f64; 2], step: f64) -> [f64; 3] {
+    [start, slope - curvature * step, curvature]
 }
 
 /// `phi_k(x) = sum_j x^j / (j + k)!` for k = 0..=3 and their derivatives, `phi_0 = exp`.

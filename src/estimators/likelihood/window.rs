@@ -1,7 +1,7 @@
 //! The samples that count, and how the input moves between them.
 
 use crate::estimators::Sample;
-use crate::estimators::modal_response::Interval;
+use crate::estimators::modal_response::{Interval, parabola};
 
 /// The stored samples, oldest first; every linearisation that runs along them finds the input's parabolas ready.
 #[derive(Clone, Debug)]
@@ -64,9 +64,8 @@ impl Window {
     pub fn interval(&self, index: usize, origin: f64) -> (f64, [f64; 3]) {
         let (last, now) = (&self.samples[index - 1], &self.samples[index]);
         let step = now.time - last.time;
-        let [slope, curvature] = self.bends[index];
         let start = last.motor_position - origin;
-        (step, [start, slope - curvature * step, curvature])
+        (step, parabola(start, self.bends[index], step))
     }
 }
 

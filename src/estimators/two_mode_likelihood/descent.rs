@@ -103,13 +103,20 @@ impl Descent {
 
     /// Fits anew to all that the best linearisation has taken.
     pub fn refit(&mut self, ground: &Ground<'_>) {
+        let variance = self.noise.variance;
+        let best = self.best.as_ref();
+        let new = best.and_then(|(pair, _)| fit(pair, ground.priors, variance, &[0.0; 4]));
+        if let Some(new) = new {
+            self.settle(new, ground);
+        }
+    }
+
+    /// Takes a fit of the best linearisation, and the noise that it leaves.
+    fn settle(&mut self, mut new: Fit, ground: &Ground<'_>) {
         let Some((pair, old)) = &mut self.best else {
             return;
         };
         let variance = self.noise.variance;
-        let Some(mut new) = fit(pair, ground.priors, variance, &[0.0; 4]) else {
-            return;
-        };
         // On the edge of the allowed ranges the others go on alone.
         self.held = held(ground.settings, pair.modes, new.step);
         if self.held.iter().any(|&held| held > 0.0)
@@ -186,7 +193,7 @@ impl Descent {
                 self.best = Some((candidate, fitted));
                 self.damping *= 0.1;
                 self.taken += 1;
-                self.refit(ground);
+                self.settle(fitted, ground);
             }
             None => self.damping = (10.0 * self.damping).max(1e-3),
         }
