@@ -69,6 +69,11 @@ impl<'a> Descent<'a> {
         self.linear.cost
     }
 
+    /// One step, if the Jacobian as it is known leads to one.
+    pub fn glance(&mut self) {
+        self.attempt(1);
+    }
+
     /// Makes at most this many steps; fewer where nothing more is gained.
     pub fn run(&mut self, iterations: usize) {
         for _ in 0..iterations {
@@ -111,11 +116,25 @@ impl<'a> Descent<'a> {
         self.problem.normal(&self.point, &self.linear)
     }
 
-    /// Another one, a step away.
+    /// Another one, a step away; its Jacobian is this one's until a step shows better.
     pub fn stepped(&self, step: &DVector<f64>) -> Self {
-        let globals = &self.linear.globals;
-        let start = self.problem.stepped(&self.point, globals, step);
-        Self::new(self.problem, self.projector, &start, None)
+        let (own, problem) = (&self.linear, self.problem);
+        let point = problem.stepped(&self.point, &own.globals, step);
+        let there = problem.evaluate(&point, self.projector);
+        Self {
+            linear: Linearised {
+                runs: there.runs,
+                residuals: there.residuals,
+                cost: there.cost,
+                jacobians: own.jacobians.clone(),
+                globals: own.globals.clone(),
+                departures: own.departures.clone(),
+            },
+            point,
+            damping: DAMPING,
+            exact: false,
+            ..*self
+        }
     }
 
     /// Where it ended.

@@ -24,6 +24,7 @@ mod normal;
 mod problem;
 mod quality;
 mod quiet;
+mod race;
 mod remarks;
 mod run;
 mod scale;
@@ -37,6 +38,7 @@ mod stretches;
 mod summary;
 mod traces;
 mod units;
+mod walk;
 mod weights;
 mod whitening;
 

@@ -137,32 +137,17 @@ impl Search<'_> {
             frontier.truncate(BEAM);
         }
         let mut pool = trials.clone();
-        for depth in 1..MOST_EFFECTS {
-            if frontier.is_empty() || self.all_at_noise(&best) {
-                break;
-            }
-            (self.progress)(0.3 + 0.2 * depth as f64, "looking for a further effect");
-            let further: Vec<Trial> = frontier
-                .iter()
-                .flat_map(|explanation| self.extend(explanation))
-                .collect();
-            let mut next = further.clone();
-            // Against one another: each was ranked against the explanation that it extends.
-            let of = |trial: &Trial| self.criterion(&trial.explanation);
-            next.sort_by(|a, b| of(a).total_cmp(&of(b)));
-            frontier = passed(&next, BEAM);
-            let Some(first) = frontier.first() else { break };
-            let pruned = self.prune(first.clone());
-            if self.criterion(&pruned) < self.criterion(&best) - STRONG * self.unit(&pruned)
-                && self.worth(&baseline, &best, &pruned)
-            {
-                best = pruned;
-            }
-            pool.extend(further);
-        }
+        best = self.grown(&baseline, best, frontier, &mut pool);
         best = self.exchanged(&baseline, best, &mut pool);
         best = self.flexibility(&best, &pool).cloned().unwrap_or(best);
         best = self.taken_apart(best);
+        let better = |trial: &&mut Trial| {
+            trial.explanation.effects() == best.effects()
+                && self.criterion(&trial.explanation) > self.criterion(&best)
+        };
+        if let Some(trial) = trials.iter_mut().find(better) {
+            trial.explanation = best.clone();
+        }
         let unit = self.unit(&best);
         for trial in trials.iter_mut().chain(&mut pool) {
             let change = self.criterion(&trial.explanation) - self.criterion(&baseline);
@@ -181,6 +166,40 @@ impl Search<'_> {
             trials,
             unit,
         }
+    }
+
+    /// The best explanation with further effects, as long as more than noise is left. Where one of these leads
+    /// another to a better minimum and is not needed there, that one is extended in its turn.
+    fn grown(
+        &self,
+        baseline: &Explanation,
+        mut best: Explanation,
+        mut frontier: Vec<Explanation>,
+        pool: &mut Vec<Trial>,
+    ) -> Explanation {
+        while !frontier.is_empty() && !self.all_at_noise(&best) {
+            (self.progress)(0.5, "looking for a further effect");
+            let further: Vec<Trial> = frontier.iter().flat_map(|own| self.extend(own)).collect();
+            let sound = further.iter().filter(|trial| trial.passed);
+            // Against one another: each was ranked against the explanation that it extends.
+            let first = sound
+                .map(|trial| &trial.explanation)
+                .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
+            let pruned = first.map(|first| self.prune(first.clone()));
+            pool.extend(further);
+            frontier.clear();
+            let better = |next: &Explanation| {
+                self.criterion(next) < self.criterion(&best) - STRONG * self.unit(next)
+                    && self.worth(baseline, &best, next)
+            };
+            if let Some(next) = pruned.filter(better) {
+                if next.effects().len() < MOST_EFFECTS {
+                    frontier.push(next.clone());
+                }
+                best = next;
+            }
+        }
+        best
     }
 
     /// A structure, fitted from a point on and judged.
@@ -226,7 +245,7 @@ impl Search<'_> {
     }
 
     /// Whether nothing but noise is left on fitted and held-out part together.
-    fn all_at_noise(&self, explanation: &Explanation) -> bool {
+    pub(super) fn all_at_noise(&self, explanation: &Explanation) -> bool {
         let all = (self.judge.train_rows + self.judge.held_out_rows) as f64;
         explanation.train + explanation.held_out <= FLOOR * all
     }

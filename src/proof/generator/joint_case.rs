@@ -19,8 +19,12 @@ use std::f64::consts::{PI, TAU};
 const STEP: f64 = 1e-4;
 /// Share of the programmes whose recording begins while the arm still rings.
 const RINGING: f64 = 0.1;
-/// Effects that are tried until one can be seen.
+/// Effects that are tried until one can be seen; moves, until they come as far as others.
 const TRIES: usize = 12;
+/// A position that is as good as the start's, rad.
+const NOWHERE: f64 = 1e-3;
+/// Least share to which moves may shrink: what is left must still be seen.
+const LEAST_SCALE: f64 = 0.2;
 
 pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     let plan = Plan::draw(draw);
@@ -33,9 +37,8 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     let noise = instruments.noise.std;
     let hidden = conceal(draw, plan, &Bench::new(&arm, &train, &scales, noise), rich);
     let mut hurt = with_all(&arm, &scales, &hidden);
-    if hurt.joint.stop.is_some() && test.span()[1] > 1e-3 {
-        // The stop stands in both recordings' way, so both come as far.
-        test = test.scaled(train.span()[1] / test.span()[1]);
+    if hurt.joint.stop.is_some() {
+        test = coming_as_far(draw, &style, &train, test)?;
     }
     let residual = Bench::new(&hurt, &train, &scales, noise).residual(&hurt);
     let ringing = rich && hurt.joint.knocks.is_empty() && draw.chance(RINGING);
@@ -124,6 +127,28 @@ fn moves(draw: &mut Draw, arm: &Arm, rich: bool) -> Result<(Style, Programme), P
         rich,
     };
     Ok((style, Programme::draw(draw, &style)?))
+}
+
+/// Moves that come as far up as others do: an end stop stands in the way of both. Drawn again where they would
+/// have to shrink so much that hardly a move is left.
+fn coming_as_far(
+    draw: &mut Draw,
+    style: &Style,
+    others: &Programme,
+    mut moves: Programme,
+) -> Result<Programme, PlanError> {
+    let far = others.span()[1];
+    for _ in 0..TRIES {
+        let own = moves.span()[1];
+        if own <= NOWHERE {
+            return Ok(moves);
+        }
+        if far / own > LEAST_SCALE {
+            return Ok(moves.scaled(far / own));
+        }
+        moves = Programme::draw(draw, style)?;
+    }
+    Ok(moves)
 }
 
 pub(super) fn scales(arm: &Arm, programme: &Programme) -> Scales {
