@@ -190,6 +190,7 @@ impl Refit {
                 natural_frequency: W,
                 damping_ratio: XI,
             },
+            restarts: &[],
             sensor_only: false,
         })
     }
@@ -425,6 +426,7 @@ fn irregular_stamps_with_a_gap_locate_as_well() {
             natural_frequency: W,
             damping_ratio: XI,
         },
+        restarts: &[],
         sensor_only: false,
     });
     assert_eq!(found.location.place.as_deref(), Some("environment"));
@@ -448,6 +450,7 @@ fn dry_friction_of_a_free_mass_is_in_the_drive() {
         motor: &refit.moves.motor,
         link: &refit.moves.motor,
         dynamics: Dynamics::default(),
+        restarts: &[],
         sensor_only: false,
     });
     assert_eq!(found.location.place.as_deref(), Some("drive"));
@@ -468,6 +471,7 @@ fn what_cannot_be_located_is_no_error() {
                 natural_frequency: W,
                 damping_ratio: XI,
             },
+            restarts: &[],
             sensor_only: false,
         })
     };

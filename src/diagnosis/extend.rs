@@ -87,10 +87,8 @@ impl Search<'_> {
             if theirs.len() != own.len() + 1 {
                 continue;
             }
-            let point = Point {
-                locals: from.fitted.point.locals.clone(),
-                ..known.clone()
-            };
+            let mut point = known.clone();
+            point.start_as(&from.fitted.point);
             add_far(found, effect, vec![point]);
         }
     }

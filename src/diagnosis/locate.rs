@@ -54,6 +54,8 @@ pub struct Residual<'a> {
     pub link: &'a [[f64; 3]],
     /// What a missing force passes before the output shows it.
     pub dynamics: Dynamics,
+    /// Instants at which the model's motion was started anew from what was measured, s, increasing.
+    pub restarts: &'a [f64],
     /// The output is not reached through dynamics: the residual itself is what is missing, and the
     /// place is the sensor.
     pub sensor_only: bool,
@@ -236,11 +238,11 @@ fn smoother(residual: &Residual) -> Smoother {
     } = residual.dynamics;
     let scale = time_scale(residual);
     if residual.sensor_only {
-        return Smoother::new(Path::Direct, 1.0, residual.time, scale);
+        return Smoother::new(Path::Direct, 1.0, residual.time, scale, residual.restarts);
     }
     let path = Path::Motion {
         damping: 2.0 * damping_ratio * w,
         stiffness: w * w,
     };
-    Smoother::new(path, TAU / scale, residual.time, scale)
+    Smoother::new(path, TAU / scale, residual.time, scale, residual.restarts)
 }

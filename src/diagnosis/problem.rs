@@ -98,6 +98,20 @@ impl Point {
         point
     }
 
+    /// Takes what each experiment alone has from another point, where it was found for other windows.
+    pub fn start_as(&mut self, other: &Self) {
+        let windows = |point: &Self| -> Vec<usize> {
+            point
+                .locals
+                .iter()
+                .map(|own| own.departures.len())
+                .collect()
+        };
+        if windows(self) != windows(other) {
+            self.locals.clone_from(&other.locals);
+        }
+    }
+
     /// The point with one more effect.
     pub fn with(&self, effect: &'static Effect, place: Place, values: Vec<f64>) -> Self {
         let mut point = self.clone();

@@ -19,7 +19,7 @@ use super::stretches::stretches;
 use super::traces::Traces;
 use super::weights::measure_noise;
 use crate::model::{Experiment, Model, simulate_windows};
-use crate::recording::Recording;
+use crate::recording::{Recording, Role};
 use std::f64::consts::TAU;
 
 /// What the caller may choose.
@@ -139,7 +139,7 @@ fn attempt(
     loop {
         match ending {
             Ending::Told(outcome, points) => return (named(*outcome, &data, train), points),
-            Ending::Surprised(period) => {
+            Ending::Surprised(period, mut points) => {
                 // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out
                 // parts of every move instead.
                 data.interleave(INTERLEAVED_PERIODS * period);
@@ -147,7 +147,12 @@ fn attempt(
                     Stretches of every move were held out instead of the last moves.";
                 let told = std::iter::once(remark.to_string()).chain(told.clone());
                 let told = told.collect();
-                ending = investigate(model, &data, known, options, progress, told, true);
+                // What was fitted best may be right all the same: a force that is wrong by little drifts away
+                // in what was held out.
+                points.extend(known.points.iter().cloned());
+                let alone = known.alone;
+                let known = Known { points, alone };
+                ending = investigate(model, &data, &known, options, progress, told, true);
             }
         }
     }
@@ -211,8 +216,8 @@ enum Ending {
     /// With what it says, and the explanations that were looked at.
     Told(Box<Outcome>, Vec<Point>),
     /// What was held out is worse than what was fitted by more than chance: something changed with time.
-    /// The period of the mode, s.
-    Surprised(f64),
+    /// The period of the mode, s, and the explanations that were looked at.
+    Surprised(f64, Vec<Point>),
 }
 
 /// The whole journey; a second one is told however it ends.
@@ -232,6 +237,12 @@ fn investigate(
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
+    tracing::debug!(
+        times = ?located.suspects,
+        frequencies = ?located.suspect_frequencies,
+        orders = ?located.suspect_orders,
+        "suspects"
+    );
     let scales = &mut problem.scales;
     scales.suspects.clone_from(&located.suspects);
     scales
@@ -249,7 +260,7 @@ fn investigate(
     let found = settled(&mut problem, &mut projector, &judge, baseline, told);
     let search = search(&problem, &projector, &judge, told);
     if !is_second && data.apart.is_empty() && surprised(&search, &found) {
-        return Ending::Surprised(problem.scales.period());
+        return Ending::Surprised(problem.scales.period(), found.points());
     }
     remarks.extend(super::remarks::remarks(&problem, &found));
     let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
@@ -315,12 +326,22 @@ fn located(problem: &Problem, baseline: &Explanation) -> Located {
         &local.departures,
     );
     let output = &experiment.outputs[0];
-    let (motor, link) = simulated.kinematics(&output.time, local.clocks[0]);
+    let (mut motor, mut link) = simulated.kinematics(&output.time, local.clocks[0]);
+    if output.role == Role::MotorPosition {
+        // Where a law of position acts is where the axis was, not where an error of the force has carried the
+        // simulation.
+        for (k, error) in residual[0].iter().enumerate() {
+            motor[k][0] += error;
+            link[k][0] += error;
+        }
+    }
     let mode = problem
         .kind
         .mode
         .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
     let (natural_frequency, damping_ratio) = mode.unwrap_or((0.0, 0.0));
+    let windows = experiment.windows.iter();
+    let restarts: Vec<f64> = windows.map(|w| w.time + local.clocks[0]).collect();
     locate(&Residual {
         time: &output.time,
         residual: &residual[0],
@@ -331,6 +352,7 @@ fn located(problem: &Problem, baseline: &Explanation) -> Located {
             natural_frequency,
             damping_ratio,
         },
+        restarts: &restarts,
         sensor_only: false,
     })
 }

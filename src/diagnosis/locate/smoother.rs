@@ -44,8 +44,9 @@ struct Pass {
 }
 
 impl Smoother {
-    /// `lead` is the time before the first stamp at which the walk began, s.
-    pub fn new(path: Path, rate: f64, time: &[f64], lead: f64) -> Self {
+    /// `lead` is the time before the first stamp at which the walk began, s. At `restarts` the error begins
+    /// anew as it does there, and the force goes on.
+    pub fn new(path: Path, rate: f64, time: &[f64], lead: f64, restarts: &[f64]) -> Self {
         let path = match path {
             Path::Motion { damping, stiffness } => Path::Motion {
                 damping: damping / rate,
@@ -53,27 +54,31 @@ impl Smoother {
             },
             Path::Direct => Path::Direct,
         };
-        let mut lengths: Vec<f64> = Vec::new();
+        let before = Transition::new(path, lead * rate);
+        let mut known: Vec<(f64, bool)> = Vec::new();
         let mut transitions = Vec::new();
         let mut which = Vec::with_capacity(time.len());
         for pair in time.windows(2) {
             let interval = (pair[1] - pair[0]).max(0.0) * rate;
+            let anew = restarts.partition_point(|t| *t <= pair[0])
+                < restarts.partition_point(|t| *t <= pair[1]);
             // Stamps carry rounding; an interval that differs by 1e-9 is the same.
-            let same = |known: &f64| (known - interval).abs() <= 1e-9 * interval;
-            let known = lengths.iter().rev().take(4).position(same);
-            which.push(match known {
-                Some(back) => lengths.len() - 1 - back,
+            let same =
+                |own: &(f64, bool)| own.1 == anew && (own.0 - interval).abs() <= 1e-9 * interval;
+            which.push(match known.iter().rev().take(4).position(same) {
+                Some(back) => known.len() - 1 - back,
                 None => {
-                    lengths.push(interval);
-                    transitions.push(Transition::new(path, interval));
-                    lengths.len() - 1
+                    known.push((interval, anew));
+                    let step = Transition::new(path, interval);
+                    transitions.push(if anew { step.anew(&before) } else { step });
+                    known.len() - 1
                 }
             });
         }
         Self {
             transitions,
             which,
-            before: Transition::new(path, lead * rate),
+            before,
             rate,
         }
     }

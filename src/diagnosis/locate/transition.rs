@@ -48,6 +48,19 @@ impl Transition {
         step
     }
 
+    /// The same of an error that begins anew at the interval's end, with the covariance that it has `before` a
+    /// record: only the force goes on.
+    pub fn anew(mut self, before: &Self) -> Self {
+        let force = self.noise[(2, 2)];
+        self.noise = before.noise;
+        for other in 0..2 {
+            self.phi.row_mut(other).fill(0.0);
+            (self.noise[(other, 2)], self.noise[(2, other)]) = (0.0, 0.0);
+        }
+        self.noise[(2, 2)] = force;
+        self
+    }
+
     fn direct(interval: f64) -> Self {
         let seen = Vector3::new(1.0, 0.0, 1.0);
         Self {
