@@ -114,8 +114,8 @@ impl Search<'_> {
                 true => more || near && held < GATE,
                 false => near && held < alike,
             };
-            let same = |other: &Trial| other.explanation.effects() == explanation.effects();
-            let new = explanation.effects() != best.effects() && !equals.iter().any(same);
+            let same = |other: &Trial| other.explanation.is_like(explanation);
+            let new = !explanation.is_like(best) && !equals.iter().any(same);
             if close && trial.passed && new && explanation.effects().len() <= best.effects().len() {
                 equals.push(trial.clone());
             }
@@ -123,33 +123,29 @@ impl Search<'_> {
         equals
     }
 
-    /// A pair that leaves more than noise, its effects chosen anew: the first was chosen without the second.
-    /// Each turn drops the one that was chosen longest ago; a turn that brings nothing is the last.
-    pub(super) fn exchanged(
-        &self,
-        baseline: &Explanation,
-        mut best: Explanation,
-        pool: &mut Vec<Trial>,
-    ) -> Explanation {
-        for _ in 0..MOST_EFFECTS {
+    /// A pair, each of its effects chosen anew beside the other: the first was chosen without the second. What is
+    /// better by far is looked at in the same way; what does as well joins the pool.
+    pub(super) fn exchanged(&self, mut best: Explanation, pool: &mut Vec<Trial>) -> Explanation {
+        let (mut left, mut dropped) = (MOST_EFFECTS, 0);
+        while left > 0 && best.effects().len() == MOST_EFFECTS {
             let point = &best.fitted.point;
-            let done = self.explains(baseline, &best) && self.foretells(baseline, &best);
-            if point.terms.len() - point.given_terms < 2 || done {
-                break;
-            }
-            let kept = self.refitted(&point.without(point.given_terms));
+            let kept = self.refitted(&point.without(point.given_terms + dropped));
             let trials = self.extend(&kept);
-            let next = trials.iter().find(|trial| trial.passed);
-            let next = next.map(|trial| trial.explanation.clone());
+            let (own, lowest) = (self.criterion(&best), |a: &Explanation| self.criterion(a));
+            let sound = trials.iter().filter(|trial| trial.passed);
+            let next = sound
+                .map(|trial| trial.explanation.clone())
+                .filter(|next| lowest(next) < own && !next.is_like(&best))
+                .min_by(|a, b| lowest(a).total_cmp(&lowest(b)));
             pool.extend(trials);
-            match next {
-                Some(next)
-                    if self.criterion(&next)
-                        < self.criterion(&best) - STRONG * self.unit(&next) =>
-                {
-                    best = next
+            left -= 1;
+            dropped += 1;
+            if let Some(next) = next {
+                if lowest(&next) < own - STRONG * self.unit(&next) {
+                    left = MOST_EFFECTS - 1;
                 }
-                _ => break,
+                // The one that was kept is the first now.
+                (best, dropped) = (next, 0);
             }
         }
         best

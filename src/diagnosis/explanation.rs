@@ -35,6 +35,12 @@ impl Explanation {
             .collect()
     }
 
+    /// Whether another one has the same effects at the same places, in whatever order.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let (own, theirs) = (self.effects(), other.effects());
+        own.len() == theirs.len() && own.iter().all(|effect| theirs.contains(effect))
+    }
+
     /// Sizes of the last effect that were looked at, at least 1.
     pub fn looks(&self, scales: &Scales) -> usize {
         let last = self.fitted.point.terms.last();

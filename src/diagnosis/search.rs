@@ -81,7 +81,7 @@ impl Found {
             .chain(trials)
             .chain(&self.ablated)
         {
-            if !each.iter().any(|own| own.effects() == next.effects()) {
+            if !each.iter().any(|own| own.is_like(next)) {
                 each.push(next);
             }
         }
@@ -138,11 +138,11 @@ impl Search<'_> {
         }
         let mut pool = trials.clone();
         best = self.grown(&baseline, best, frontier, &mut pool);
-        best = self.exchanged(&baseline, best, &mut pool);
+        best = self.exchanged(best, &mut pool);
         best = self.flexibility(&best, &pool).cloned().unwrap_or(best);
         best = self.taken_apart(best);
         let better = |trial: &&mut Trial| {
-            trial.explanation.effects() == best.effects()
+            trial.explanation.is_like(&best)
                 && self.criterion(&trial.explanation) > self.criterion(&best)
         };
         if let Some(trial) = trials.iter_mut().find(better) {
@@ -154,8 +154,9 @@ impl Search<'_> {
             trial.delta_bic = change / unit;
             trial.held_out_ratio = ratio(trial.explanation.held_out, baseline.held_out);
         }
-        let equals = self.equals(&best, &pool, unit);
+        sort(&mut pool);
         sort(&mut trials);
+        let equals = self.equals(&best, &pool, unit);
         let ablated = self.ablated(&best, &baseline);
         Found {
             ablated,
@@ -229,13 +230,6 @@ impl Search<'_> {
         let rows = self.judge.train_rows as f64;
         let (left, mismatch) = (explanation.train - rows, baseline.train - rows);
         self.at_noise(explanation) || left < SHAPE * mismatch
-    }
-
-    /// The same of what was held out.
-    pub fn foretells(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
-        let rows = self.judge.held_out_rows as f64;
-        let (left, mismatch) = (explanation.held_out - rows, baseline.held_out - rows);
-        self.held_at_floor(explanation) || left < SHAPE * mismatch
     }
 
     /// Whether nothing but noise is left, on what was fitted or on all: what holds on moves that were never seen
