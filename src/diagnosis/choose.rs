@@ -1,8 +1,9 @@
 //! Which of explanations that are nearly equal is told, and which are told beside it.
 
 use super::explanation::Explanation;
+use super::screen::candidates;
 use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
-use crate::effects::{Quantity, contains, parts};
+use crate::effects::{Quantity, contains, limits, parts};
 use crate::model::Term;
 use crate::recording::Role;
 
@@ -146,6 +147,39 @@ impl Search<'_> {
                 }
                 // The one that was kept is the first now.
                 (best, dropped) = (next, 0);
+            }
+        }
+        best
+    }
+
+    /// A pair with the limits of its laws in their place, where these leave as much, but for what the shape of a
+    /// law could be wrong by: beside another effect the simpler law may not have been looked at.
+    pub(super) fn simplified(&self, baseline: &Explanation, mut best: Explanation) -> Explanation {
+        let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
+        let places = candidates(self.problem);
+        let first = best.fitted.point.given_terms;
+        for index in first..first + best.effects().len() {
+            let point = &best.fitted.point;
+            let own = &point.terms[index];
+            // On an axis without a link all forces act at one seat.
+            let there = |name: &str| {
+                let all = || places.iter().filter(move |other| other.0.name == name);
+                all().find(|other| other.1 == own.place).or(all().next())
+            };
+            let simpler = limits(own.effect.name).filter_map(|limit| there(limit.name));
+            let refits = simpler.map(|&(effect, place)| {
+                let start = effect.parameters.iter();
+                let start = start.map(|parameter| (parameter.typical)(&self.problem.scales));
+                self.refitted(&point.without(index).with(effect, place, start.collect()))
+            });
+            let close = |other: &Explanation| {
+                other.train <= best.train + reach
+                    && ratio(other.held_out, best.held_out) < 2.0 - GATE
+            };
+            if let (true, Some(other)) =
+                (point.terms.len() > first + 1, refits.filter(close).next())
+            {
+                best = other;
             }
         }
         best

@@ -139,6 +139,7 @@ impl Search<'_> {
         let mut pool = trials.clone();
         best = self.grown(&baseline, best, frontier, &mut pool);
         best = self.exchanged(best, &mut pool);
+        best = self.simplified(&baseline, best);
         best = self.flexibility(&best, &pool).cloned().unwrap_or(best);
         best = self.taken_apart(best);
         let better = |trial: &&mut Trial| {

@@ -180,6 +180,8 @@ const NESTED: &[(&str, &str)] = &[
     ("presliding_hysteresis", "coulomb_friction"),
     ("stiction", "coulomb_friction"),
     ("sensor_lag_second_order", "sensor_lag"),
+    // Where the axis turns by little.
+    ("gravity_load", "force_offset"),
 ];
 
 /// Effects whose misfit has many minima over their size: the frequency falls with it, and what fits is
@@ -207,6 +209,12 @@ pub(crate) fn is_optional(effect: &str, parameter: &str) -> bool {
 /// ```
 pub fn contains(effect: &str, simpler: &str) -> bool {
     NESTED.contains(&(effect, simpler))
+}
+
+/// The simpler effects that the law of one contains as limits.
+pub(crate) fn limits(effect: &str) -> impl Iterator<Item = &'static Effect> {
+    let own = NESTED.iter().filter(move |pair| pair.0 == effect);
+    own.filter_map(|pair| Effect::from_name(pair.1))
 }
 
 /// The two simpler effects that a law and its values act as while it slides, with their values:
