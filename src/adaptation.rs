@@ -123,6 +123,13 @@ impl Adaptation {
         }
     }
 
+    /// Whether a train does for the mode of an estimate: it leaves less than the dead band there, and no more than
+    /// the tolerance two standard deviations away.
+    pub fn suits(&self, train: &GridTrain, estimate: &Estimate) -> bool {
+        residual(train, estimate.mode) < self.settings.dead_band
+            && worst_within_two_sigma(estimate, train) <= self.settings.tolerance
+    }
+
     /// Judges an estimate that was [screened](Adaptation::screen).
     ///
     /// `next` is the train designed for it; `excess` tells by how much what the

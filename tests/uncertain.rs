@@ -30,7 +30,7 @@ impl Shaper for Learned {
 
 const CONTROL_PERIOD: f64 = 0.004;
 
-/// The embedded arm, adaptive from one move to the next, as if its belief were 30 % too slow.
+/// The embedded arm, adaptive from one move to the next; its mode is believed 30 % too slow.
 fn settings(shaper: Option<&'static dyn Shaper>, seed: u64) -> CellSettings {
     let robot = Robot::rx170();
     let joint = robot.default_move.joint;

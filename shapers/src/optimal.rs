@@ -20,7 +20,7 @@ const WITHIN: f64 = 2.0;
 /// `min max |H(omega, xi)|` over the box, `H = sum A_i exp(mu omega (t_n - t_i))`, is convex in the amplitudes
 /// over all instants, and solved to 1 % as a game. Without damping it gives the amplitudes of Dolph and
 /// Chebyshev at multiples of `T/2`, of which EI is the one for a box of 20 %. Deterministic, no
-/// allocation, some 0.1 ms.
+/// allocation, 0.04 ms for half a period, 0.1 to 0.2 ms for one, 0.4 ms for one and a half.
 ///
 /// # Example
 /// ```

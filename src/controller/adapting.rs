@@ -34,9 +34,12 @@ impl Axis {
         }
         self.last_considered = self.time;
         let known = self.known(&estimate);
+        let next = match self.has_shortest_for(&estimate) {
+            true => Ok(self.next_train().clone()),
+            false => shaper.on_grid_for(&known, self.settings.sample_time),
+        };
         // By reference, here and below: a train has 4 KiB.
-        let next = &shaper.on_grid_for(&known, self.settings.sample_time);
-        self.status.decision = Some(match next {
+        self.status.decision = Some(match &next {
             Ok(next) => self.judge(&estimate, &known, next, ahead),
             Err(_) => Decision::Keep(Reason::Implausible(estimate.mode)),
         });
@@ -71,6 +74,14 @@ impl Axis {
             }
             _ => decision,
         }
+    }
+
+    /// Whether the next train does for an estimate, and none could be shorter by much: positive impulses need half
+    /// a period. Nothing has to be designed then.
+    fn has_shortest_for(&self, estimate: &Estimate) -> bool {
+        let next = self.next_train();
+        next.duration() < 0.75 * estimate.mode.damped_period()
+            && self.adaptation.suits(next, estimate)
     }
 
     /// Whether a train saves delay: trains for a mode that is known well and for one that is not are half
