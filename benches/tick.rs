@@ -13,7 +13,7 @@ use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, S
 use quell::estimators::{ESTIMATORS, EstimatorEntry};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::signal::Measurement;
-use quell_shapers::Mode;
+use quell_shapers::{Mode, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 use std::error::Error;
 use std::hint::black_box;
@@ -40,11 +40,18 @@ struct Tape {
     moves: Vec<(usize, f64, f64)>,
 }
 
-fn controller(axes: usize, estimator: &'static EstimatorEntry) -> Outcome<Controller> {
+#[derive(Clone, Copy)]
+struct Case {
+    estimator: &'static EstimatorEntry,
+    shaper: &'static str,
+}
+
+fn controller(axes: usize, case: Case) -> Outcome<Controller> {
     let belief = Mode::from_hertz(10.15, 0.084)?;
     let settings = (0..axes).map(|_| AxisSettings {
         limits: LIMITS,
-        estimator,
+        estimator: case.estimator,
+        shaper: shaper_by_name(case.shaper),
         ..axis_settings(belief, PERIOD, 0.003)
     });
     Ok(Controller::new(
@@ -62,9 +69,9 @@ fn plan(axes: usize, from: f64, to: f64) -> Outcome<SampledTrajectory> {
 }
 
 /// Controller and arm in a loop.
-fn tape(ticks: usize, estimator: &'static EstimatorEntry) -> Outcome<Tape> {
+fn tape(ticks: usize, case: Case) -> Outcome<Tape> {
     let mut arm = ArmSimulation::new(&Robot::rx170(), 0, &SimulationOptions::default())?;
-    let mut controller = controller(1, estimator)?;
+    let mut controller = controller(1, case)?;
     let mut tape = Tape {
         measured: vec![Vec::new()],
         moves: Vec::new(),
@@ -103,13 +110,8 @@ fn inbox(measured: &[Measurement], axes: usize) -> Vec<AxisMeasurement> {
 }
 
 /// Seconds of each tick, the clock's own cost taken off, and the sum of all setpoints.
-fn replay(
-    tape: &Tape,
-    axes: usize,
-    estimator: &'static EstimatorEntry,
-    hears: bool,
-) -> Outcome<(Vec<f64>, f64)> {
-    let mut controller = controller(axes, estimator)?;
+fn replay(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<(Vec<f64>, f64)> {
+    let mut controller = controller(axes, case)?;
     let inboxes: Vec<_> = tape
         .measured
         .iter()
@@ -138,14 +140,20 @@ fn total(setpoint: &Setpoint) -> f64 {
 }
 
 /// Instructions of one tick: this program under valgrind, the recording replayed once and twice.
-fn instructions(axes: usize, name: &str) -> Option<f64> {
+fn instructions(axes: usize, case: Case) -> Option<f64> {
     let program = std::env::current_exe().ok()?;
     let count = |rounds: &str| -> Option<f64> {
         let output = std::process::Command::new("valgrind")
             .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
             .arg("--toggle-collect=*Controller*tick*")
             .arg(&program)
-            .args(["only", &axes.to_string(), name, rounds])
+            .args([
+                "only",
+                &axes.to_string(),
+                case.estimator.name,
+                case.shaper,
+                rounds,
+            ])
             .output()
             .ok()?;
         let text = String::from_utf8(output.stderr).ok()?;
@@ -155,10 +163,10 @@ fn instructions(axes: usize, name: &str) -> Option<f64> {
     Some((count("2")? - count("1")?) / COUNTED as f64)
 }
 
-fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -> Outcome<()> {
+fn print(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<()> {
     let mut least: Option<Vec<f64>> = None;
     for _ in 0..ROUNDS {
-        let (seconds, _) = replay(tape, axes, line, hears)?;
+        let (seconds, _) = replay(tape, axes, case, hears)?;
         let seconds = &seconds[..TICKS];
         let least = least.get_or_insert_with(|| seconds.to_vec());
         for (least, now) in least.iter_mut().zip(seconds) {
@@ -169,13 +177,18 @@ fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -
     let mean = 1e9 * least.iter().sum::<f64>() / TICKS as f64;
     least.sort_by(f64::total_cmp);
     let at = |part: f64| 1e9 * least[((TICKS - 1) as f64 * part) as usize];
-    let counted = match hears && line.name == ESTIMATORS[0].name {
-        true => instructions(axes, line.name).map_or("no valgrind".into(), |n| format!("{n:.0}")),
+    let counted = match hears && case.estimator.name == ESTIMATORS[0].name {
+        true => instructions(axes, case).map_or("no valgrind".into(), |n| format!("{n:.0}")),
         false => "-".into(),
     };
-    let name = if hears { line.name } else { "nothing measured" };
+    let name = if hears {
+        case.estimator.name
+    } else {
+        "nothing measured"
+    };
     println!(
-        "{name:22}{axes:5}{mean:9.0}{:9.0}{:9.0}{:9.0}  {counted:>12}",
+        "{name:22}{:8}{axes:5}{mean:9.0}{:9.0}{:9.0}{:9.0}  {counted:>12}",
+        case.shaper,
         at(0.5),
         at(0.99),
         at(1.0)
@@ -185,13 +198,16 @@ fn print(tape: &Tape, axes: usize, line: &'static EstimatorEntry, hears: bool) -
 
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().collect();
-    if let [_, only, axes, name, rounds] = arguments.as_slice()
+    if let [_, only, axes, name, shaper, rounds] = arguments.as_slice()
         && only == "only"
     {
-        let line = quell::estimators::estimator(name).ok_or("no such estimator")?;
-        let tape = tape(COUNTED, line)?;
+        let case = Case {
+            estimator: quell::estimators::estimator(name).ok_or("no such estimator")?,
+            shaper: shaper_by_name(shaper).ok_or("no such shaper")?.name(),
+        };
+        let tape = tape(COUNTED, case)?;
         for _ in 0..rounds.parse()? {
-            black_box(replay(&tape, axes.parse()?, line, true)?);
+            black_box(replay(&tape, axes.parse()?, case, true)?);
         }
         return Ok(());
     }
@@ -199,16 +215,24 @@ fn main() -> Outcome<()> {
         "Nanoseconds of a tick at 250 Hz with a tracker at 333 Hz, over {TICKS} ticks with moves."
     );
     println!(
-        "{:22}{:>5}{:>9}{:>9}{:>9}{:>9}  {:>12}",
-        "", "axes", "mean", "median", "99 %", "most", "instructions"
+        "{:22}{:8}{:>5}{:>9}{:>9}{:>9}{:>9}  {:>12}",
+        "", "", "axes", "mean", "median", "99 %", "most", "instructions"
     );
-    for line in ESTIMATORS {
-        let tape = tape(TICKS, line)?;
-        if line.name == ESTIMATORS[0].name {
-            print(&tape, 1, line, false)?;
+    let zvd = |estimator| Case {
+        estimator,
+        shaper: "zvd",
+    };
+    let solved = Case {
+        estimator: &ESTIMATORS[0],
+        shaper: "optimal",
+    };
+    for (k, case) in ESTIMATORS.iter().map(zvd).chain([solved]).enumerate() {
+        let tape = tape(TICKS, case)?;
+        if k == 0 {
+            print(&tape, 1, case, false)?;
         }
-        print(&tape, 1, line, true)?;
-        print(&tape, 7, line, true)?;
+        print(&tape, 1, case, true)?;
+        print(&tape, 7, case, true)?;
     }
     Ok(())
 }

@@ -8,7 +8,8 @@
 //! they call an estimate converged, so that two windows without overlap agree.
 
 use crate::estimators::Estimate;
-use quell_shapers::{Impulse, ImpulseTrain, Mode, Shaper, residual_vibration};
+use quell_shapers::{GridTrain, Mode, Tap, UncertainMode};
+use std::f64::consts::PI;
 
 /// What is believed, and what is worth acting on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,29 +94,54 @@ impl Adaptation {
         self.learned
     }
 
-    /// Judges an estimate.
+    /// Whether a train should be designed for an estimate: it has settled, and is plausible.
     ///
-    /// `shaper` is the rule that would design the next train; `excess` tells by how much what the
+    /// # Errors
+    /// [`Reason::NotConverged`], [`Reason::Implausible`].
+    pub fn screen(&self, estimate: &Estimate) -> Result<(), Reason> {
+        match estimate.converged {
+            false => Err(Reason::NotConverged),
+            true if !self.plausible(estimate.mode) => Err(Reason::Implausible(estimate.mode)),
+            true => Ok(()),
+        }
+    }
+
+    /// How well the mode of an estimate is known for as long as its train is in force.
+    ///
+    /// The estimate's own variance, and that of what happens unseen until the next retune: a change of the mode
+    /// that leaves less than the dead band. The shortest train, two impulses half a period apart, leaves
+    /// `V = pi/2 |d omega| / omega` and `V = pi/2 |d xi|` of a small change, so that
+    /// `2/pi` of the dead band is the change that two standard deviations must at least cover.
+    pub fn known(&self, estimate: &Estimate) -> UncertainMode {
+        let unseen = 0.5 * (2.0 / PI) * self.settings.dead_band;
+        let mode = estimate.mode;
+        let omega = mode.natural_frequency();
+        UncertainMode {
+            mode,
+            natural_frequency_std: estimate.natural_frequency_std.hypot(unseen * omega),
+            damping_ratio_std: estimate.damping_ratio_std.hypot(unseen),
+        }
+    }
+
+    /// Whether a train does for the mode of an estimate: it leaves less than the dead band there, and no more than
+    /// the tolerance two standard deviations away.
+    pub fn suits(&self, train: &GridTrain, estimate: &Estimate) -> bool {
+        residual(train, estimate.mode) < self.settings.dead_band
+            && worst_within_two_sigma(estimate, train) <= self.settings.tolerance
+    }
+
+    /// Judges an estimate that was [screened](Adaptation::screen).
+    ///
+    /// `next` is the train designed for it; `excess` tells by how much what the
     /// present command leaves of a mode exceeds what a new one would leave, as a fraction of the
     /// unshaped vibration. Bounded work, at most five calls of `excess`, no allocation.
     pub fn consider(
         &mut self,
         estimate: &Estimate,
-        shaper: &dyn Shaper,
+        next: &GridTrain,
         mut excess: impl FnMut(Mode) -> f64,
     ) -> Decision {
-        if !estimate.converged {
-            return Decision::Keep(Reason::NotConverged);
-        }
         let mode = estimate.mode;
-        if !self.plausible(mode) {
-            return Decision::Keep(Reason::Implausible(mode));
-        }
-        // By reference, here and where others are designed: a train has 4 KiB.
-        let next = shaper.design(mode);
-        let Ok(next) = &next else {
-            return Decision::Keep(Reason::Implausible(mode));
-        };
         let tolerance = self.settings.tolerance;
         // The bound costs little, and is enough for an estimate that is known well.
         let certain = most_within_two_sigma(estimate, next) <= tolerance;
@@ -171,8 +197,8 @@ impl Adaptation {
 }
 
 /// V of a train at a mode.
-fn residual(train: &ImpulseTrain, mode: Mode) -> f64 {
-    residual_vibration(train, mode.natural_frequency(), mode.damping_ratio())
+pub(crate) fn residual(train: &GridTrain, mode: Mode) -> f64 {
+    train.residual_vibration(mode.natural_frequency(), mode.damping_ratio())
 }
 
 fn relative_step(from: Mode, to: Mode) -> f64 {
@@ -212,21 +238,22 @@ fn doubt_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64)
 }
 
 /// The largest V of `train` over the corners of two standard deviations of frequency and damping.
-fn worst_within_two_sigma(estimate: &Estimate, train: &ImpulseTrain) -> f64 {
+fn worst_within_two_sigma(estimate: &Estimate, train: &GridTrain) -> f64 {
     largest_at_corners(estimate, |corner| residual(train, corner))
 }
 
 /// A bound of how much V of `train` differs at those corners: `sum |A_i| (t_n - t_i) |lambda' - lambda|`, since
 /// `exp(lambda t)` changes by at most `t` times as much as `lambda` where nothing grows.
-fn most_within_two_sigma(estimate: &Estimate, train: &ImpulseTrain) -> f64 {
+fn most_within_two_sigma(estimate: &Estimate, train: &GridTrain) -> f64 {
     let pole = |mode: Mode| (mode.decay_rate(), mode.damped_frequency());
     let (rate, turn) = pole(estimate.mode);
     let furthest = largest_at_corners(estimate, |corner| {
         let (other_rate, other_turn) = pole(corner);
         (other_rate - rate).powi(2) + (other_turn - turn).powi(2)
     });
-    let age = |impulse: &Impulse| impulse.amplitude.abs() * (train.duration() - impulse.time);
-    furthest.sqrt() * train.impulses().iter().map(age).sum::<f64>()
+    let time = |tap: &Tap| f64::from(tap.delay) * train.sample_time();
+    let age = |tap: &Tap| tap.amplitude.abs() * (train.duration() - time(tap));
+    furthest.sqrt() * train.taps().iter().map(age).sum::<f64>()
 }
 
 /// The largest of what is said of the corners of two standard deviations of frequency and damping; infinity

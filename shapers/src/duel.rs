@@ -25,9 +25,9 @@ const NEW: usize = 4;
 /// Rounds, at most; a dozen is usual.
 const ROUNDS: usize = 60;
 /// The residual found is within this part of the least possible, or within [`FLOOR`]: a ten-thousandth of the
-/// vibration is below what an encoder sees of it.
+/// vibration is below what an encoder sees of it, and half of that is 1 % of what one period leaves of a box of 4 %.
 const GAP: f64 = 0.01;
-const FLOOR: f64 = 1e-4;
+const FLOOR: f64 = 5e-5;
 /// Shares of the command that leave less than a hundredth of the floor even all together.
 const NEGLIGIBLE: f64 = 0.01 * FLOOR / ROOM as f64;
 

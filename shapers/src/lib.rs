@@ -58,6 +58,7 @@ mod smooth_step;
 mod three_hump_ei;
 mod two_hump_ei;
 mod um_zv;
+mod uncertain_mode;
 mod zv;
 mod zvd;
 mod zvdd;
@@ -78,7 +79,7 @@ pub use mzv::Mzv;
 pub use optimal::Optimal;
 pub use path::{align_delays, common_train};
 pub use recommend::{
-    Candidate, Criterion, Reason, Recommendation, Requirements, Standing, UncertainMode, recommend,
+    Candidate, Criterion, Reason, Recommendation, Requirements, Standing, recommend,
 };
 pub use replay::CORRECTION_OVERSHOOT;
 pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
@@ -86,6 +87,7 @@ pub use retune_outcome::{Correction, Refusal, Retune, RetuneOutcome};
 pub use three_hump_ei::ThreeHumpEi;
 pub use two_hump_ei::TwoHumpEi;
 pub use um_zv::UmZv;
+pub use uncertain_mode::UncertainMode;
 pub use zv::Zv;
 pub use zvd::Zvd;
 pub use zvdd::Zvdd;
@@ -115,6 +117,27 @@ pub trait Shaper: Sync {
     /// As [`Shaper::design`], and where half the damped period is below two ticks.
     fn on_grid(&self, mode: Mode, sample_time: f64) -> Result<GridTrain, ShaperError> {
         GridTrain::split(&self.design(mode)?, mode, sample_time)
+    }
+
+    /// The train for a mode that is known only so well. Most rules design for the estimate, however well that is
+    /// known.
+    ///
+    /// # Errors
+    /// As [`Shaper::design`].
+    fn design_for(&self, known: &UncertainMode) -> Result<ImpulseTrain, ShaperError> {
+        self.design(known.mode)
+    }
+
+    /// [`Shaper::design_for`] with its taps on a grid, as [`Shaper::on_grid`].
+    ///
+    /// # Errors
+    /// As [`Shaper::on_grid`].
+    fn on_grid_for(
+        &self,
+        known: &UncertainMode,
+        sample_time: f64,
+    ) -> Result<GridTrain, ShaperError> {
+        self.on_grid(known.mode, sample_time)
     }
 
     /// Whether every amplitude is positive, so that the limits of a move survive the shaping.

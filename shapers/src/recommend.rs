@@ -1,6 +1,6 @@
 //! Which shaper for a mode that is known only so well.
 
-use crate::{ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, residual_vibration};
+use crate::{ImpulseTrain, SHAPERS, Shaper, ShaperError, UncertainMode, residual_vibration};
 use arrayvec::ArrayVec;
 use core::cmp::Ordering;
 use num_traits::Float;
@@ -13,17 +13,6 @@ const NODES: usize = FREQUENCY_NODES * DAMPING_NODES;
 const REACH: f64 = 3.0;
 /// Room for the table of shapers.
 const CANDIDATES: usize = 32;
-
-/// A mode and how well it is known: independent Gaussian errors.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UncertainMode {
-    /// The estimate.
-    pub mode: Mode,
-    /// Standard deviation of the natural frequency, rad/s.
-    pub natural_frequency_std: f64,
-    /// Standard deviation of the damping ratio.
-    pub damping_ratio_std: f64,
-}
 
 /// What is made small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,8 @@
 //! The optimal train: closed forms without damping, and better than every other shaper with it.
 
-use quell_shapers::{ImpulseTrain, Mode, Optimal, SHAPERS, UncertainMode, residual_vibration};
+use quell_shapers::{
+    HUMP_TOLERANCE, ImpulseTrain, Mode, Optimal, SHAPERS, Shaper, UncertainMode, residual_vibration,
+};
 use std::f64::consts::PI;
 
 fn worst(train: &ImpulseTrain, frequency: f64, ratios: (f64, f64)) -> f64 {
@@ -66,8 +68,9 @@ fn val_with_damping_nothing_of_the_table_is_better_in_the_same_time() {
             };
             let (optimal, said) = shaper.within(mode, train.duration()).unwrap();
             let found = worst(&optimal, frequency, ratios);
+            // Its grid of nine damping ratios is coarse for a box from 0 to 0.6.
             assert!(
-                (said - found).abs() <= 0.01 * found + 1e-6,
+                (said - found).abs() <= 0.012 * found + 1e-6,
                 "{said} {found}"
             );
             assert!(
@@ -88,16 +91,48 @@ fn val_with_damping_nothing_of_the_table_is_better_in_the_same_time() {
 }
 
 #[test]
-fn val_an_estimate_gives_a_box_and_nonsense_is_refused() {
-    let mode = Mode::from_hertz(8.12, 0.084).unwrap();
-    let estimate = UncertainMode {
-        mode,
-        natural_frequency_std: 0.05 * mode.natural_frequency(),
-        damping_ratio_std: 0.021,
+fn val_for_an_estimate_it_is_solved_for_95_percent_of_its_errors() {
+    let known = |xi: f64, frequency: f64, damping: f64| UncertainMode {
+        mode: Mode::new(1.0, xi).unwrap(),
+        natural_frequency_std: frequency,
+        damping_ratio_std: damping,
     };
-    let shaper = Optimal::for_estimate(&estimate);
-    assert!((shaper.frequency_spread - 0.1).abs() < 1e-12);
-    assert!((shaper.damping_spread - 0.5).abs() < 1e-12);
+    // Known well, half a period is enough; where it is not, longer; damping ratios end at 0.
+    for (xi, frequency, damping, half_periods) in [
+        (0.08, 0.003, 0.003, 1.0),
+        (0.08, 0.05, 0.02, 2.0),
+        (0.01, 0.004, 0.04, 2.0),
+        (0.0, 0.1, 0.01, 3.0),
+    ] {
+        let known = known(xi, frequency, damping);
+        let train = Optimal::TYPICAL.design_for(&known).unwrap();
+        let periods = 2.0 * train.duration() / known.mode.damped_period();
+        assert!((periods - half_periods).abs() < 0.01, "{xi}: {periods}");
+        let ratios = ((xi - 2.0 * damping).max(0.0), xi + 2.0 * damping);
+        let found = worst(&train, 2.0 * frequency, ratios);
+        assert!(found <= HUMP_TOLERANCE * 1.01, "{xi}: {found}");
+        let grid = Optimal::TYPICAL.on_grid_for(&known, 0.01).unwrap();
+        let (on_grid, left) = (
+            grid.residual_vibration(1.0, xi),
+            residual_vibration(&train, 1.0, xi),
+        );
+        assert!(
+            (on_grid - left).abs() < 1e-3 * HUMP_TOLERANCE,
+            "{on_grid} {left}"
+        );
+    }
+    for wrong in [
+        known(0.1, 0.5, 0.0),
+        known(0.1, f64::NAN, 0.0),
+        known(0.1, 0.0, 1.0),
+    ] {
+        assert!(Optimal::TYPICAL.design_for(&wrong).is_err(), "{wrong:?}");
+    }
+}
+
+#[test]
+fn val_nonsense_is_refused() {
+    let mode = Mode::from_hertz(8.12, 0.084).unwrap();
     let one = |frequency_spread: f64, damping_spread: f64, delay: f64| {
         let shaper = Optimal {
             frequency_spread,

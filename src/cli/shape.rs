@@ -96,19 +96,16 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 fn design(args: &Args) -> Result<Design, CliError> {
-    let estimated = estimated(args)?;
-    let shaper: &dyn Shaper = match &estimated {
-        Some(optimal) => optimal,
-        None => args.shaper,
-    };
+    let known = known(args)?;
     let mut train = ImpulseTrain::identity();
-    for &mode in &args.mode {
-        train = shaper
-            .design(mode)
+    for known in &known {
+        train = args
+            .shaper
+            .design_for(known)
             .and_then(|next| train.convolve(&next))
             .map_err(CliError::input)?;
     }
-    let grid = shaping::train(shaper, &args.mode, 1.0 / args.rate).map_err(CliError::input)?;
+    let grid = shaping::train(args.shaper, known, 1.0 / args.rate).map_err(CliError::input)?;
     Ok(Design {
         shaper: args.shaper,
         modes: args.mode.clone(),
@@ -117,10 +114,11 @@ fn design(args: &Args) -> Result<Design, CliError> {
     })
 }
 
-/// The optimal shaper for how well the mode is known, where that is said.
-fn estimated(args: &Args) -> Result<Option<Optimal>, CliError> {
+/// The modes, as well as they are said to be known.
+fn known(args: &Args) -> Result<Vec<UncertainMode>, CliError> {
+    let believed = args.mode.iter().copied().map(UncertainMode::believed);
     let Some(percent) = args.frequency_std else {
-        return Ok(None);
+        return Ok(believed.collect());
     };
     let &[mode] = args.mode.as_slice() else {
         return Err(CliError::input(
@@ -134,11 +132,11 @@ fn estimated(args: &Args) -> Result<Option<Optimal>, CliError> {
              what the others leave"
         )));
     }
-    Ok(Some(Optimal::for_estimate(&UncertainMode {
+    Ok(vec![UncertainMode {
         mode,
         natural_frequency_std: percent / 100.0 * mode.natural_frequency(),
         damping_ratio_std: args.damping_std.unwrap_or(0.0),
-    })))
+    }])
 }
 
 impl Design {

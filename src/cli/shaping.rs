@@ -1,6 +1,6 @@
 //! Trains and moves as every verb makes them.
 
-use quell_shapers::{GridTrain, Mode, Setpoint, Shaper, ShaperError};
+use quell_shapers::{GridTrain, Setpoint, Shaper, ShaperError, UncertainMode};
 use quell_trajectories::{AxisState, Limits, Planner};
 
 use super::CliError;
@@ -21,12 +21,12 @@ const ROUNDING: f64 = 1e-9;
 /// a filter is made for.
 pub fn train(
     shaper: &dyn Shaper,
-    modes: &[Mode],
+    modes: impl IntoIterator<Item = UncertainMode>,
     sample_time: f64,
 ) -> Result<GridTrain, ShaperError> {
     let mut train = GridTrain::identity(sample_time)?;
-    for &mode in modes {
-        train = train.convolve(&shaper.on_grid(mode, sample_time)?)?;
+    for known in modes {
+        train = train.convolve(&shaper.on_grid_for(&known, sample_time)?)?;
     }
     match train.duration_in_ticks() {
         ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {

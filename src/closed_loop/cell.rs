@@ -157,7 +157,7 @@ impl Cell {
             registration: self.registration.clone(),
             train: axis.train(),
             slowed_to: (slowed.speed < 1.0).then_some(slowed.speed),
-            mode: after.mode,
+            shaped_for: after.shaped_for,
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,
             corrections: after.corrections - before.corrections,

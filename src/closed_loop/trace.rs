@@ -1,6 +1,6 @@
 //! What happened in one move, and the figures that people ask of it.
 
-use quell_shapers::{ImpulseTrain, Mode, PeakRatios, Setpoint, peak_ratios};
+use quell_shapers::{ImpulseTrain, PeakRatios, Setpoint, UncertainMode, peak_ratios};
 use quell_trajectories::Limits;
 
 use crate::controller::motion_limits;
@@ -55,8 +55,8 @@ pub struct MoveTrace {
     pub recording: Recording,
     /// Train in force when the move ended.
     pub train: ImpulseTrain,
-    /// Mode that it was designed for.
-    pub mode: Mode,
+    /// Mode that it was designed for, as well as it was known.
+    pub shaped_for: UncertainMode,
     /// Speed to which the move was slowed so that the shaped command keeps its limits, 0 to 1.
     pub slowed_to: Option<f64>,
     /// Trains changed during the move.

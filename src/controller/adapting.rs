@@ -1,11 +1,11 @@
 //! From an estimate to a train, at rest or in motion.
 
-use quell_shapers::{GridTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, Shaper};
+use quell_shapers::{GridTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, UncertainMode};
 
 use super::ahead::Ahead;
 use super::axis::{Axis, waiting};
 use super::settings::{RetunePolicy, motion_limits};
-use crate::adaptation::Decision;
+use crate::adaptation::{Decision, Reason, residual};
 use crate::estimators::Estimate;
 
 /// Length of the shortest correction, periods: five smooth steps of a quarter period.
@@ -23,22 +23,71 @@ impl Axis {
         estimate.converged |= self.settings.estimator.states_error
             && ahead.remaining() == 0
             && loses_energy(&estimate);
+        if let Err(reason) = self.adaptation.screen(&estimate) {
+            self.status.decision = Some(Decision::Keep(reason));
+            return;
+        }
+        // The steps of a correction are a quarter period apart: more often gains nothing, and a train that
+        // is solved numerically costs. Counted by the axis' own time, since a frozen estimate does not advance.
+        if self.time - self.last_considered < 0.25 * estimate.mode.damped_period() {
+            return;
+        }
+        self.last_considered = self.time;
+        let known = self.known(&estimate);
+        let next = match self.has_shortest_for(&estimate) {
+            true => Ok(self.next_train().clone()),
+            false => shaper.on_grid_for(&known, self.settings.sample_time),
+        };
+        // By reference, here and below: a train has 4 KiB.
+        self.status.decision = Some(match &next {
+            Ok(next) => self.judge(&estimate, &known, next, ahead),
+            Err(_) => Decision::Keep(Reason::Implausible(estimate.mode)),
+        });
+    }
+
+    /// How well the mode of an estimate is known: where the method states no error, no better than a belief.
+    fn known(&self, estimate: &Estimate) -> UncertainMode {
+        match self.settings.estimator.states_error {
+            true => self.adaptation.known(estimate),
+            false => UncertainMode::believed(estimate.mode),
+        }
+    }
+
+    fn judge(
+        &mut self,
+        estimate: &Estimate,
+        known: &UncertainMode,
+        next: &GridTrain,
+        ahead: &Ahead<'_>,
+    ) -> Decision {
         let decision = match self.settings.retune {
             RetunePolicy::InMotion if self.lane.is_none() && self.is_ringing(estimate.mode) => {
-                // The steps of a correction are a quarter period apart: more often gains nothing.
-                // Counted by the axis' own time, since a frozen estimate does not advance.
-                let pause = 0.25 * estimate.mode.damped_period();
-                if estimate.converged && self.time - self.last_forecast < pause {
-                    return;
-                }
-                if estimate.converged {
-                    self.last_forecast = self.time;
-                }
-                self.consider_in_motion(&estimate, shaper, ahead)
+                self.consider_in_motion(estimate, known, next, ahead)
             }
-            _ => self.consider_at_rest(&estimate, shaper),
+            _ => self.consider_at_rest(estimate, known, next),
         };
-        self.status.decision = Some(decision);
+        match decision {
+            // What is left is no reason for another train, but the delay is.
+            Decision::Keep(Reason::DeadBand(_)) if self.is_much_shorter(next, known.mode) => {
+                self.install(next, known);
+                Decision::Accept(known.mode)
+            }
+            _ => decision,
+        }
+    }
+
+    /// Whether the next train does for an estimate, and none could be shorter by much: positive impulses need half
+    /// a period. Nothing has to be designed then.
+    fn has_shortest_for(&self, estimate: &Estimate) -> bool {
+        let next = self.next_train();
+        next.duration() < 0.75 * estimate.mode.damped_period()
+            && self.adaptation.suits(next, estimate)
+    }
+
+    /// Whether a train saves delay: trains for a mode that is known well and for one that is not are half
+    /// periods apart, and half of that is no rounding of theirs.
+    fn is_much_shorter(&self, next: &GridTrain, mode: Mode) -> bool {
+        next.duration() + 0.25 * mode.damped_period() < self.next_train().duration()
     }
 
     /// Whether anything is moving, or may still ring.
@@ -46,15 +95,18 @@ impl Axis {
         !self.filter.is_settled() || self.since_plan_end < ringing_time(mode)
     }
 
-    fn consider_at_rest(&mut self, estimate: &Estimate, shaper: &dyn Shaper) -> Decision {
-        let tick = self.settings.sample_time;
+    fn consider_at_rest(
+        &mut self,
+        estimate: &Estimate,
+        known: &UncertainMode,
+        next: &GridTrain,
+    ) -> Decision {
         let waiting = waiting(self.lane.as_ref(), &self.filter);
-        let excess = |mode| excess_of(waiting, shaper, mode, tick);
-        let decision = self.adaptation.consider(estimate, shaper, excess);
-        if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, tick)
-        {
-            self.install(&train, mode);
+        let best = residual(next, known.mode);
+        let excess = |mode| residual(waiting, mode) - best;
+        let decision = self.adaptation.consider(estimate, next, excess);
+        if let Decision::Accept(_) = decision {
+            self.install(next, known);
         }
         decision
     }
@@ -62,7 +114,8 @@ impl Axis {
     fn consider_in_motion(
         &mut self,
         estimate: &Estimate,
-        shaper: &dyn Shaper,
+        known: &UncertainMode,
+        next: &GridTrain,
         ahead: &Ahead<'_>,
     ) -> Decision {
         let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
@@ -88,11 +141,9 @@ impl Axis {
             }
             Err(_) => f64::INFINITY,
         };
-        let decision = self.adaptation.consider(estimate, shaper, excess);
-        if let Decision::Accept(mode) = decision
-            && let Ok(train) = shaper.on_grid(mode, tick)
-        {
-            self.correct(&train, mode, shaper, remaining, planned);
+        let decision = self.adaptation.consider(estimate, next, excess);
+        if let Decision::Accept(_) = decision {
+            self.correct(next, known, remaining, planned);
         }
         decision
     }
@@ -102,24 +153,18 @@ impl Axis {
     /// train waits for rest.
     fn correct(
         &mut self,
-        designed: &GridTrain,
-        mode: Mode,
-        shaper: &dyn Shaper,
+        next: &GridTrain,
+        known: &UncertainMode,
         remaining: usize,
         planned: impl Fn(usize) -> Setpoint,
     ) {
-        let present = self.next_train();
-        let tick = self.settings.sample_time;
-        let excess = excess_of(present, shaper, mode, tick);
+        let (present, mode) = (self.next_train(), known.mode);
+        let excess = residual(present, mode) - residual(next, mode);
         let changes = excess >= self.settings.adaptation.dead_band;
-        let train = if changes {
-            designed.clone()
-        } else {
-            present.clone()
-        };
+        let train = if changes { next } else { present }.clone();
         match self.cancel(&train, mode, remaining, planned) {
-            Ok(()) if changes => self.changed(mode),
-            Err(_) if changes => self.install(&train, mode),
+            Ok(()) if changes => self.changed(known),
+            Err(_) if changes => self.install(&train, known),
             _ => {}
         }
     }
@@ -163,18 +208,18 @@ impl Axis {
         self.cancel(&train, self.corrected, ahead.remaining(), planned)
     }
 
-    fn install(&mut self, train: &GridTrain, mode: Mode) {
+    fn install(&mut self, train: &GridTrain, known: &UncertainMode) {
         let taken = match &mut self.lane {
             Some(lane) => lane.wait_with(train),
             None => self.filter.install(train).is_ok(),
         };
         if taken {
-            self.changed(mode);
+            self.changed(known);
         }
     }
 
-    fn changed(&mut self, mode: Mode) {
-        self.status.mode = mode;
+    fn changed(&mut self, known: &UncertainMode) {
+        self.status.shaped_for = *known;
         self.status.retunes += 1;
     }
 }
@@ -190,15 +235,4 @@ fn loses_energy(estimate: &Estimate) -> bool {
 /// the dead band of 1 %.
 pub fn ringing_time(mode: Mode) -> f64 {
     5.0 / mode.decay_rate()
-}
-
-/// V of a train at a mode beyond that of the train designed for it.
-fn excess_of(train: &GridTrain, shaper: &dyn Shaper, mode: Mode, sample_time: f64) -> f64 {
-    let left = |train: &GridTrain| {
-        train.residual_vibration(mode.natural_frequency(), mode.damping_ratio())
-    };
-    match &shaper.on_grid(mode, sample_time) {
-        Ok(best) => left(train) - left(best),
-        Err(_) => f64::INFINITY,
-    }
 }

@@ -2,6 +2,7 @@
 
 use quell_shapers::{
     AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError,
+    UncertainMode,
 };
 
 use super::ahead::Ahead;
@@ -18,8 +19,8 @@ pub struct AxisStatus {
     pub estimate: Option<Estimate>,
     /// What the adaptation said of the last estimate.
     pub decision: Option<Decision>,
-    /// The mode that the train in force was designed for.
-    pub mode: Mode,
+    /// The mode that the train in force was designed for, and how well it was known then.
+    pub shaped_for: UncertainMode,
     /// Trains that were changed because of an estimate.
     pub retunes: u32,
     /// Corrections that were refused because no limit-keeping one was found.
@@ -45,7 +46,7 @@ pub struct Axis {
     pub(super) lane: Option<Lane>,
     pub(super) time: f64,
     pub(super) since_plan_end: f64,
-    pub(super) last_forecast: f64,
+    pub(super) last_considered: f64,
     /// The mode that the last correction was for.
     pub(super) corrected: Mode,
     pub(super) status: AxisStatus,
@@ -62,7 +63,8 @@ impl Axis {
         let horizon = (settings.longest_move / settings.sample_time).ceil() as usize;
         let mut filter = AdaptiveFilter::new(settings.sample_time, capacity, horizon);
         filter.reset(position);
-        let train = design(settings.shaper, settings.belief, settings.sample_time)?;
+        let belief = UncertainMode::believed(settings.belief);
+        let train = design(settings.shaper, &belief, settings.sample_time)?;
         filter.install(&train)?;
         Ok(Self {
             sensor: settings.sensor.clone(),
@@ -74,11 +76,11 @@ impl Axis {
             corrected: settings.belief,
             time: 0.0,
             since_plan_end: f64::INFINITY,
-            last_forecast: f64::NEG_INFINITY,
+            last_considered: f64::NEG_INFINITY,
             status: AxisStatus {
                 estimate: None,
                 decision: None,
-                mode: settings.belief,
+                shaped_for: belief,
                 retunes: 0,
                 refused: 0,
                 corrections: 0,
@@ -112,7 +114,7 @@ impl Axis {
     pub(super) fn set_train(
         &mut self,
         shaper: Option<&'static dyn Shaper>,
-        mode: Mode,
+        known: &UncertainMode,
         train: &GridTrain,
     ) -> Result<(), ShaperError> {
         match &mut self.lane {
@@ -125,7 +127,7 @@ impl Axis {
             None => self.filter.install(train)?,
         }
         self.settings.shaper = shaper;
-        self.status.mode = mode;
+        self.status.shaped_for = *known;
         Ok(())
     }
 
@@ -232,11 +234,11 @@ pub(super) fn waiting<'a>(lane: Option<&'a Lane>, filter: &'a AdaptiveFilter) ->
 
 fn design(
     shaper: Option<&'static dyn Shaper>,
-    mode: Mode,
+    known: &UncertainMode,
     sample_time: f64,
 ) -> Result<GridTrain, ShaperError> {
     match shaper {
-        Some(shaper) => shaper.on_grid(mode, sample_time),
+        Some(shaper) => shaper.on_grid_for(known, sample_time),
         None => GridTrain::identity(sample_time),
     }
 }

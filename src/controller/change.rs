@@ -1,6 +1,6 @@
 //! What may be changed about an axis between two ticks.
 
-use quell_shapers::{GridTrain, Mode, Shaper, ShaperError};
+use quell_shapers::{GridTrain, Shaper, ShaperError, UncertainMode};
 
 use super::Controller;
 use super::axis::Axis;
@@ -15,8 +15,8 @@ impl Controller {
         }
     }
 
-    /// Shapes for `mode` by another rule: `train`, designed by `shaper` (none for a plan sent as it
-    /// is), takes over once the command of the axis stands still. No allocation.
+    /// Shapes for another mode or by another rule: `train`, designed by `shaper` (none for a plan sent as it
+    /// is) for the mode `known`, takes over once the command of the axis stands still. No allocation.
     ///
     /// # Errors
     /// [`ShaperError`] where the train is for another period, or too long; nothing has changed then.
@@ -24,11 +24,11 @@ impl Controller {
         &mut self,
         axis: usize,
         shaper: Option<&'static dyn Shaper>,
-        mode: Mode,
+        known: &UncertainMode,
         train: &GridTrain,
     ) -> Result<(), ShaperError> {
         match self.axes.get_mut(axis) {
-            Some(axis) => axis.set_train(shaper, mode, train),
+            Some(axis) => axis.set_train(shaper, known, train),
             None => Ok(()),
         }
     }

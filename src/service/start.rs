@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 
 use nalgebra::{Isometry3, Unit, Vector3};
-use quell_shapers::{Mode, ShaperError};
+use quell_shapers::{Mode, ShaperError, UncertainMode};
 use quell_trajectories::{PlanError, Planner};
 use thiserror::Error;
 
@@ -325,7 +325,10 @@ fn made(
         .get(&joint.name)
         .and_then(|state| state.with_payload(0.0));
     let learned = remembered.and_then(|learned| Mode::try_from(learned.mode).ok());
-    let designed = |mode: Mode| joint.shaper.on_grid(mode, config.period);
+    let designed = |mode: Mode| {
+        let known = UncertainMode::believed(mode);
+        joint.shaper.on_grid_for(&known, config.period)
+    };
     let usable = learned.filter(|mode| designed(*mode).is_ok());
     let mode = usable.unwrap_or(joint.belief);
     designed(mode).map_err(|reason| StartError::Belief {

@@ -233,7 +233,7 @@ impl Joint {
         let status = self.status(time).status;
         let shaper = self.shaped.then_some(self.case.shaper);
         let train = match shaper {
-            Some(shaper) => shaper.on_grid(status.mode, period)?,
+            Some(shaper) => shaper.on_grid_for(&status.shaped_for, period)?,
             None => GridTrain::identity(period)?,
         };
         let limits = self.arm.robot().joints[0].limits;
@@ -242,7 +242,7 @@ impl Joint {
         let slowed = plan_shaped(planner, ends, limits, &train)?;
         let order = Train {
             shaper,
-            mode: status.mode,
+            known: status.shaped_for,
             train,
             retunes: status.retunes,
         };
@@ -298,7 +298,7 @@ impl Joint {
             refused: report.sensors().map(|(_, sensor)| refused(sensor)).sum(),
             frozen: self.frozen,
             silent: self.silent,
-            mode: status.mode,
+            mode: status.shaped_for.mode,
             retunes: status.retunes,
         }
     }

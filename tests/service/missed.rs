@@ -10,7 +10,9 @@ use quell::service::link::RobotLink;
 use quell::service::tick::between::between;
 use quell::service::tick::pace::bridged;
 use quell::service::tick::{EngineRings, Plan, Start, Tick, ToTick, Train};
-use quell_shapers::{CORRECTION_OVERSHOOT, GridTrain, Setpoint, Shaper, shaper_by_name};
+use quell_shapers::{
+    CORRECTION_OVERSHOOT, GridTrain, Setpoint, Shaper, UncertainMode, shaper_by_name,
+};
 
 use super::tick::{controller, joint, plan};
 
@@ -103,7 +105,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
     };
     let train = Train {
         shaper: shaped.then_some(zvd as &'static dyn Shaper),
-        mode,
+        known: UncertainMode::believed(mode),
         train,
         retunes: 0,
     };

@@ -9,7 +9,7 @@ use quell::service::link::EmbeddedLink;
 use quell::service::tick::{
     EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train, TrainOrder,
 };
-use quell_shapers::{Mode, Shaper, shaper_by_name};
+use quell_shapers::{Mode, Shaper, UncertainMode, shaper_by_name};
 use quell_trajectories::{AxisState, Planner, SampledTrajectory};
 
 const PERIOD: f64 = 0.001;
@@ -76,7 +76,7 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
             let mode = Mode::from_hertz(9.0, 0.08).expect("a mode");
             let train = Train {
                 shaper: Some(zvd),
-                mode,
+                known: UncertainMode::believed(mode),
                 train: zvd.on_grid(mode, PERIOD).expect("a train"),
                 retunes: 0,
             };

@@ -11,7 +11,7 @@ mod game;
 
 use quell_shapers::{
     Candidate, Criterion, HUMP_TOLERANCE, Impulse, ImpulseTrain, Mode, Optimal, Requirements,
-    SHAPERS, Standing, UncertainMode, recommend, residual_vibration,
+    SHAPERS, Shaper, Standing, UncertainMode, recommend, residual_vibration,
 };
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -22,20 +22,26 @@ const RATIOS: usize = 5;
 /// Damping ratios are known to this part of themselves.
 const DAMPING_SPREAD: f64 = 0.5;
 
-/// Modes over the box: angular frequency around 1, damping ratio.
-fn modes(spread: f64, damping_ratio: f64) -> Vec<(f64, f64)> {
-    let share = |i: usize, count: usize| 2.0 * i as f64 / (count - 1) as f64 - 1.0;
-    let ratios = if damping_ratio == 0.0 { 1 } else { RATIOS };
+/// Modes over the box: angular frequency around 1, damping ratio from and to.
+fn modes(spread: f64, (least, most): (f64, f64)) -> Vec<(f64, f64)> {
+    let share = |i: usize, count: usize| i as f64 / (count - 1) as f64;
+    let ratios = if least == most { 1 } else { RATIOS };
     (0..FREQUENCIES)
         .flat_map(|i| (0..ratios).map(move |k| (i, k)))
         .map(|(i, k)| {
-            let around = if ratios == 1 { 0.0 } else { share(k, ratios) };
+            let along = if ratios == 1 { 0.0 } else { share(k, ratios) };
             (
-                1.0 + spread * share(i, FREQUENCIES),
-                damping_ratio * (1.0 + DAMPING_SPREAD * around),
+                1.0 + spread * (2.0 * share(i, FREQUENCIES) - 1.0),
+                least + (most - least) * along,
             )
         })
         .collect()
+}
+
+/// Damping ratios around one.
+fn ratios_around(damping_ratio: f64) -> (f64, f64) {
+    let spread = DAMPING_SPREAD * damping_ratio;
+    (damping_ratio - spread, damping_ratio + spread)
 }
 
 /// `exp(mu omega tau)`: real and imaginary part.
@@ -165,12 +171,15 @@ fn compare(spread: f64, damping_ratio: f64) -> Option<()> {
         natural_frequency_std: 0.5 * spread,
         damping_ratio_std: 0.5 * DAMPING_SPREAD * damping_ratio,
     };
-    let modes = modes(spread, damping_ratio);
+    let modes = modes(spread, ratios_around(damping_ratio));
     let (classic, train) = recommended(&known, false)?;
     let (best, better) = recommended(&known, true)?;
     let delay = train.duration();
     let (least, _) = optimum(delay, &modes)?;
-    let shaper = Optimal::for_estimate(&known);
+    let shaper = Optimal {
+        frequency_spread: spread,
+        damping_spread: DAMPING_SPREAD,
+    };
     let (numerical, time) = solved(&shaper, mode, delay)?;
     let [classic_left, best_left, left] =
         [&train, &better, &numerical].map(|train| worst(train, &modes));
@@ -195,7 +204,7 @@ fn by_delay(periods: f64) -> Option<()> {
     let (mut table, mut numerical, mut slowest) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (spread, xi) in boxes() {
         let mode = Mode::new(1.0, xi).ok()?;
-        let modes = modes(spread, xi);
+        let modes = modes(spread, ratios_around(xi));
         let delay = periods * mode.damped_period();
         let (least, _) = optimum(delay, &modes)?;
         let others = SHAPERS
@@ -224,6 +233,38 @@ fn by_delay(periods: f64) -> Option<()> {
     Some(())
 }
 
+/// One line of the table of estimates: what [`Shaper::design_for`] makes of standard deviations of so much of the
+/// frequency, and of so much damping ratio, as a decay tells both equally well.
+fn for_estimate(deviation: f64, damping_ratio: f64) -> Option<()> {
+    let known = UncertainMode {
+        mode: Mode::new(1.0, damping_ratio).ok()?,
+        natural_frequency_std: deviation,
+        damping_ratio_std: deviation,
+    };
+    let least_ratio = (damping_ratio - 2.0 * deviation).max(0.0);
+    let ratios = (least_ratio, damping_ratio + 2.0 * deviation);
+    let modes = modes(2.0 * deviation, ratios);
+    let mut time = f64::INFINITY;
+    let mut train = ImpulseTrain::identity();
+    for _ in 0..10 {
+        let start = Instant::now();
+        train = Optimal::TYPICAL.design_for(&known).ok()?;
+        time = time.min(1e6 * start.elapsed().as_secs_f64());
+    }
+    let delay = train.duration();
+    let (least, _) = optimum(delay, &modes)?;
+    let left = worst(&train, &modes);
+    println!(
+        "deviations {:.1} %, xi {damping_ratio:.2}: {:.2} periods, {:6.3} %; optimum {:6.3} %, ratio {:.3}; {time:.0} us",
+        100.0 * deviation,
+        delay / known.mode.damped_period(),
+        100.0 * left,
+        100.0 * least,
+        left / least,
+    );
+    Some(())
+}
+
 fn boxes() -> impl Iterator<Item = (f64, f64)> {
     let spreads = [0.05, 0.1, 0.15, 0.2, 0.25];
     spreads
@@ -235,6 +276,13 @@ fn main() {
     for (spread, damping_ratio) in boxes() {
         if compare(spread, damping_ratio).is_none() {
             println!("+-{:.0} %, xi {damping_ratio}: not solved", 100.0 * spread);
+        }
+    }
+    for deviation in [0.005, 0.01, 0.02, 0.04, 0.08] {
+        for damping_ratio in [0.0, 0.02, 0.08, 0.2] {
+            if for_estimate(deviation, damping_ratio).is_none() {
+                println!("deviations {deviation}, xi {damping_ratio}: not solved");
+            }
         }
     }
     for periods in [0.5, 1.0, 1.5, 2.0] {

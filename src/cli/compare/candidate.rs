@@ -3,7 +3,8 @@
 use super::trial::Simulated;
 use crate::cli::shaping;
 use quell_shapers::{
-    GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
+    GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, UncertainMode, insensitivity,
+    residual_vibration,
 };
 
 /// Residual vibration at which the insensitivity is told.
@@ -40,7 +41,11 @@ pub fn all(modes: &[Mode], sample_time: f64) -> Vec<Candidate> {
 
 impl Design {
     fn new(shaper: &dyn Shaper, modes: &[Mode], sample_time: f64) -> Result<Self, ShaperError> {
-        let train = shaping::train(shaper, modes, sample_time)?;
+        let train = shaping::train(
+            shaper,
+            modes.iter().copied().map(UncertainMode::believed),
+            sample_time,
+        )?;
         let impulses = train.to_impulses();
         let mut insensitive = None;
         if let Some(mode) = modes.first() {

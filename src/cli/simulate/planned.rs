@@ -1,6 +1,6 @@
 //! Jerk-limited moves from rest to rest, shaped or not.
 
-use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
+use quell_shapers::{GridTrain, Setpoint, ShapingFilter, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 
 use super::Args;
@@ -66,7 +66,8 @@ fn train(args: &Args, setup: &Setup) -> Result<GridTrain, CliError> {
         let text = format!("--shaper {name}: joint {joint} of {robot} has no mode to shape for");
         return Err(CliError::input(text).with_help("give one: --belief 8.12,0.084"));
     }
-    shaping::train(shaper, &setup.belief, sample_time).map_err(CliError::input)
+    let belief = setup.belief.iter().copied().map(UncertainMode::believed);
+    shaping::train(shaper, belief, sample_time).map_err(CliError::input)
 }
 
 /// Sends setpoints through the shaper and notes what comes out, tick by tick.

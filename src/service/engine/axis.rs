@@ -1,6 +1,6 @@
 //! A controller for a joint as the configuration describes it.
 
-use quell_shapers::{GridTrain, Mode, Shaper, ShaperError};
+use quell_shapers::{GridTrain, Mode, Shaper, ShaperError, UncertainMode};
 
 use crate::adaptation::AdaptationSettings;
 use crate::controller::{AxisSettings, Controller, PathPolicy, RetunePolicy};
@@ -46,14 +46,14 @@ pub fn controller(
     Controller::new(vec![settings], &[position], PathPolicy::Independent)
 }
 
-/// The train of a shaper for a mode; none sends the plan as it is.
+/// The train of a shaper for a mode that is known so well; none sends the plan as it is.
 pub fn train(
     shaper: Option<&'static dyn Shaper>,
-    mode: Mode,
+    known: &UncertainMode,
     period: f64,
 ) -> Result<GridTrain, ShaperError> {
     match shaper {
-        Some(shaper) => shaper.on_grid(mode, period),
+        Some(shaper) => shaper.on_grid_for(known, period),
         None => GridTrain::identity(period),
     }
 }

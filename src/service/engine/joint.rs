@@ -1,6 +1,6 @@
 //! One joint as the engine sees it: what it is told, what it does, what was learned of it.
 
-use quell_shapers::{Mode, Shaper};
+use quell_shapers::{Mode, Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
@@ -105,6 +105,14 @@ impl Joint {
     /// The rule of the next train.
     pub fn standing_shaper(&self) -> Option<&'static dyn Shaper> {
         self.shaping.then_some(self.shaper)
+    }
+
+    /// The mode of the next train, as well as it is known: as well as when it was learned, if it was.
+    pub fn known(&self) -> UncertainMode {
+        let mode = self.wanted_mode.unwrap_or(self.mode);
+        let shaped_for = self.axis().map(|axis| axis.status.shaped_for);
+        let learned = shaped_for.filter(|known| known.mode == mode);
+        learned.unwrap_or_else(|| UncertainMode::believed(mode))
     }
 
     /// Its controller, as last reported.

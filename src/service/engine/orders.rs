@@ -199,7 +199,7 @@ impl Engine {
             return;
         };
         if let Start::Rest(train) = &taken.plan.start {
-            joint.mode = train.mode;
+            joint.mode = train.known.mode;
         }
         let target = asked.samples.positions(0).last().copied();
         let from = asked
@@ -291,7 +291,7 @@ impl Engine {
         let joint = &mut self.joints[order.joint];
         match answer {
             Ok(()) => {
-                let mode = order.train.mode;
+                let mode = order.train.known.mode;
                 if joint.mode != mode {
                     joint.mode_since = unix_time();
                 }

@@ -1,6 +1,6 @@
 //! From what is asked for to a plan for the tick.
 
-use quell_shapers::Shaper;
+use quell_shapers::{Shaper, UncertainMode};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
 use super::axis::train;
@@ -66,13 +66,13 @@ pub fn standing_train(
     shaper: Option<&'static dyn Shaper>,
     period: f64,
 ) -> Result<Train, ServiceError> {
-    let mode = joint.wanted_mode.unwrap_or(joint.mode);
-    let designed = train(shaper, mode, period).map_err(|error| ServiceError::Train {
+    let known = joint.known();
+    let designed = train(shaper, &known, period).map_err(|error| ServiceError::Train {
         reason: error.to_string(),
     })?;
     Ok(Train {
         shaper,
-        mode,
+        known,
         train: designed,
         retunes: joint.retunes,
     })
@@ -118,7 +118,8 @@ fn in_motion(
     // plan below the limits by as much cannot.
     let gain = match shaper {
         Some(shaper) if !shaper.is_convex() => {
-            train(Some(shaper), joint.mode, period).map_or(1.0, |train| train.gain())
+            train(Some(shaper), &UncertainMode::believed(joint.mode), period)
+                .map_or(1.0, |train| train.gain())
         }
         _ => 1.0,
     };

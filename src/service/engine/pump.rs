@@ -101,7 +101,7 @@ impl Engine {
         if let Some(axis) = &report.axis {
             let status = &axis.status;
             if status.retunes > joint.retunes {
-                joint.mode = status.mode;
+                joint.mode = status.shaped_for.mode;
                 joint.mode_since = unix_time();
                 let more = u64::from(status.retunes - joint.retunes);
                 let payload = self.payload.unwrap_or(0.0);
@@ -113,13 +113,13 @@ impl Engine {
                 state.retunes += more;
                 state.learn(LearnedMode {
                     payload_kg: payload,
-                    mode: status.mode.into(),
+                    mode: joint.mode.into(),
                     unix_time_s: joint.mode_since,
                 });
                 tracing::info!(
                     joint = joint.config.name,
-                    hertz = status.mode.hertz(),
-                    damping_ratio = status.mode.damping_ratio(),
+                    hertz = joint.mode.hertz(),
+                    damping_ratio = joint.mode.damping_ratio(),
                     "learned"
                 );
                 joint.retunes = status.retunes;

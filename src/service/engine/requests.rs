@@ -1,6 +1,6 @@
 //! What the outside asks for.
 
-use quell_shapers::{Mode, SHAPERS, Shaper, shaper_by_name};
+use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 
 use super::Engine;
 use super::axis::train;
@@ -127,9 +127,9 @@ impl Engine {
         mode: Option<Mode>,
     ) -> Result<(), ServiceError> {
         let joint = &self.joints[index];
-        let mode = mode.unwrap_or(joint.wanted_mode.unwrap_or(joint.mode));
+        let known = mode.map_or_else(|| joint.known(), UncertainMode::believed);
         let shaper = kind.unwrap_or(joint.shaper);
-        let designed = train(Some(shaper), mode, self.config.period);
+        let designed = train(Some(shaper), &known, self.config.period);
         let designed = designed.map_err(|error| ServiceError::Train {
             reason: error.to_string(),
         })?;

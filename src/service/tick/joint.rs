@@ -311,7 +311,7 @@ fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
     let (Some(settled), Some(axis)) = (settled, controller.axes().first()) else {
         return false;
     };
-    let mode = axis.status().mode;
+    let mode = axis.status().shaped_for.mode;
     // A mode without damping rings for as long as the estimator looks back, forty periods.
     let rings = ringing_time(mode).min(40.0 * mode.damped_period());
     now - settled > rings
@@ -340,10 +340,10 @@ fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTak
     if axis.status().retunes != train.retunes {
         return Err(NotTaken::Outdated);
     }
-    if *axis.next_train() == train.train && axis.status().mode == train.mode {
+    if *axis.next_train() == train.train && axis.status().shaped_for == train.known {
         return Ok(());
     }
-    let set = controller.set_train(0, train.shaper, train.mode, &train.train);
+    let set = controller.set_train(0, train.shaper, &train.known, &train.train);
     set.map_err(NotTaken::Train)
 }
 

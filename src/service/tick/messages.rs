@@ -1,6 +1,6 @@
 //! What crosses the rings between the tick and the engine. What allocated comes back to be dropped.
 
-use quell_shapers::{GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError};
+use quell_shapers::{GridTrain, ImpulseTrain, Setpoint, Shaper, ShaperError, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 
 use crate::controller::{AxisStatus, Controller, LoadError};
@@ -62,8 +62,8 @@ pub enum Start {
 pub struct Train {
     /// The rule that designed it.
     pub shaper: Option<&'static dyn Shaper>,
-    /// The mode that it is for.
-    pub mode: Mode,
+    /// The mode that it is for, as well as it is known.
+    pub known: UncertainMode,
     /// The train.
     pub train: GridTrain,
     /// Changes of the train by an estimate when it was designed: with more by now it is out of date.

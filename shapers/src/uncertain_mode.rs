@@ -1,0 +1,30 @@
+//! A mode and how well it is known.
+
+use crate::{Mode, Optimal};
+
+/// A mode and how well it is known: independent Gaussian errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UncertainMode {
+    /// The estimate.
+    pub mode: Mode,
+    /// Standard deviation of the natural frequency, rad/s.
+    pub natural_frequency_std: f64,
+    /// Standard deviation of the damping ratio.
+    pub damping_ratio_std: f64,
+}
+
+impl UncertainMode {
+    /// A mode that is believed rather than measured: two standard deviations are what [`Optimal::TYPICAL`] is
+    /// solved for.
+    pub fn believed(mode: Mode) -> Self {
+        let Optimal {
+            frequency_spread,
+            damping_spread,
+        } = Optimal::TYPICAL;
+        Self {
+            mode,
+            natural_frequency_std: 0.5 * frequency_spread * mode.natural_frequency(),
+            damping_ratio_std: 0.5 * damping_spread * mode.damping_ratio(),
+        }
+    }
+}
