@@ -1,7 +1,7 @@
 """Time and memory of `quell` against the length of a recording and the number of recordings.
 
     python3 benches/growth.py                      # 1e3 to 1e6 samples
-    python3 benches/growth.py --longest 1e7        # and 1e7: an hour, with `identify` stopped after half of one
+    python3 benches/growth.py --longest 1e7        # and 1e7
 
 Makes its own recordings: a joint of 8 Hz and 5 % that goes there and back, its motor side and its
 deformation at 250 Hz, with white noise of 10 urad. An exponent is the

@@ -339,7 +339,7 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
         Law::Sensor(sensor) => {
             let curve: Vec<_> = series.iter().map(|v| [*v, 0.5 * v]).collect();
             let mut filtered = curve.clone();
-            sensor.filter(&time, &mut filtered);
+            sensor.filter(&time, &mut filtered, None);
             if sensor.filters() || filtered != curve {
                 return Err("filters".into());
             }
@@ -677,7 +677,7 @@ fn val_first_order_lag_of_a_ramp() {
     let (tau, time): (f64, Vec<f64>) = (0.08, (0..60).map(|k| 0.01 * f64::from(k)).collect());
     let expected = |t: f64| 3.0 * (t - tau * (1.0 - (-t / tau).exp()));
     let mut curve: Vec<_> = time.iter().map(|t| [3.0 * t, 3.0]).collect();
-    sensor("sensor_lag", &[tau]).filter(&time, &mut curve);
+    sensor("sensor_lag", &[tau]).filter(&time, &mut curve, None);
     let mut values: Vec<_> = time.iter().map(|t| 3.0 * t).collect();
     drive("drive_lag", &[tau]).run(&time, &mut values);
     for (k, t) in time.iter().enumerate() {
@@ -693,7 +693,7 @@ fn val_of_a_sine(filter: &dyn Sensor, w: f64, response: [f64; 2]) {
         .iter()
         .map(|t| [(w * t).sin(), w * (w * t).cos()])
         .collect();
-    filter.filter(&time, &mut curve);
+    filter.filter(&time, &mut curve, None);
     let [real, imaginary] = response;
     for (t, [value, rate]) in time.iter().zip(curve).skip(6000) {
         let (sin, cos) = (w * t).sin_cos();
@@ -731,7 +731,7 @@ fn val_second_order_lag_of_a_step_held() {
         .collect();
     let mut curve = vec![[0.0, 0.0]; time.len()];
     curve[0] = [1.0, 0.0];
-    sensor("sensor_lag_second_order", &[tau, xi]).filter(&time, &mut curve);
+    sensor("sensor_lag_second_order", &[tau, xi]).filter(&time, &mut curve, None);
     let (w, root) = (1.0 / tau, (1.0 - xi * xi).sqrt());
     for (t, [value, _]) in time.iter().zip(curve).skip(1) {
         let angle = root * w * t;

@@ -51,7 +51,7 @@ fn manifest(folder: &Path, file: &Path, motor: &str, deformation: &str, unit: &s
 
 fn found(path: &Path, model: Option<&NominalModel>) -> Identification {
     let recording = Recording::from_path(path).expect("a recording");
-    let series = prepare(&recording, model).expect("a series");
+    let series = prepare(recording, model).expect("a series");
     let prior = Prior {
         belief: model.map(|model| model.mode),
         scale_is_open: series.scale_is_open,

@@ -206,7 +206,7 @@ fn the_serial_flexible_link_has_friction_and_a_slow_sensor() {
         names(&outcome)
     );
     assert!(findings[1].effect.starts_with("sensor_lag"));
-    let (outputs, _) = predict(&outcome.model, &held_out).unwrap();
+    let (outputs, _) = predict(&outcome.model, held_out).unwrap();
     let degrees = |output: &quell::diagnosis::Predicted| {
         let pairs = output.recorded.iter().zip(&output.predicted);
         let square: f64 = pairs.map(|(y, p)| (y - p).powi(2)).sum();

@@ -44,7 +44,7 @@ fn free_decay(seed: u64) -> Run {
         lever_arm: Some(trace.arc.radius()),
         tip_height: trace.arc.centre().z,
     };
-    let series = prepare(&trace.recording, Some(&model)).unwrap();
+    let series = prepare(trace.recording.clone(), Some(&model)).unwrap();
     let prior = Prior {
         belief: Some(model.mode),
         scale_is_open: series.scale_is_open,

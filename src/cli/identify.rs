@@ -74,14 +74,15 @@ pub fn run(args: Args) -> Result<(), CliError> {
         .as_ref()
         .map(NominalModel::from_path)
         .transpose()?;
-    let series = prepare(&recording, model.as_ref())?;
+    let name = recording.name.clone();
+    let series = prepare(recording, model.as_ref())?;
     let prior = Prior {
         belief: model.map(|model| model.mode),
         scale_is_open: series.scale_is_open,
     };
     let found = identify(&series.samples, prior)?;
     let findings = Findings {
-        recording: recording.name,
+        recording: name,
         series,
         found,
     };

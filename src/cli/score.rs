@@ -2,7 +2,7 @@
 
 use super::diagnose::shown::Shown;
 use super::{CliError, output};
-use crate::diagnosis::{Score, score};
+use crate::diagnosis::{Score, predict};
 use crate::model::Model;
 use crate::recording::Recording;
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let recording = Recording::from_path(&args.recording)?;
-    let score = score(&model, &recording).map_err(CliError::input)?;
+    let (_, score) = predict(&model, recording).map_err(CliError::input)?;
     match args.json {
         true => output::json(&score),
         false => output::text(&text(&score)),

@@ -8,7 +8,7 @@ use super::start::{departure_scale, departures};
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
-use crate::model::{Experiment, ExperimentError, Kind, Model, simulate};
+use crate::model::{Experiment, ExperimentError, Kind, Model, Trace, see_motion};
 use crate::recording::Role;
 use std::f64::consts::TAU;
 
@@ -110,6 +110,7 @@ pub fn problem<'a>(
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
         scales,
+        frozen: false,
     }
 }
 
@@ -168,24 +169,62 @@ fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> [f64; 8] {
     start
 }
 
+/// The largest sizes that a motion reaches; what is not finite does not count.
+struct Extremes {
+    deformation: f64,
+    deformation_rate: f64,
+    /// Of the link's position.
+    range: (f64, f64),
+    velocity: f64,
+    acceleration: f64,
+    force: f64,
+}
+
+impl Default for Extremes {
+    fn default() -> Self {
+        let none = f64::MIN_POSITIVE;
+        Self {
+            deformation: none,
+            deformation_rate: none,
+            range: (f64::INFINITY, f64::NEG_INFINITY),
+            velocity: none,
+            acceleration: none,
+            force: none,
+        }
+    }
+}
+
+impl Extremes {
+    fn take(&mut self, trace: &Trace) {
+        let larger = |most: &mut f64, value: f64| {
+            if value.is_finite() {
+                *most = most.max(value.abs());
+            }
+        };
+        for (motor, link) in trace.motor.iter().zip(&trace.link) {
+            larger(&mut self.deformation, link[0] - motor[0]);
+            larger(&mut self.deformation_rate, link[1] - motor[1]);
+            larger(&mut self.velocity, link[1]);
+            larger(&mut self.acceleration, link[2]);
+            if link[0].is_finite() {
+                self.range = (self.range.0.min(link[0]), self.range.1.max(link[0]));
+            }
+        }
+        let forces = trace.force.iter();
+        forces.for_each(|force| larger(&mut self.force, *force));
+    }
+}
+
 /// How large the motion is that a model of this kind, with these values of its keys, itself makes in
 /// the first of the experiments.
 pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Model) -> Scales {
     let experiment = &experiments[0];
     let start = rung(kind, keys, experiment);
-    let simulated = simulate(kind, keys, &model.terms(), experiment, &start);
-    let trace = &simulated.trace;
-    let most = |f: &dyn Fn(usize) -> f64| {
-        let values = (0..trace.time.len()).map(f).filter(|v| v.is_finite());
-        values.fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()))
-    };
-    let deformation = most(&|k| trace.link[k][0] - trace.motor[k][0]);
-    let finite = (0..trace.time.len())
-        .map(|k| trace.link[k][0])
-        .filter(|v| v.is_finite());
-    let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
+    let mut seen = Extremes::default();
+    see_motion(kind, keys, &model.terms(), experiment, &start, |trace| {
+        seen.take(trace)
     });
+    let deformation = seen.deformation;
     let linear = (kind.linear)(keys, experiment.input);
     let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let input = largest(&experiment.input_values);
@@ -202,15 +241,18 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
     let driven = match linear.position_loop {
         // What holds the link in its motion was measured: any one law may make all of it.
         _ if linear.link_is_input => largest(&experiment.outputs[0].values),
-        Some(_) => most(&|k| trace.force[k]) / linear.unit_force,
+        Some(_) => seen.force / linear.unit_force,
         None => linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force,
     };
     let output = &experiment.outputs[0];
-    let position = if range.0 < range.1 { range } else { (0.0, 1.0) };
-    let velocity = most(&|k| trace.link[k][1]);
+    let position = match seen.range {
+        range if range.0 < range.1 => range,
+        _ => (0.0, 1.0),
+    };
+    let velocity = seen.velocity;
     // Where nothing bends the same errors are held against the travel.
     let (deformation, deformation_rate) = match linear.link {
-        Some(_) => (deformation, most(&|k| trace.link[k][1] - trace.motor[k][1])),
+        Some(_) => (deformation, seen.deformation_rate),
         None => (RIGID * (position.1 - position.0), velocity),
     };
     Scales {
@@ -218,7 +260,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         deformation_rate,
         position,
         velocity,
-        acceleration: most(&|k| trace.link[k][2]),
+        acceleration: seen.acceleration,
         force: match linear.motor {
             // Friction at the drive may take most of what drives, far more than the spring carries.
             MotorSide::Free { .. } => elastic.max(driven),

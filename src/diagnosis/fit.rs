@@ -108,8 +108,11 @@ impl Problem<'_> {
         let (mut runs, mut whole, mut residuals) = (Vec::new(), Vec::new(), Vec::new());
         let mut cost = self.disbelief(point);
         for experiment in 0..self.experiments.len() {
-            let run = self.run(point, experiment);
+            let mut run = self.run(point, experiment);
             let rows = self.complete(experiment, &run.residuals);
+            if self.frozen {
+                run.residuals.clear();
+            }
             let residual = projector.remove(experiment, &rows);
             cost += residual.norm_squared();
             runs.push(run);
@@ -265,7 +268,7 @@ impl Problem<'_> {
         let series: Vec<Vec<f64>> = (0..outputs.len())
             .map(|k| match k == output {
                 true => rates[k].clone(),
-                false => vec![0.0; rates[k].len()],
+                false => vec![0.0; outputs[k].values.len()],
             })
             .collect();
         let mut rows = self.weigh(e, &series);

@@ -149,9 +149,15 @@ fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::
 
 /// What is not in the ranges, which are in order.
 fn busy(values: &[f64], ranges: &[std::ops::Range<usize>]) -> Vec<f64> {
-    let inside = |k: &usize| ranges.iter().any(|range| range.contains(k));
-    let kept = (0..values.len()).filter(|k| !inside(k));
-    kept.map(|k| values[k]).collect()
+    let ends = ranges.iter().map(|range| range.end);
+    let begins = ranges.iter().map(|range| range.start);
+    let between = std::iter::once(0)
+        .chain(ends)
+        .zip(begins.chain([values.len()]));
+    between
+        .flat_map(|(from, to)| &values[from..to.max(from)])
+        .copied()
+        .collect()
 }
 
 /// Without its mean and slope.

@@ -3,7 +3,10 @@
 use super::whitening::Whitening;
 use crate::effects::{Effect, Law, Place, Scales};
 use crate::model::chain::RESONANCES;
-use crate::model::{Experiment, Kind, Model, Simulated, Term, Value, simulate_windows};
+use crate::model::{
+    Experiment, Kind, Model, Output, Prediction, Simulated, Term, Value, predict_windows,
+    simulate_windows,
+};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -41,6 +44,8 @@ pub struct Problem<'a> {
     pub departure_scale: [f64; 8],
     /// How large the motion is.
     pub scales: Scales,
+    /// Whether only what each experiment alone has is fitted.
+    pub frozen: bool,
 }
 
 /// What an experiment alone has.
@@ -54,11 +59,11 @@ pub struct Local {
 
 /// A simulated experiment, held against what was recorded.
 pub struct Run {
-    /// The motion.
-    pub simulated: Simulated,
+    /// The motion; none of a frozen problem, which does not look at it again.
+    pub simulated: Option<Simulated>,
     /// Recorded minus predicted, an output each.
     pub residuals: Vec<Vec<f64>>,
-    /// Rates of the prediction, an output each.
+    /// Rates of the prediction, an output each; empty where its clock is the input's.
     pub rates: Vec<Vec<f64>>,
 }
 
@@ -168,6 +173,7 @@ impl Problem<'_> {
 
     /// Keys and effects stay as they are: only what each experiment alone has is fitted.
     pub fn freeze(&mut self) {
+        self.frozen = true;
         self.free.clear();
         self.given.clear();
     }
@@ -249,44 +255,37 @@ impl Problem<'_> {
 
     /// One experiment at a point.
     pub fn run(&self, point: &Point, experiment: usize) -> Run {
-        let local = &point.locals[experiment];
-        let data = &self.experiments[experiment];
-        let simulated = simulate_windows(
-            self.kind,
-            &self.keys(point, experiment),
-            &point.terms,
-            data,
-            &local.departures,
-        );
-        self.compared(point, experiment, simulated)
+        let (local, keys) = (&point.locals[experiment], self.keys(point, experiment));
+        let (kind, data) = (self.kind, &self.experiments[experiment]);
+        let (terms, starts) = (&point.terms, &local.departures);
+        if self.frozen {
+            let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);
+            return compared(data, shown.into_iter(), None);
+        }
+        let simulated = simulate_windows(kind, &keys, terms, data, starts);
+        self.read(point, experiment, simulated)
     }
 
     /// One experiment at a point that differs from that of a run in one effect only. What only reads the
     /// motion leaves it as it is.
     pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
         let own = &point.terms[term];
-        match (own.effect.law)(&own.values) {
-            Law::Sensor(_) => self.compared(point, experiment, run.simulated.read_by(&point.terms)),
+        match ((own.effect.law)(&own.values), &run.simulated) {
+            (Law::Sensor(_), Some(motion)) => {
+                self.read(point, experiment, motion.read_by(&point.terms))
+            }
             _ => self.run(point, experiment),
         }
     }
 
     /// A simulated experiment, held against what was recorded.
-    fn compared(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
+    fn read(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
         let data = &self.experiments[experiment];
-        let clocks = &point.locals[experiment].clocks;
-        let (mut residuals, mut rates) = (Vec::new(), Vec::new());
-        for (output, &clock) in data.outputs.iter().zip(clocks) {
-            let prediction = simulated.predict(output, clock);
-            let pairs = output.values.iter().zip(&prediction.values);
-            residuals.push(pairs.map(|(y, p)| y - p).collect());
-            rates.push(prediction.rates);
-        }
-        Run {
-            simulated,
-            residuals,
-            rates,
-        }
+        let pairs = data.outputs.iter().zip(&point.locals[experiment].clocks);
+        let shown: Vec<_> = pairs
+            .map(|(output, &clock)| simulated.predict(output, clock))
+            .collect();
+        compared(data, shown.into_iter(), Some(simulated))
     }
 
     /// Weighted, whitened rows of one experiment from one series an output.
@@ -353,5 +352,32 @@ impl Problem<'_> {
             true => DMatrix::zeros(0, 0),
             false => DMatrix::from_columns(&columns),
         }
+    }
+}
+
+/// What the outputs show, held against what was recorded.
+fn compared(
+    data: &Experiment,
+    shown: impl Iterator<Item = Prediction>,
+    simulated: Option<Simulated>,
+) -> Run {
+    let against = |(output, mut shown): (&Output, Prediction)| {
+        for (predicted, y) in shown.values.iter_mut().zip(&output.values) {
+            *predicted = y - *predicted;
+        }
+        (
+            shown.values,
+            if output.own_clock {
+                shown.rates
+            } else {
+                Vec::new()
+            },
+        )
+    };
+    let (residuals, rates) = data.outputs.iter().zip(shown).map(against).unzip();
+    Run {
+        simulated,
+        residuals,
+        rates,
     }
 }

@@ -5,7 +5,7 @@ use super::fit::Projector;
 use super::split;
 use super::start::ringing;
 use super::weights::measure_noise;
-use crate::model::{Experiment, Model};
+use crate::model::{Experiment, Model, Output};
 use crate::recording::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -41,15 +41,31 @@ pub struct Predicted {
 
 /// Predicts a recording; only clocks, offsets, frames and unknown starts are fitted.
 ///
+/// The recording is taken, and the motion is simulated part by part: memory and time go with the number of
+/// samples, some hundred bytes each.
+///
 /// # Errors
 /// [`DiagnosisError`] where the recording does not suit the model.
 pub fn predict(
     model: &Model,
-    recording: &Recording,
+    recording: Recording,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
-    let experiments = vec![Experiment::new(model, recording)?];
+    let name = recording.name.clone();
+    let mut experiments = vec![Experiment::of(model, recording)?];
+    let (residuals, noise) = left(model, &experiments);
+    let score = score_of(&experiments[0], &residuals[0], noise);
+    if !score.rms.is_finite() {
+        return Err(DiagnosisError::RunsAway { recording: name });
+    }
+    let outputs = experiments.swap_remove(0).outputs;
+    let pairs = outputs.into_iter().zip(residuals);
+    Ok((pairs.map(|(o, r)| Predicted::new(o, r)).collect(), score))
+}
+
+/// What the model leaves of each output, and the first one's noise.
+fn left(model: &Model, experiments: &[Experiment]) -> (Vec<Vec<f64>>, f64) {
     let rows = experiments.iter().map(split::whole).collect();
-    let mut fit = problem(model, &experiments, rows);
+    let mut fit = problem(model, experiments, rows);
     fit.freeze();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
@@ -58,27 +74,29 @@ pub fn predict(
     measure_noise(&mut fit, &first.point);
     projector = Projector::new(&fit);
     let fitted = fit.fit(&first.point, &projector, 15);
-    let residual = fit.explained(&fitted.point, 0);
-    let mut outputs = Vec::new();
-    for (output, residual) in experiments[0].outputs.iter().zip(&residual) {
-        let values = output.values.iter();
-        outputs.push(Predicted {
+    drop(projector);
+    let noise = fit.noise[0][0].deviation;
+    (fit.explained(&fitted.point, 0), noise)
+}
+
+impl Predicted {
+    /// Of an output, and what the model leaves of it.
+    fn new(output: Output, mut residual: Vec<f64>) -> Self {
+        let Output {
+            scale, mut values, ..
+        } = output;
+        for (y, r) in values.iter_mut().zip(&mut residual) {
+            *r = (*y - *r) * scale;
+            *y *= scale;
+        }
+        Self {
             name: output.channel.name(),
-            unit: output.unit.clone(),
-            time: output.time.clone(),
-            recorded: values.clone().map(|y| y * output.scale).collect(),
-            predicted: values
-                .zip(residual)
-                .map(|(y, r)| (y - r) * output.scale)
-                .collect(),
-        });
+            unit: output.unit,
+            time: output.time,
+            recorded: values,
+            predicted: residual,
+        }
     }
-    let score = score_of(&experiments[0], &residual[0], fit.noise[0][0].deviation);
-    if !score.rms.is_finite() {
-        let recording = recording.name.clone();
-        return Err(DiagnosisError::RunsAway { recording });
-    }
-    Ok((outputs, score))
 }
 
 /// [`predict`]'s score.
@@ -86,7 +104,7 @@ pub fn predict(
 /// # Errors
 /// As [`predict`].
 pub fn score(model: &Model, recording: &Recording) -> Result<Score, DiagnosisError> {
-    Ok(predict(model, recording)?.1)
+    Ok(predict(model, recording.clone())?.1)
 }
 
 fn score_of(experiment: &Experiment, residual: &[f64], deviation: f64) -> Score {

@@ -13,7 +13,7 @@ impl Drive for Lag {
     fn run(&self, time: &[f64], values: &mut [f64]) {
         if self.time_constant > 0.0 {
             let mut curve = with_slopes(time, values);
-            first_order(self.time_constant, time, &mut curve);
+            first_order(self.time_constant, time, &mut curve, None);
             for (value, point) in values.iter_mut().zip(&curve) {
                 *value = point[0];
             }

@@ -144,9 +144,9 @@ pub trait Sensor: Send + Sync {
         false
     }
 
-    /// Replaces values and rates at increasing times by the filtered ones. The first value is taken to
-    /// have been there for ever.
-    fn filter(&self, _time: &[f64], _curve: &mut [[f64; 2]]) {}
+    /// Replaces values and rates at increasing times by the filtered ones, which `start` with these;
+    /// without them the first value is taken to have been there for ever.
+    fn filter(&self, _time: &[f64], _curve: &mut [[f64; 2]], _start: Option<[f64; 2]>) {}
 
     /// The value that is shown.
     fn read(&self, reading: &Reading) -> f64 {

@@ -17,21 +17,22 @@ impl Sensor for Lag {
         self.time_constant > 0.0
     }
 
-    fn filter(&self, time: &[f64], curve: &mut [[f64; 2]]) {
+    fn filter(&self, time: &[f64], curve: &mut [[f64; 2]], start: Option<[f64; 2]>) {
         if self.time_constant > 0.0 {
-            first_order(self.time_constant, time, curve);
+            first_order(self.time_constant, time, curve, start);
         }
     }
 }
 
-/// Answer of `T z' + z = y` and its rate, in the place of `y`; before the first sample `y` was constant.
+/// Answer of `T z' + z = y` and its rate, in the place of `y`, from their first values on; without these
+/// `y` was constant before the first sample.
 ///
 /// Exact for the cubic through values and rates: with the polynomial `p = y - T y' + T^2 y'' - T^3 y^(3)`
 /// the answer is `p + (z_0 - p_0) exp(-s / T)`.
-pub(super) fn first_order(tau: f64, time: &[f64], curve: &mut [[f64; 2]]) {
+pub(super) fn first_order(tau: f64, time: &[f64], curve: &mut [[f64; 2]], start: Option<[f64; 2]>) {
     let Some(&first) = curve.first() else { return };
-    let (mut z, mut before) = (first[0], first);
-    curve[0][1] = 0.0;
+    curve[0] = start.unwrap_or([first[0], 0.0]);
+    let (mut z, mut before) = (curve[0][0], first);
     for k in 1..time.len() {
         let (h, now) = (time[k] - time[k - 1], curve[k]);
         let [_, _, c2, c3] = cubic_coefficients(before, now, h);

@@ -78,12 +78,12 @@ impl Sensor for LowPass {
     }
 
     /// Exact for the cubic through values and rates: particular solution and free motion.
-    fn filter(&self, time: &[f64], curve: &mut [[f64; 2]]) {
+    fn filter(&self, time: &[f64], curve: &mut [[f64; 2]], start: Option<[f64; 2]>) {
         if !self.filters() {
             return;
         }
         let Some(&first) = curve.first() else { return };
-        let (mut state, mut before) = ([first[0], 0.0], first);
+        let (mut state, mut before) = (start.unwrap_or([first[0], 0.0]), first);
         curve[0] = state;
         for k in 1..time.len() {
             let now = curve[k];

@@ -54,6 +54,8 @@ pub struct Identification {
     pub amplitude_dependence: Option<AmplitudeDependence>,
     /// Index of the free decay with the most to tell.
     pub best_decay: Option<usize>,
+    /// Every so manyth rest was looked at for a free decay: 1 but in a long recording.
+    pub every_rest: usize,
 }
 
 impl Identification {
@@ -98,7 +100,9 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
         });
     }
     let settings = settings(samples, prior)?;
-    let decays: Vec<FreeDecay> = stretches::rests(samples, &settings)
+    let rests = stretches::rests(samples, &settings);
+    let (rests, every_rest) = stretches::thinned(samples, rests);
+    let decays: Vec<FreeDecay> = rests
         .iter()
         .filter_map(|rest| stretches::free_decay(samples, *rest, &settings))
         .collect();
@@ -127,6 +131,7 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
         memory: settings.memory,
         amplitude_dependence,
         best_decay,
+        every_rest,
     })
 }
 

@@ -40,15 +40,14 @@ pub struct Series {
     pub scale_is_open: bool,
 }
 
-/// Aligns a recording: angles unwrapped, a tip sensor registered by the model's lever arm.
+/// Aligns a recording, which is taken: angles unwrapped, a tip sensor registered by the model's lever arm.
 ///
 /// # Errors
 /// [`IdentificationError::Signal`].
 pub fn prepare(
-    recording: &Recording,
+    mut recording: Recording,
     model: Option<&NominalModel>,
 ) -> Result<Series, IdentificationError> {
-    let mut recording = recording.clone();
     for channel in &mut recording.channels {
         let angle = matches!(channel.role, Role::MotorPosition | Role::LinkPosition);
         if angle && channel.unit == "rad" {
@@ -67,7 +66,7 @@ pub fn prepare(
     Ok(Series {
         samples: deformation
             .samples
-            .iter()
+            .into_iter()
             .map(|s| Sample {
                 time: s.time,
                 motor_position: s.motor_position,

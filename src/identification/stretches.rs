@@ -55,6 +55,17 @@ pub fn rests(samples: &[Sample], settings: &Settings) -> Vec<Stretch> {
         .collect()
 }
 
+/// Samples of rests that are looked at: hundreds of decays. What is quoted is the strongest of them, and
+/// what a further one adds to the frequency is little against what motion and decays together say.
+const ENOUGH: usize = 100_000;
+
+/// Every `n`th of the rests, so that they hold [`ENOUGH`] samples or less, and `n`; all where they are one.
+pub fn thinned(samples: &[Sample], rests: Vec<Stretch>) -> (Vec<Stretch>, usize) {
+    let held: usize = rests.iter().map(|rest| rest.of(samples).len()).sum();
+    let every = held.div_ceil(ENOUGH).clamp(1, rests.len().max(1));
+    (rests.into_iter().step_by(every).collect(), every)
+}
+
 /// First motion of the motor side, s; the record's start where it always rests.
 pub fn motion_from(samples: &[Sample]) -> f64 {
     let time: Vec<f64> = samples.iter().map(|s| s.time).collect();

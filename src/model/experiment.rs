@@ -4,7 +4,7 @@ use super::chain::MotorSide;
 use super::circle::Radius;
 use super::piecewise::{Grid, Hold};
 use super::windows::Window;
-use super::{ExperimentError, Model, Simulated, simulate};
+use super::{ExperimentError, Model, predict_windows};
 use crate::recording::{Channel, Recording, Role};
 use crate::signal::noise_floor;
 
@@ -88,36 +88,44 @@ impl Experiment {
     /// [`ExperimentError`] where the recording has no channel that can drive the model, none that it
     /// predicts, or too few samples.
     pub fn new(model: &Model, recording: &Recording) -> Result<Self, ExperimentError> {
-        let mut recording = recording.clone();
+        Self::of(model, recording.clone())
+    }
+
+    /// [`Self::new`] of a recording that nobody else needs: its samples are not copied.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(model: &Model, mut recording: Recording) -> Result<Self, ExperimentError> {
         recording
             .channels
             .iter_mut()
             .for_each(Channel::unwrap_turns);
         let input = Self::input(model, &recording)?;
-        let hold = model.hold.unwrap_or((model.kind.hold)(input.role));
-        let step = RADIANS_A_STEP / model.fastest();
-        let values = &input.columns[0];
-        let grid = Grid::new(&input.time, values, hold, step)?;
         let position = recording.channels.iter().find(|channel| {
             let role = channel.role;
-            role != input.role && model.kind.outputs.contains(&role) || role.is_position()
+            role != recording.channels[input].role && model.kind.outputs.contains(&role)
+                || role.is_position()
         });
+        let position_unit = position.map_or("rad".into(), |channel| channel.unit.clone());
+        let mut input = recording.channels.remove(input);
+        let hold = model.hold.unwrap_or((model.kind.hold)(input.role));
+        let step = RADIANS_A_STEP / model.fastest();
         let mut experiment = Self {
+            grid: Grid::new(&input.time, &input.columns[0], hold, step)?,
             input: input.role,
-            input_time: input.time.clone(),
-            input_values: values.clone(),
+            input_time: input.time,
+            input_values: input.columns.swap_remove(0),
             hold,
-            grid,
             outputs: Vec::new(),
             initial: [0.0; 4],
             windows: Vec::new(),
-            position_unit: position.map_or("rad".into(), |channel| channel.unit.clone()),
-            input_unit: input.unit.clone(),
-            payload: recording.payload.clone(),
+            position_unit,
+            input_unit: input.unit,
+            payload: recording.payload,
         };
-        for channel in &recording.channels {
+        for channel in recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);
-            if wanted && channel.role != input.role {
+            if wanted && channel.role != experiment.input {
                 let mut output = super::output::output(model, &experiment, channel)?;
                 output.keep_within(experiment.span());
                 experiment.outputs.push(output);
@@ -125,7 +133,7 @@ impl Experiment {
         }
         if experiment.outputs.is_empty() {
             return Err(ExperimentError::NothingPredicted {
-                recording: recording.name.clone(),
+                recording: recording.name,
                 kind: model.kind.name,
                 outputs: names(model.kind.outputs),
             });
@@ -146,40 +154,38 @@ impl Experiment {
         {
             return;
         }
-        let mut coarse = self.clone();
-        coarse.hold = Hold::Smooth;
-        match Grid::new(&self.input_time, &self.input_values, coarse.hold, step) {
-            Ok(grid) => coarse.grid = grid,
-            Err(_) => return,
-        }
-        let simulate = |experiment| {
-            simulate(
-                model.kind,
-                &model.keys(),
-                &model.terms(),
-                experiment,
-                &[0.0; 8],
-            )
+        let Ok(coarse) = Grid::new(&self.input_time, &self.input_values, Hold::Smooth, step) else {
+            return;
         };
-        let (fine, other) = (simulate(&*self), simulate(&coarse));
-        let unseen = |output: &Output| {
+        let fine = self.predicted(model);
+        let before = (std::mem::replace(&mut self.grid, coarse), self.hold);
+        self.hold = Hold::Smooth;
+        let other = self.predicted(model);
+        let unseen = |(output, (fine, other)): (&Output, (&Vec<f64>, &Vec<f64>))| {
             let noise = noise_floor(&output.values).standard_deviation;
-            let of = |simulated: &Simulated| simulated.predict(output, output.clock_offset).values;
-            let (fine, other) = (of(&fine), of(&other));
-            let square: f64 = fine.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum();
+            let square: f64 = fine.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
             square < (UNSEEN * noise).powi(2) * fine.len() as f64
         };
-        if self.outputs.iter().all(unseen) {
-            *self = coarse;
+        let pairs = fine.iter().zip(&other);
+        if !self.outputs.iter().zip(pairs).all(unseen) {
+            (self.grid, self.hold) = before;
         }
     }
 
-    fn input<'a>(model: &Model, recording: &'a Recording) -> Result<&'a Channel, ExperimentError> {
-        let found = model
-            .kind
-            .inputs
-            .iter()
-            .find_map(|&role| recording.channel(role).filter(|_| model.takes(role)));
+    /// What the model says of each output, its clock as a first guess has it.
+    fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
+        let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
+        let start = &[[0.0; 8]];
+        let (keys, terms) = (model.keys(), model.terms());
+        let all = predict_windows(model.kind, &keys, &terms, self, start, &clocks);
+        all.into_iter().map(|one| one.values).collect()
+    }
+
+    /// Which channel drives the model.
+    fn input(model: &Model, recording: &Recording) -> Result<usize, ExperimentError> {
+        let of = |role| recording.channels.iter().position(|c| c.role == role);
+        let mut roles = model.kind.inputs.iter();
+        let found = roles.find_map(|&role| of(role).filter(|_| model.takes(role)));
         found.ok_or_else(|| ExperimentError::NoInput {
             recording: recording.name.clone(),
             kind: model.kind.name,

@@ -51,11 +51,52 @@ enum Stop {
 /// stick, where a force has a corner, where the input has a node and where something happens at a
 /// given time. Each such end is a node of the trace: between two nodes the motion is smooth. Allocates the
 /// trace and nothing else.
-pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed) -> Trace {
+pub fn integrate(chain: &mut Chain, grid: &Grid, state: State, timed: &Timed) -> Trace {
+    let mut trace = Trace::with_capacity(grid.input.len() + 1, !chain.resonances.is_empty());
+    motion(chain, grid, state, timed, &mut trace, |_| ());
+    trace
+}
+
+/// [`integrate`], shown in parts of about `nodes` nodes, the last one with `true`: so that a long motion
+/// need not be held. A part begins with the [`OVERLAP`] nodes that ended the one before.
+pub(super) fn integrate_in_parts(
+    chain: &mut Chain,
+    grid: &Grid,
+    state: State,
+    timed: &Timed,
+    nodes: usize,
+    mut see: impl FnMut(&Trace, bool),
+) {
+    let room = nodes.min(grid.input.len() + 1) + MOST_NODES;
+    let mut trace = Trace::with_capacity(room, !chain.resonances.is_empty());
+    motion(chain, grid, state, timed, &mut trace, |trace| {
+        if trace.time.len() >= nodes.max(2 * OVERLAP) {
+            see(trace, false);
+            trace.keep_last(OVERLAP);
+        }
+    });
+    see(&trace, true);
+}
+
+/// Nodes that two parts of a motion share. The slope of a value that has none of its own is known where
+/// there is a node on either side: the last but one of a part, and the second of the next.
+pub(super) const OVERLAP: usize = 3;
+
+/// Nodes of a step for which a part has room: its ends, and events as a rule.
+const MOST_NODES: usize = 16;
+
+/// Appends the motion to a trace, `after` each step.
+fn motion(
+    chain: &mut Chain,
+    grid: &Grid,
+    mut state: State,
+    timed: &Timed,
+    trace: &mut Trace,
+    mut after: impl FnMut(&mut Trace),
+) {
     let steps = grid.input.len();
-    let mut trace = Trace::with_capacity(steps + 1, !chain.resonances.is_empty());
     let Some(first) = grid.input.first() else {
-        return trace;
+        return;
     };
     let stops = stops(chain, grid, timed);
     let mut ticks = Ticks::new(chain, &state);
@@ -94,22 +135,23 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
                 }
                 stops.get(next).map_or(f64::INFINITY, |stop| stop.0)
             };
-        let mut stop = happen(&mut stepper, &mut state, &span, &mut trace);
+        let mut stop = happen(&mut stepper, &mut state, &span, trace);
         let mut instant = stepper.settle(&state, &span);
         trace.push(&instant, &state);
         loop {
             let to = stop.min(t1);
             // What happens at the end of a step has not happened within it.
             span.last = if stop <= t1 { to.next_down() } else { to };
-            stepper.advance(&mut state, span, to, instant, &mut trace);
+            stepper.advance(&mut state, span, to, instant, trace);
             if to == t1 {
                 break;
             }
             (span.from, span.last) = (to, t1);
-            stop = happen(&mut stepper, &mut state, &span, &mut trace);
+            stop = happen(&mut stepper, &mut state, &span, trace);
             instant = stepper.settle(&state, &span);
             trace.push(&instant, &state);
         }
+        after(trace);
     }
     let span = Span {
         t0: grid.time[steps - 1],
@@ -118,7 +160,6 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, mut state: State, timed: &Timed
         input: &grid.input[steps - 1],
     };
     trace.push(&stepper.settle(&state, &span), &state);
-    trace
 }
 
 /// All instants from the first node on, in order.

@@ -16,20 +16,20 @@ const FEWEST: usize = 10;
 pub(super) fn output(
     model: &Model,
     experiment: &Experiment,
-    channel: &Channel,
+    mut channel: Channel,
 ) -> Result<Output, ExperimentError> {
     if channel.role == Role::TipPosition {
         return tip(model, experiment, channel);
     }
     let arm = model.value("lever_arm_m").unwrap_or(1.0);
-    let (mut scale, mut unit) = (1.0, channel.unit.clone());
-    let mut values = channel.columns[0].clone();
-    let in_metres = channel.unit == "m" || channel.unit == "m/s^2";
+    let (mut scale, mut unit) = (1.0, channel.unit);
+    let mut values = channel.columns.swap_remove(0);
+    let in_metres = unit == "m" || unit == "m/s^2";
     if in_metres && experiment.position_unit == "rad" || channel.role == Role::TipAcceleration {
         values.iter_mut().for_each(|value| *value /= arm);
         scale = arm;
     }
-    if channel.unit == "1" {
+    if unit == "1" {
         unit = String::new();
     }
     // A loop in the model steers by this encoder: what is an offset to it is one to the machine. A free
@@ -48,11 +48,11 @@ pub(super) fn output(
         columns,
         witness: Vec::new(),
         radius: None,
-        time: channel.time.clone(),
+        own_clock: channel.time != experiment.input_time,
+        time: channel.time,
         values,
         scale,
         unit,
-        own_clock: channel.time != experiment.input_time,
         clock_offset: 0.0,
         noise_witness: None,
     })
@@ -66,7 +66,7 @@ pub(super) fn output(
 fn tip(
     model: &Model,
     experiment: &Experiment,
-    channel: &Channel,
+    channel: Channel,
 ) -> Result<Output, ExperimentError> {
     let arm = model.value("lever_arm_m").unwrap_or(1.0);
     let arc = JointArc::from_lever_arm(arm, model.value("tip_height_m").unwrap_or(0.0))?;
@@ -107,7 +107,7 @@ fn tip(
     Ok(Output {
         role: Role::LinkPosition,
         channel: Role::TipPosition,
-        time: channel.time.clone(),
+        time: channel.time,
         witness: circle.as_ref().map_or_else(Vec::new, Circle::witness),
         radius: circle.map(|circle| circle.radius),
         columns: frame_columns(&angle),

@@ -2,12 +2,12 @@
 
 use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
 use super::experiment::{Experiment, Output, RADIANS_A_STEP};
-use super::integrate::{Kick, Restart, Timed, integrate};
+use super::integrate::{Kick, Restart, Timed, integrate, integrate_in_parts};
 use super::piecewise::Grid;
-use super::trace::{Kinematics, Trace, hermite, sloped};
+use super::reading::{Eyes, Prediction, Reader};
+use super::trace::{Kinematics, Trace};
 use super::{Kind, Model};
-use crate::effects::{Drive, Effect, Law, Memory, Place, Reading, Sensor};
-use crate::recording::Role;
+use crate::effects::{Drive, Effect, Law, Memory, Place, Sensor};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -26,20 +26,19 @@ pub struct Term {
 pub struct Simulated {
     /// The motion at the nodes.
     pub trace: Arc<Trace>,
-    sensors: Vec<Box<dyn Sensor>>,
-    shares: Vec<f64>,
-    prescribed: bool,
-    /// Whether a link hangs on the motor side.
-    elastic: bool,
+    eyes: Eyes,
 }
 
-/// What an output shows.
-#[derive(Clone, Debug, Default)]
-pub struct Prediction {
-    /// Values at the stamps, in the unit of the output's values.
-    pub values: Vec<f64>,
-    /// Their rate of change with time: minus the derivative to the clock's offset.
-    pub rates: Vec<f64>,
+/// Nodes of a motion that is seen in parts: with 64 bytes each a megabyte, which a core's cache holds.
+const PART: usize = 16_384;
+
+/// An experiment that is ready to be simulated.
+struct Ready<'a> {
+    chain: Chain,
+    grid: Cow<'a, Grid>,
+    state: State,
+    timed: Timed,
+    eyes: Eyes,
 }
 
 /// Simulates an experiment for values of the kind's keys, effects, and a departure of the start
@@ -69,6 +68,71 @@ pub fn simulate_windows(
     experiment: &Experiment,
     departures: &[[f64; 8]],
 ) -> Simulated {
+    let mut ready = ready(kind, keys, terms, experiment, departures);
+    let trace = integrate(&mut ready.chain, &ready.grid, ready.state, &ready.timed);
+    Simulated {
+        trace: Arc::new(trace),
+        eyes: ready.eyes,
+    }
+}
+
+/// What [`simulate_windows`] makes the outputs show, each with its clock's offset, to the bit. The motion
+/// itself is not kept: memory goes with the outputs alone.
+pub fn predict_windows(
+    kind: &Kind,
+    keys: &[f64],
+    terms: &[Term],
+    experiment: &Experiment,
+    departures: &[[f64; 8]],
+    clocks: &[f64],
+) -> Vec<Prediction> {
+    let ready = ready(kind, keys, terms, experiment, departures);
+    predict_in_parts(ready, &experiment.outputs, clocks, PART)
+}
+
+/// Shows the motion of [`simulate`] part by part.
+pub fn see_motion(
+    kind: &Kind,
+    keys: &[f64],
+    terms: &[Term],
+    experiment: &Experiment,
+    departure: &[f64; 8],
+    mut see: impl FnMut(&Trace),
+) {
+    let departures = std::slice::from_ref(departure);
+    let mut own = ready(kind, keys, terms, experiment, departures);
+    let see = |trace: &Trace, _: bool| see(trace);
+    integrate_in_parts(&mut own.chain, &own.grid, own.state, &own.timed, PART, see);
+}
+
+fn predict_in_parts(
+    mut ready: Ready,
+    outputs: &[Output],
+    clocks: &[f64],
+    nodes: usize,
+) -> Vec<Prediction> {
+    let pairs = outputs.iter().zip(clocks);
+    let mut readers: Vec<Reader> = pairs
+        .map(|(output, &clock)| Reader::new(&ready.eyes, output, clock))
+        .collect();
+    let see = |trace: &Trace, last: bool| {
+        for reader in &mut readers {
+            reader.read(trace, last);
+        }
+    };
+    let (chain, grid) = (&mut ready.chain, &ready.grid);
+    integrate_in_parts(chain, grid, ready.state, &ready.timed, nodes, see);
+    readers.into_iter().map(Reader::end).collect()
+}
+
+/// Chain, grid, start and sensors for values of the keys, effects and departures.
+fn ready<'a>(
+    kind: &Kind,
+    keys: &[f64],
+    terms: &[Term],
+    experiment: &'a Experiment,
+    departures: &[[f64; 8]],
+) -> Ready<'a> {
     super::tally::count();
     let linear = (kind.linear)(keys, experiment.input);
     let mut chain = Chain::new(linear);
@@ -108,14 +172,18 @@ pub fn simulate_windows(
         });
     }
     let shares = chain.resonances.iter().map(|mode| mode.share).collect();
-    let prescribed = chain.linear.motor != MotorSide::Fixed;
-    let trace = integrate(&mut chain, &grid, state, &timed);
-    Simulated {
-        trace: Arc::new(trace),
+    let eyes = Eyes {
         sensors,
         shares,
-        prescribed,
+        prescribed: chain.linear.motor != MotorSide::Fixed,
         elastic: chain.linear.link.is_some(),
+    };
+    Ready {
+        chain,
+        grid,
+        state,
+        timed,
+        eyes,
     }
 }
 
@@ -250,47 +318,11 @@ impl Simulated {
         });
         Self {
             trace: Arc::clone(&self.trace),
-            sensors: sensors.collect(),
-            shares: self.shares.clone(),
-            ..*self
-        }
-    }
-
-    /// The quantity that an output measures, at the nodes.
-    fn curve(&self, role: Role) -> Vec<[f64; 2]> {
-        let trace = &self.trace;
-        let first = |k: usize| -> Kinematics {
-            let mut seen = trace.link[k];
-            for (mode, &share) in self.shares.iter().enumerate() {
-                let own = match self.prescribed {
-                    true => trace.link[k],
-                    false => [0.0; 3],
-                };
-                for (seen, (further, own)) in
-                    seen.iter_mut().zip(trace.modes[k][mode].iter().zip(own))
-                {
-                    *seen += share * (further - own);
-                }
-            }
-            seen
-        };
-        let nodes = 0..trace.time.len();
-        match role {
-            Role::MotorPosition => nodes
-                .map(|k| [trace.motor[k][0], trace.motor[k][1]])
-                .collect(),
-            Role::Deformation => nodes
-                .map(|k| {
-                    let (seen, motor) = (first(k), trace.motor[k]);
-                    [seen[0] - motor[0], seen[1] - motor[1]]
-                })
-                .collect(),
-            Role::LinkVelocity => nodes.map(|k| [first(k)[1], first(k)[2]]).collect(),
-            Role::LinkAcceleration => sloped(&trace.time, nodes.map(|k| first(k)[2]).collect()),
-            Role::Force | Role::Torque | Role::MotorCurrent | Role::MotorVoltage => {
-                sloped(&trace.time, trace.force.clone())
-            }
-            _ => nodes.map(|k| [first(k)[0], first(k)[1]]).collect(),
+            eyes: Eyes {
+                sensors: sensors.collect(),
+                shares: self.eyes.shares.clone(),
+                ..self.eyes
+            },
         }
     }
 
@@ -312,57 +344,9 @@ impl Simulated {
 
     /// What the output shows when its clock reads `offset` seconds too much.
     pub fn predict(&self, output: &Output, offset: f64) -> Prediction {
-        let time = &self.trace.time;
-        let mut curve = self.curve(output.role);
-        // An encoder on the motor side is what the sensor of the link is compared with.
-        let sensors: &[Box<dyn Sensor>] = match output.role == Role::MotorPosition && self.elastic {
-            true => &[],
-            false => &self.sensors,
-        };
-        for sensor in sensors.iter().filter(|sensor| sensor.filters()) {
-            sensor.filter(time, &mut curve);
-        }
-        let last = time.len() - 1;
-        let (mut k, relative) = (0, output.role == Role::Deformation);
-        let mut prediction = Prediction {
-            values: Vec::with_capacity(output.time.len()),
-            rates: Vec::with_capacity(output.time.len()),
-        };
-        for &stamp in &output.time {
-            let mut at = stamp - offset;
-            for sensor in sensors {
-                at = sensor.instant(at);
-            }
-            // Before and after the record everything stays as it was.
-            let inside = at.clamp(time[0], time[last]);
-            while k + 2 <= last && time[k + 1] < inside {
-                k += 1;
-            }
-            while k > 0 && time[k] > inside {
-                k -= 1;
-            }
-            let (from, to) = (time[k], time[k + 1]);
-            let mut value = hermite(from, to, curve[k], curve[k + 1], inside);
-            let s = (inside - from) / (to - from);
-            let rate = curve[k][1] + s * (curve[k + 1][1] - curve[k][1]);
-            if !sensors.is_empty() {
-                let u = |k: usize| [self.trace.motor[k][0], self.trace.motor[k][1]];
-                let motor = match relative {
-                    true => 0.0,
-                    false => hermite(from, to, u(k), u(k + 1), inside),
-                };
-                for sensor in sensors {
-                    value = sensor.read(&Reading {
-                        time: inside,
-                        value,
-                        motor,
-                    });
-                }
-            }
-            prediction.values.push(value);
-            prediction.rates.push(rate);
-        }
-        prediction
+        let mut reader = Reader::new(&self.eyes, output, offset);
+        reader.read(&self.trace, true);
+        reader.end()
     }
 }
 

@@ -53,6 +53,16 @@ impl Trace {
             self.modes.push(std::array::from_fn(mode));
         }
     }
+
+    /// Drops all nodes but the last.
+    pub(super) fn keep_last(&mut self, count: usize) {
+        let gone = self.time.len().saturating_sub(count);
+        self.time.drain(..gone);
+        self.motor.drain(..gone);
+        self.link.drain(..gone);
+        self.force.drain(..gone);
+        self.modes.drain(..gone.min(self.modes.len()));
+    }
 }
 
 /// The value at `t` of the cubic through values and rates at two ends.

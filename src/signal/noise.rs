@@ -65,7 +65,7 @@ pub fn quantisation_step(values: &[f64]) -> Option<f64> {
     if changes.len() < 5 {
         return None;
     }
-    changes.sort_by(f64::total_cmp);
+    changes.sort_unstable_by(f64::total_cmp);
     let mut step = changes[0];
     // Twice refined: the mean of all changes that are one step.
     for _ in 0..2 {

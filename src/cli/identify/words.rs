@@ -33,6 +33,12 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
             found.memory
         ));
     }
+    if found.every_rest > 1 {
+        remarks.push(format!(
+            "The recording is long: one rest in {} was looked at for a free decay.",
+            found.every_rest
+        ));
+    }
     remarks.extend(two_modes(findings));
     remarks.extend(damping(findings));
     if let Some(registration) = &findings.series.registration {

@@ -15,7 +15,7 @@ use crate::recording::Recording;
 pub fn run(model: &Path, recording: &Path, out: &Path, json: bool) -> Result<(), CliError> {
     let model = Model::from_path(model).map_err(CliError::input)?;
     let recording = Recording::from_path(recording)?;
-    let (outputs, score) = predict(&model, &recording).map_err(CliError::input)?;
+    let (outputs, score) = predict(&model, recording).map_err(CliError::input)?;
     let first = match out.extension() {
         Some(_) if !out.is_dir() => out.to_path_buf(),
         _ => out.join("prediction.csv"),

@@ -3,6 +3,8 @@
 mod batch_fit;
 mod fourier;
 mod log_decrement;
+mod output_error;
+mod triangle;
 
 pub use batch_fit::{BatchFit, batch_fit};
 pub use fourier::{amplitude_spectrum, fourier};
