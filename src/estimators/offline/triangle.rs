@@ -1,26 +1,20 @@
 //! The triangle of a tall matrix, whose rows are not kept.
 
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SMatrix};
 
 /// Rows that are taken at once: with a dozen columns they stay in the nearest cache.
 const BLOCK: usize = 256;
 
-/// Sums that are taken side by side, as processors do.
-const LANES: usize = 8;
-
 /// `R` of `A = Q R`, with `N` columns and any number of rows that come one by one.
 ///
 /// `R^T R = A^T A` without the squared condition of the normal equations: Householder's reflections make
-/// one triangle of each block of rows and the triangle of those before. Own code, as these columns are
-/// few and many blocks go through it: the library's took three times as long.
+/// one triangle of each block of rows and the triangle of those before.
 ///
 /// Source: Demmel, Grigori, Hoemmen, Langou, Communication-optimal parallel and sequential QR and LU
-/// factorizations, SIAM J. Scientific Computing 34 (2012), sequential TSQR; Golub and Van Loan, Matrix
-/// Computations, 4th ed., section 5.1.
+/// factorizations, SIAM J. Scientific Computing 34 (2012), sequential TSQR.
 pub struct Triangle<const N: usize> {
-    triangle: SMatrix<f64, N, N>,
-    /// Columns of the rows that are not in it yet; zero behind the last.
-    columns: Box<[[f64; BLOCK]; N]>,
+    /// The triangle, and below it the rows that are not in it yet.
+    rows: DMatrix<f64>,
     filled: usize,
 }
 
@@ -28,16 +22,15 @@ impl<const N: usize> Triangle<N> {
     /// Of no rows.
     pub fn new() -> Self {
         Self {
-            triangle: SMatrix::zeros(),
-            columns: Box::new([[0.0; BLOCK]; N]),
+            rows: DMatrix::zeros(N + BLOCK, N),
             filled: 0,
         }
     }
 
     /// Takes a row.
     pub fn push(&mut self, row: &[f64; N]) {
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column[self.filled] = *value;
+        for (column, value) in row.iter().enumerate() {
+            self.rows[(N + self.filled, column)] = *value;
         }
         self.filled += 1;
         if self.filled == BLOCK {
@@ -48,55 +41,22 @@ impl<const N: usize> Triangle<N> {
     /// The triangle of all rows since the last call; those that come are another matrix's.
     pub fn take(&mut self) -> SMatrix<f64, N, N> {
         self.fold();
-        std::mem::replace(&mut self.triangle, SMatrix::zeros())
+        let triangle = self.rows.fixed_view::<N, N>(0, 0).into_owned();
+        self.rows.fill(0.0);
+        triangle
     }
 
-    /// Turns the rows into the triangle. A reflection for a column sees one row of the triangle: below its
-    /// diagonal there is nothing.
+    /// Turns the rows into the triangle.
     fn fold(&mut self) {
-        let length = self.filled.next_multiple_of(LANES);
-        for k in 0..N {
-            let (before, after) = self.columns.split_at_mut(k + 1);
-            let own = &before[k][..length];
-            let head = self.triangle[(k, k)];
-            let norm = (head * head + dot(own, own)).sqrt();
-            if norm == 0.0 {
-                continue;
-            }
-            let pivot = head + norm.copysign(head);
-            for (c, column) in after.iter_mut().enumerate() {
-                let column = &mut column[..length];
-                let top = &mut self.triangle[(k, k + 1 + c)];
-                // The reflection along (pivot, own), whose squared length is 2 norm |pivot|.
-                let share = (pivot * *top + dot(own, column)) / (norm * pivot.abs());
-                *top -= share * pivot;
-                for (value, along) in column.iter_mut().zip(own) {
-                    *value -= share * along;
-                }
-            }
-            self.triangle[(k, k)] = -norm.copysign(head);
-        }
-        self.columns
-            .iter_mut()
-            .for_each(|column| column[..length].fill(0.0));
+        let there = self.rows.rows(0, N + self.filled).into_owned();
+        self.rows.rows_mut(0, N).copy_from(&there.qr().r());
         self.filled = 0;
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    sums.iter().sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DMatrix;
     use proptest::{array::uniform3, collection::vec, prelude::*};
 
     proptest! {
