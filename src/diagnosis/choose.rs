@@ -156,33 +156,42 @@ impl Search<'_> {
     /// law could be wrong by: beside another effect the simpler law may not have been looked at.
     pub(super) fn simplified(&self, baseline: &Explanation, mut best: Explanation) -> Explanation {
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
-        let places = candidates(self.problem);
-        let first = best.fitted.point.given_terms;
-        for index in first..first + best.effects().len() {
-            let point = &best.fitted.point;
-            let own = &point.terms[index];
-            // On an axis without a link all forces act at one seat.
-            let there = |name: &str| {
-                let all = || places.iter().filter(move |other| other.0.name == name);
-                all().find(|other| other.1 == own.place).or(all().next())
-            };
-            let simpler = limits(own.effect.name).filter_map(|limit| there(limit.name));
-            let refits = simpler.map(|&(effect, place)| {
-                let start = effect.parameters.iter();
-                let start = start.map(|parameter| (parameter.typical)(&self.problem.scales));
-                self.refitted(&point.without(index).with(effect, place, start.collect()))
-            });
+        let count = best.effects().len();
+        let pair = if count > 1 { 0..count } else { 0..0 };
+        for index in pair {
             let close = |other: &Explanation| {
                 other.train <= best.train + reach
                     && ratio(other.held_out, best.held_out) < 2.0 - GATE
             };
-            if let (true, Some(other)) =
-                (point.terms.len() > first + 1, refits.filter(close).next())
-            {
-                best = other;
-            }
+            let simpler = self.limits_of(&best, index).find(close);
+            best = simpler.unwrap_or(best);
         }
         best
+    }
+
+    /// An explanation with the limits of one of its laws in that one's place, refitted.
+    fn limits_of(&self, from: &Explanation, index: usize) -> impl Iterator<Item = Explanation> {
+        let point = &from.fitted.point;
+        let index = point.given_terms + index;
+        let own = &point.terms[index];
+        let places = candidates(self.problem);
+        limits(own.effect.name).filter_map(move |limit| {
+            // On an axis without a link all forces act at one seat.
+            let there = || places.iter().filter(|other| other.0.name == limit.name);
+            let same = there().find(|other| other.1 == own.place);
+            let &(effect, place) = same.or(there().next())?;
+            let typical = effect
+                .parameters
+                .iter()
+                .map(|p| (p.typical)(&self.problem.scales));
+            let mut start = point.clone();
+            start.terms[index] = Term {
+                effect,
+                place,
+                values: typical.collect(),
+            };
+            Some(self.refitted(&start))
+        })
     }
 
     /// An explanation whose law acts as two simpler ones together is told as these, where they do as well.
