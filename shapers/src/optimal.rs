@@ -1,6 +1,7 @@
 //! The best positive train for a mode that is known only so well.
 
 use crate::duel::{Duel, ROOM, Uncertainty};
+use crate::uncertain_mode::WITHIN;
 use crate::{
     GridTrain, HUMP_TOLERANCE, Impulse, ImpulseTrain, Mode, Shaper, ShaperError, UncertainMode,
 };
@@ -10,15 +11,13 @@ use arrayvec::ArrayVec;
 const LONGEST: usize = 4;
 /// Above it a vibration is down to 1 % after one period by itself.
 const HIGHEST_DAMPING: f64 = 0.6;
-/// 95 % of a Gaussian lie within two standard deviations.
-const WITHIN: f64 = 2.0;
 
 /// Optimal: of all trains of positive impulses the one whose worst residual is least over a box of
 /// frequencies and damping ratios around the estimate. Of half, one, one and a half and two damped periods it
 /// takes the shortest that stays at or below 5 %.
 ///
 /// `min max |H(omega, xi)|` over the box, `H = sum A_i exp(mu omega (t_n - t_i))`, is convex in the amplitudes
-/// over all instants, and solved to 1 % as a game. Without damping it gives the amplitudes of Dolph and
+/// over all instants, and solved to 1 % on a grid of modes as a game. Without damping it gives the amplitudes of Dolph and
 /// Chebyshev at multiples of `T/2`, of which EI is the one for a box of 20 %. Deterministic, no
 /// allocation, 0.04 ms for half a period, 0.1 to 0.2 ms for one, 0.4 ms for one and a half.
 ///

@@ -2,6 +2,9 @@
 
 use crate::{Mode, Optimal};
 
+/// 95 % of a Gaussian lie within two standard deviations.
+pub(crate) const WITHIN: f64 = 2.0;
+
 /// A mode and how well it is known: independent Gaussian errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncertainMode {
@@ -23,8 +26,8 @@ impl UncertainMode {
         } = Optimal::TYPICAL;
         Self {
             mode,
-            natural_frequency_std: 0.5 * frequency_spread * mode.natural_frequency(),
-            damping_ratio_std: 0.5 * damping_spread * mode.damping_ratio(),
+            natural_frequency_std: frequency_spread / WITHIN * mode.natural_frequency(),
+            damping_ratio_std: damping_spread / WITHIN * mode.damping_ratio(),
         }
     }
 }

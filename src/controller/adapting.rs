@@ -68,8 +68,9 @@ impl Axis {
         };
         match decision {
             // What is left is no reason for another train, but the delay is.
-            Decision::Keep(Reason::DeadBand(_)) if self.is_much_shorter(next, known.mode) => {
-                self.install(next, known);
+            Decision::Keep(Reason::DeadBand(_))
+                if self.is_much_shorter(next, known.mode) && self.install(next, known) =>
+            {
                 Decision::Accept(known.mode)
             }
             _ => decision,
@@ -164,7 +165,9 @@ impl Axis {
         let train = if changes { next } else { present }.clone();
         match self.cancel(&train, mode, remaining, planned) {
             Ok(()) if changes => self.changed(known),
-            Err(_) if changes => self.install(&train, known),
+            Err(_) if changes => {
+                self.install(&train, known);
+            }
             _ => {}
         }
     }
@@ -208,7 +211,8 @@ impl Axis {
         self.cancel(&train, self.corrected, ahead.remaining(), planned)
     }
 
-    fn install(&mut self, train: &GridTrain, known: &UncertainMode) {
+    /// Whether the train is taken: it then takes over once the command stands still.
+    fn install(&mut self, train: &GridTrain, known: &UncertainMode) -> bool {
         let taken = match &mut self.lane {
             Some(lane) => lane.wait_with(train),
             None => self.filter.install(train).is_ok(),
@@ -216,6 +220,7 @@ impl Axis {
         if taken {
             self.changed(known);
         }
+        taken
     }
 
     fn changed(&mut self, known: &UncertainMode) {

@@ -125,7 +125,8 @@ impl Search<'_> {
     }
 
     /// A pair, each of its effects chosen anew beside the other: the first was chosen without the second. What is
-    /// better by far is looked at in the same way; what does as well joins the pool.
+    /// better by far is looked at in the same way; what does as well, on what was held out, too, takes its place or
+    /// joins the pool.
     pub(super) fn exchanged(&self, mut best: Explanation, pool: &mut Vec<Trial>) -> Explanation {
         let (mut left, mut dropped) = (MOST_EFFECTS, 0);
         while left > 0 && best.effects().len() == MOST_EFFECTS {
@@ -133,19 +134,23 @@ impl Search<'_> {
             let kept = self.refitted(&point.without(point.given_terms + dropped));
             let trials = self.extend(&kept);
             let (own, lowest) = (self.criterion(&best), |a: &Explanation| self.criterion(a));
+            let far = |next: &Explanation| lowest(next) < own - STRONG * self.unit(next);
+            let better = |next: &Explanation| {
+                far(next) || lowest(next) < own && next.held_out <= best.held_out
+            };
             let sound = trials.iter().filter(|trial| trial.passed);
             let next = sound
                 .map(|trial| trial.explanation.clone())
-                .filter(|next| lowest(next) < own && !next.is_like(&best))
+                .filter(|next| better(next) && !next.is_like(&best))
                 .min_by(|a, b| lowest(a).total_cmp(&lowest(b)));
             pool.extend(trials);
             left -= 1;
             dropped += 1;
             if let Some(next) = next {
-                if lowest(&next) < own - STRONG * self.unit(&next) {
+                if far(&next) {
                     left = MOST_EFFECTS - 1;
                 }
-                // The one that was kept is the first now.
+                // Of two, the one that was kept is the first now.
                 (best, dropped) = (next, 0);
             }
         }
@@ -156,30 +161,35 @@ impl Search<'_> {
     /// law could be wrong by: beside another effect the simpler law may not have been looked at.
     pub(super) fn simplified(&self, baseline: &Explanation, mut best: Explanation) -> Explanation {
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
+        let (train, held_out) = (best.train, best.held_out);
+        let close = |other: &Explanation| {
+            other.train <= train + reach && ratio(other.held_out, held_out) < 2.0 - GATE
+        };
         let count = best.effects().len();
         let pair = if count > 1 { 0..count } else { 0..0 };
         for index in pair {
-            let close = |other: &Explanation| {
-                other.train <= best.train + reach
-                    && ratio(other.held_out, best.held_out) < 2.0 - GATE
-            };
             let simpler = self.limits_of(&best, index).find(close);
             best = simpler.unwrap_or(best);
         }
         best
     }
 
-    /// An explanation with the limits of one of its laws in that one's place, refitted.
+    /// An explanation with the limits of one of its laws in that one's place, refitted; none that it has already.
     fn limits_of(&self, from: &Explanation, index: usize) -> impl Iterator<Item = Explanation> {
         let point = &from.fitted.point;
         let index = point.given_terms + index;
         let own = &point.terms[index];
         let places = candidates(self.problem);
         limits(own.effect.name).filter_map(move |limit| {
-            // On an axis without a link all forces act at one seat.
             let there = || places.iter().filter(|other| other.0.name == limit.name);
             let same = there().find(|other| other.1 == own.place);
-            let &(effect, place) = same.or(there().next())?;
+            // Without a spring all forces act at one seat.
+            let any = || there().next().filter(|_| self.problem.scales.rigid);
+            let &(effect, place) = same.or_else(any)?;
+            let twice = |term: &Term| term.effect.name == effect.name && term.place == place;
+            if point.terms.iter().any(twice) {
+                return None;
+            }
             let typical = effect
                 .parameters
                 .iter()

@@ -238,7 +238,8 @@ fn smoother(residual: &Residual) -> Smoother {
     } = residual.dynamics;
     let scale = time_scale(residual);
     if residual.sensor_only {
-        return Smoother::new(Path::Direct, 1.0, residual.time, scale, residual.restarts);
+        // Nothing moves that could start anew.
+        return Smoother::new(Path::Direct, 1.0, residual.time, scale, &[]);
     }
     let path = Path::Motion {
         damping: 2.0 * damping_ratio * w,

@@ -103,7 +103,8 @@ impl Point {
         point
     }
 
-    /// Takes what each experiment alone has from another point, where it was found for other windows.
+    /// Takes what each experiment alone has from another point, where it was found for another number of windows:
+    /// the same experiments are looked at in windows or in one piece.
     pub fn start_as(&mut self, other: &Self) {
         let windows = |point: &Self| -> Vec<usize> {
             point

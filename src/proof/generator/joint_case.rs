@@ -21,9 +21,10 @@ const STEP: f64 = 1e-4;
 const RINGING: f64 = 0.1;
 /// Effects that are tried until one can be seen; moves, until they come as far as others.
 const TRIES: usize = 12;
-/// A position that is as good as the start's, rad.
+/// A position that is as good as the start's, rad: no more than the deformation of a typical move.
 const NOWHERE: f64 = 1e-3;
-/// Least share to which moves may shrink: what is left must still be seen.
+/// Least share to which moves may shrink: what bends the joint by a millirad then bends it by ten times the noise
+/// of a tracker.
 const LEAST_SCALE: f64 = 0.2;
 
 pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
@@ -148,7 +149,11 @@ fn coming_as_far(
         }
         moves = Programme::draw(draw, style)?;
     }
-    Ok(moves)
+    let own = moves.span()[1];
+    Ok(match own <= NOWHERE {
+        true => moves,
+        false => moves.scaled(far / own),
+    })
 }
 
 pub(super) fn scales(arm: &Arm, programme: &Programme) -> Scales {
