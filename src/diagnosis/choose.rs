@@ -20,14 +20,12 @@ impl Search<'_> {
                 .filter(|trial| trial.passed)
                 .map(|trial| &trial.explanation)
         };
-        let lowest =
-            |a: &&Explanation, b: &&Explanation| self.criterion(a).total_cmp(&self.criterion(b));
-        let first = sound().min_by(lowest)?;
+        let first = self.lowest(sound())?;
         // A law that must be stretched to the end of what is plausible stands in for another one.
         let level = self.criterion(first) + EQUAL * self.unit(first);
         let within =
             sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
-        let best = within.min_by(lowest).unwrap_or(first);
+        let best = self.lowest(within).unwrap_or(first);
         let best = self.flexibility(best, trials).unwrap_or(best);
         let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
         let simpler = sound().find(|other| {
@@ -90,8 +88,7 @@ impl Search<'_> {
                 && !self.is_stretched(other)
         };
         let sound = pool.iter().filter(|trial| absolute && trial.passed);
-        let others = sound.map(|trial| &trial.explanation).filter(instead);
-        others.min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
+        self.lowest(sound.map(|trial| &trial.explanation).filter(instead))
     }
 
     /// Explanations with as many effects as the best that are within reach of it.
@@ -133,21 +130,20 @@ impl Search<'_> {
             let point = &best.fitted.point;
             let kept = self.refitted(&point.without(point.given_terms + dropped));
             let trials = self.extend(&kept);
-            let (own, lowest) = (self.criterion(&best), |a: &Explanation| self.criterion(a));
-            let far = |next: &Explanation| lowest(next) < own - STRONG * self.unit(next);
-            let better = |next: &Explanation| {
-                far(next) || lowest(next) < own && next.held_out <= best.held_out
+            let fall = |next: &Explanation| self.criterion(&best) - self.criterion(next);
+            let is_far = |next: &Explanation| fall(next) > STRONG * self.unit(next);
+            let better = |next: &&Explanation| {
+                let as_well = fall(next) > 0.0 && next.held_out <= best.held_out;
+                (is_far(next) || as_well) && !next.is_like(&best)
             };
             let sound = trials.iter().filter(|trial| trial.passed);
-            let next = sound
-                .map(|trial| trial.explanation.clone())
-                .filter(|next| better(next) && !next.is_like(&best))
-                .min_by(|a, b| lowest(a).total_cmp(&lowest(b)));
+            let next = self.lowest(sound.map(|trial| &trial.explanation).filter(better));
+            let next = next.map(|next| (next.clone(), is_far(next)));
             pool.extend(trials);
             left -= 1;
             dropped += 1;
-            if let Some(next) = next {
-                if far(&next) {
+            if let Some((next, far)) = next {
+                if far {
                     left = MOST_EFFECTS - 1;
                 }
                 // Of two, the one that was kept is the first now.

@@ -184,9 +184,7 @@ impl Search<'_> {
             let further: Vec<Trial> = frontier.iter().flat_map(|own| self.extend(own)).collect();
             let sound = further.iter().filter(|trial| trial.passed);
             // Against one another: each was ranked against the explanation that it extends.
-            let first = sound
-                .map(|trial| &trial.explanation)
-                .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
+            let first = self.lowest(sound.map(|trial| &trial.explanation));
             let pruned = first.map(|first| self.prune(first.clone()));
             pool.extend(further);
             frontier.clear();
@@ -214,6 +212,14 @@ impl Search<'_> {
     pub fn criterion(&self, explanation: &Explanation) -> f64 {
         let n = self.judge.train_rows as f64;
         explanation.fitted.cost + explanation.unknowns() as f64 * n.ln()
+    }
+
+    /// The explanation of least criterion.
+    pub(super) fn lowest<'e>(
+        &self,
+        all: impl Iterator<Item = &'e Explanation>,
+    ) -> Option<&'e Explanation> {
+        all.min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
     }
 
     /// Chi-squared per row, at least 1: what the best model leaves is the unit of evidence.
