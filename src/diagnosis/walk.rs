@@ -17,7 +17,8 @@ const FIRST: usize = 2;
 /// Parts into which the way from one size to the next is cut near the best one: sizes that differ by some 15 %
 /// where a grid's differ by 1.7 times.
 const SLOWER: u32 = 4;
-/// Cost over that of the start of a walk, from which it has gone too far: twice the residual.
+/// Cost over that of the start of a walk, or of the one ahead in a race, from which a fit has gone too far: twice
+/// the residual.
 pub(super) const LOST: f64 = 4.0;
 
 impl Search<'_> {
