@@ -3,7 +3,7 @@
 use super::explanation::Explanation;
 use super::screen::candidates;
 use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
-use crate::effects::{Quantity, contains, limits, parts};
+use crate::effects::{Quantity, becomes, contains, limits, parts};
 use crate::model::Term;
 use crate::recording::Role;
 
@@ -59,9 +59,10 @@ impl Search<'_> {
         })
     }
 
-    /// What is told instead of a sensor of positions in space that sees too much of the deformation: that is
-    /// mostly a further mode far above the motion (residual flexibility: Ewins, Modal Testing (2000), chapter
-    /// 5), told where the data lean to it at all.
+    /// What is told instead of a sensor of positions in space that sees another part of the deformation than
+    /// there is. Too much or too little is mostly a further mode far above the motion (residual flexibility:
+    /// Ewins, Modal Testing (2000), chapter 5), told where the data lean to it at all; too little is first of all
+    /// a lag of the sensor, by `(omega_n T)^2 / 2` beside its delay, told unless the data lean against it.
     pub(super) fn flexibility<'t>(
         &self,
         best: &Explanation,
@@ -75,16 +76,20 @@ impl Search<'_> {
         let gain = own
             .iter()
             .position(|effect| effect.0 == "deformation_gain")?;
+        let point = &best.fitted.point;
+        let too_little = point.terms[point.given_terms + gain].values[0] < 0.0;
         let unit = self.unit(best);
         let instead = |other: &&Explanation| {
             let theirs = other.effects();
             let beside = own.iter().enumerate().filter(|(index, _)| *index != gain);
+            let lags = theirs.iter().any(|effect| effect.0 == "sensor_lag");
+            let lean = if too_little && lags { CHANCE } else { -CHANCE };
             theirs.len() == own.len()
                 && beside
                     .into_iter()
                     .all(|(_, effect)| theirs.contains(effect))
                 && self.criterion(other) < self.criterion(best) + EQUAL * unit
-                && other.fitted.cost < best.fitted.cost - CHANCE * unit
+                && other.fitted.cost < best.fitted.cost + lean * unit
                 && !self.is_stretched(other)
         };
         let sound = pool.iter().filter(|trial| absolute && trial.passed);
@@ -110,7 +115,7 @@ impl Search<'_> {
             let near = worse < EQUAL * unit;
             let close = match limit {
                 true => more || near && held < GATE,
-                false => near && held < alike,
+                false => (near || self.stands_in(best, explanation)) && held < alike,
             };
             let same = |other: &Trial| other.explanation.is_like(explanation);
             let new = !explanation.is_like(best) && !equals.iter().any(same);
@@ -119,6 +124,18 @@ impl Search<'_> {
             }
         }
         equals
+    }
+
+    /// Whether another explanation has a law that acts as the best one's simpler law: the unknowns that it has
+    /// besides are not determined, and do not count.
+    fn stands_in(&self, best: &Explanation, other: &Explanation) -> bool {
+        let (own, theirs) = (best.effects(), other.effects());
+        let mut new = theirs.iter().filter(|effect| !own.contains(effect));
+        let mut gone = own.iter().filter(|effect| !theirs.contains(effect));
+        let one =
+            matches!((new.next(), gone.next()), (Some(new), Some(gone)) if becomes(new.0, gone.0));
+        let no_other = new.next().is_none() && gone.next().is_none();
+        one && no_other && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
     }
 
     /// A pair, each of its effects chosen anew beside the other: the first was chosen without the second. What is

@@ -7,6 +7,7 @@ use super::locate::Located;
 use super::problem::Global;
 use super::quality::{level, quality};
 use super::search::{EQUAL, Found, Search, Trial};
+use crate::effects::parts;
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
 
@@ -95,7 +96,8 @@ fn candidate(trial: &Trial) -> Option<Candidate> {
     })
 }
 
-/// The effects of the best explanation, the one whose absence costs most first.
+/// The effects of the best explanation, the one whose absence costs most first; two that stand for one law in
+/// the order of its parts, the larger first.
 fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let best = &found.best;
     let point = &best.fitted.point;
@@ -107,8 +109,28 @@ fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
             (gain, finding(search, found, term, parameters))
         })
         .collect();
-    findings.sort_by(|a, b| b.0.total_cmp(&a.0));
+    if !stands_for_one(found) {
+        findings.sort_by(|a, b| b.0.total_cmp(&a.0));
+    }
     findings.into_iter().map(|(_, finding)| finding).collect()
+}
+
+/// Whether the best explanation is that of one law, told as its parts.
+fn stands_for_one(found: &Found) -> bool {
+    let own = found.best.effects();
+    let whole = |equal: &Trial| {
+        let point = &equal.explanation.fitted.point;
+        let [term] = &point.terms[point.given_terms..] else {
+            return false;
+        };
+        let parts = parts(term.effect.name, &term.values);
+        parts.is_some_and(|parts| {
+            own.iter()
+                .map(|effect| effect.0)
+                .eq(parts.iter().map(|part| part.0.name))
+        })
+    };
+    found.equals.iter().any(whole)
 }
 
 fn finding(

@@ -11,7 +11,7 @@ use crate::effects::Place;
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
 /// Sizes of each candidate that a fit starts from.
-const SIZES: usize = 3;
+const SIZES: usize = 4;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
 

@@ -35,6 +35,8 @@ pub struct Start {
     pub values: Vec<f64>,
     /// By how much the cost should fall.
     pub score: f64,
+    /// Times this size the cost would be least, were the effect linear in it.
+    factor: f64,
 }
 
 /// All effects that the model can lack, at their places.
@@ -103,41 +105,58 @@ pub fn screen(
 impl Screen<'_> {
     /// The best sizes of one candidate.
     fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
-        let mut starts: Vec<Start> = (effect.starts)(&self.problem.scales)
-            .into_iter()
-            .map(|values| Start {
-                score: self.score(&self.point.with(effect, place, values.clone())),
+        let start = |values: Vec<f64>| {
+            let (score, factor) = self.score(&self.point.with(effect, place, values.clone()));
+            Start {
                 effect,
                 place,
                 values,
-            })
-            .collect();
+                score,
+                factor,
+            }
+        };
+        let grid = (effect.starts)(&self.problem.scales);
+        let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
+        // Sizes come first among an effect's parameters.
+        let (low, high) = (effect.parameters[0].bounds)(&self.problem.scales);
+        for own in &mut starts {
+            let mut values = own.values.clone();
+            values[0] = (values[0] * own.factor).clamp(low, high);
+            let resized = start(values);
+            if resized.score > own.score {
+                *own = resized;
+            }
+        }
+        starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts
     }
 
-    fn score(&self, moved: &Point) -> f64 {
+    /// What a candidate promises, and the factor of its size.
+    fn score(&self, moved: &Point) -> (f64, f64) {
         let last = moved.terms.len() - 1;
         let change = self.change(|e| {
             let before = &self.linear.runs[e];
             self.problem.run_again(moved, e, last, before)
         });
         let own = self.basis.tr_mul(&change).norm_squared();
-        let (gain, square) = self.gain(change.clone());
-        if own < MOSTLY_OWN * square || gain > HOPEFUL * self.residual.norm_squared() {
-            return gain;
+        let plain = self.promise(change.clone());
+        let hopeful = plain.gain > HOPEFUL * self.residual.norm_squared();
+        if own < MOSTLY_OWN * plain.square || hopeful {
+            return (plain.gain, plain.factor);
         }
         let step = &self.steps * (&change + &self.residual);
         let globals = &self.linear.globals;
         if step.len() != self.problem.unknowns(moved, globals) {
-            return gain;
+            return (plain.gain, plain.factor);
         }
         let compensated = self.problem.moved(moved, globals, &step);
-        gain.max(
-            self.gain(self.change(|e| self.problem.run(&compensated, e)))
-                .0,
-        )
+        let other = self.promise(self.change(|e| self.problem.run(&compensated, e)));
+        match other.gain > plain.gain {
+            true => (other.gain, other.factor),
+            false => (plain.gain, plain.factor),
+        }
     }
 
     /// Change of the residual of all experiments.
@@ -150,12 +169,28 @@ impl Screen<'_> {
         stacked(&rows) - &self.residual
     }
 
-    /// What a change promises, and the square of the part that the model cannot make.
-    fn gain(&self, mut change: DVector<f64>) -> (f64, f64) {
+    /// What a change promises.
+    fn promise(&self, mut change: DVector<f64>) -> Promise {
         change -= &self.basis * self.basis.tr_mul(&change);
-        let square = change.norm_squared();
-        (gain(change.dot(&self.residual), square), square)
+        let (product, square) = (change.dot(&self.residual), change.norm_squared());
+        let gain = gain(product, square);
+        let towards = gain.is_finite() && product < 0.0;
+        Promise {
+            gain,
+            square,
+            factor: if towards { -product / square } else { 1.0 },
+        }
     }
+}
+
+/// What the part of a change promises that the model cannot make.
+struct Promise {
+    /// By how much the cost should fall.
+    gain: f64,
+    /// Its square.
+    square: f64,
+    /// Times the change the cost would be least.
+    factor: f64,
 }
 
 fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {

@@ -184,6 +184,17 @@ const NESTED: &[(&str, &str)] = &[
     ("gravity_load", "force_offset"),
 ];
 
+/// Laws that act as a simpler one where their frequency is far above the motion.
+const QUASI_STATIC: &[(&str, &str)] = &[
+    ("second_mode", "deformation_gain"),
+    ("base_mode", "deformation_gain"),
+];
+
+/// Whether the law of one effect may act as that of another wherever the recording looks.
+pub(crate) fn becomes(effect: &str, simpler: &str) -> bool {
+    QUASI_STATIC.contains(&(effect, simpler))
+}
+
 /// Effects whose misfit has many minima over their size: the frequency falls with it, and what fits is
 /// found where both are right.
 const WINDING: &[&str] = &["backlash"];
