@@ -27,16 +27,34 @@ impl Search<'_> {
             sound().filter(|other| self.criterion(other) < level && !self.is_stretched(other));
         let best = self.lowest(within).unwrap_or(first);
         let best = self.flexibility(best, trials).unwrap_or(best);
-        let reach = SHAPE * (baseline.train - self.judge.train_rows as f64).max(0.0);
         let simpler = sound().find(|other| {
             let names = (best.effects(), other.effects());
             let limit = match (names.0.as_slice(), names.1.as_slice()) {
                 ([own], [theirs]) => own.1 == theirs.1 && contains(own.0, theirs.0),
                 _ => false,
             };
-            limit && other.train <= best.train + reach
+            limit && self.is_within_shape(baseline, best, other)
         });
         Some(simpler.unwrap_or(best).clone())
+    }
+
+    /// Whether another explanation leaves as much as one does, but for what the shape of a law could be wrong by, of
+    /// what was fitted and of what was held out.
+    fn is_within_shape(
+        &self,
+        baseline: &Explanation,
+        own: &Explanation,
+        other: &Explanation,
+    ) -> bool {
+        let (rows, held) = (
+            self.judge.train_rows as f64,
+            self.judge.held_out_rows as f64,
+        );
+        let reach = |mismatch: f64, rows: f64| SHAPE * (mismatch - rows).max(0.0);
+        // Two predictions of the same part differ by chance, too.
+        let chance = EQUAL * self.unit(own);
+        other.train <= own.train + reach(baseline.train, rows)
+            && other.held_out <= own.held_out + reach(baseline.held_out, held) + chance
     }
 
     /// Whether a parameter of an effect that was added lies within a thousandth of its range of a bound,

@@ -73,7 +73,9 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     }
     // What is left in plain sight is not explained, however much more there was.
     let seen = !search.below(&found.best, PLAIN);
-    if seen || !search.explains(&found.baseline, &found.best) {
+    let explains = search.explains(&found.baseline, &found.best)
+        && search.predicts(&found.baseline, &found.best);
+    if seen || !explains {
         return Verdict::PartlyExplained;
     }
     match found.equals.is_empty() {
