@@ -91,21 +91,18 @@ impl Search<'_> {
             .iter()
             .all(|output| output.role != Role::Deformation);
         let own = best.effects();
-        let gain = own
-            .iter()
-            .position(|effect| effect.0 == "deformation_gain")?;
         let point = &best.fitted.point;
-        let too_little = point.terms[point.given_terms + gain].values[0] < 0.0;
+        let mut added = point.terms[point.given_terms..].iter();
+        let gain = added.find(|term| term.effect.name == "deformation_gain")?;
+        let too_little = gain.values[0] < 0.0;
         let unit = self.unit(best);
         let instead = |other: &&Explanation| {
             let theirs = other.effects();
-            let beside = own.iter().enumerate().filter(|(index, _)| *index != gain);
+            let mut beside = own.iter().filter(|effect| effect.0 != gain.effect.name);
             let lags = theirs.iter().any(|effect| effect.0 == "sensor_lag");
             let lean = if too_little && lags { CHANCE } else { -CHANCE };
             theirs.len() == own.len()
-                && beside
-                    .into_iter()
-                    .all(|(_, effect)| theirs.contains(effect))
+                && beside.all(|effect| theirs.contains(effect))
                 && self.criterion(other) < self.criterion(best) + EQUAL * unit
                 && other.fitted.cost < best.fitted.cost + lean * unit
                 && !self.is_stretched(other)
@@ -162,8 +159,8 @@ impl Search<'_> {
     pub(super) fn exchanged(&self, mut best: Explanation, pool: &mut Vec<Trial>) -> Explanation {
         let (mut left, mut dropped) = (MOST_EFFECTS, 0);
         while left > 0 && best.effects().len() == MOST_EFFECTS {
-            let point = &best.fitted.point;
-            let kept = self.refitted(&point.without(point.given_terms + dropped));
+            let effect = best.effects()[dropped];
+            let kept = self.refitted(&best.fitted.point.without_effect(effect));
             let trials = self.extend(&kept);
             let fall = |next: &Explanation| self.criterion(&best) - self.criterion(next);
             let is_far = |next: &Explanation| fall(next) > STRONG * self.unit(next);
@@ -196,19 +193,21 @@ impl Search<'_> {
         let close = |other: &Explanation| {
             other.train <= train + reach && ratio(other.held_out, held_out) < 2.0 - GATE
         };
-        let count = best.effects().len();
-        let pair = if count > 1 { 0..count } else { 0..0 };
-        for index in pair {
+        let point = &best.fitted.point;
+        let terms = match best.effects().len() {
+            0 | 1 => 0..0,
+            _ => point.given_terms..point.terms.len(),
+        };
+        for index in terms {
             let simpler = self.limits_of(&best, index).find(close);
             best = simpler.unwrap_or(best);
         }
         best
     }
 
-    /// An explanation with the limits of one of its laws in that one's place, refitted; none that it has already.
+    /// An explanation with the limits of the law of one of its terms in that one's place, refitted; none that it has already.
     fn limits_of(&self, from: &Explanation, index: usize) -> impl Iterator<Item = Explanation> {
         let point = &from.fitted.point;
-        let index = point.given_terms + index;
         let own = &point.terms[index];
         let places = candidates(self.problem);
         limits(own.effect.name).filter_map(move |limit| {
@@ -238,7 +237,7 @@ impl Search<'_> {
     /// An explanation whose law acts as two simpler ones together is told as these, where they do as well.
     pub(super) fn taken_apart(&self, best: Explanation) -> Explanation {
         let point = &best.fitted.point;
-        if point.terms.len() - point.given_terms >= MOST_EFFECTS {
+        if best.effects().len() >= MOST_EFFECTS {
             return best;
         }
         for index in point.given_terms..point.terms.len() {

@@ -7,7 +7,7 @@ use super::locate::Located;
 use super::problem::Global;
 use super::quality::{level, quality};
 use super::search::{EQUAL, Found, Search, Trial};
-use crate::effects::parts;
+use crate::effects::{Place, parts};
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
 
@@ -102,15 +102,12 @@ fn candidate(trial: &Trial) -> Option<Candidate> {
 /// the order of its parts, the larger first.
 fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let best = &found.best;
-    let point = &best.fitted.point;
-    let mut findings: Vec<(f64, Finding)> = (point.given_terms..point.terms.len())
-        .map(|term| {
-            let alone = found.without(term);
-            let gain = alone.train - best.train;
-            let parameters = parameters(search, best, term, scatter);
-            (gain, finding(search, found, term, parameters))
-        })
-        .collect();
+    let told = |effect| {
+        let gain = found.without(effect).train - best.train;
+        let parameters = parameters(search, best, effect, scatter);
+        (gain, finding(search, found, effect, parameters))
+    };
+    let mut findings: Vec<(f64, Finding)> = best.effects().into_iter().map(told).collect();
     if !stands_for_one(found) {
         findings.sort_by(|a, b| b.0.total_cmp(&a.0));
     }
@@ -138,25 +135,19 @@ fn stands_for_one(found: &Found) -> bool {
 fn finding(
     search: &Search,
     found: &Found,
-    term: usize,
+    effect: (&'static str, Place),
     parameters: Vec<FittedParameter>,
 ) -> Finding {
-    let (best, without) = (&found.best, found.without(term));
-    let point = &best.fitted.point;
-    let own = &point.terms[term];
+    let (best, without) = (&found.best, found.without(effect));
+    let own = best.effects();
     let mut alternatives: Vec<(String, f64)> = Vec::new();
     for equal in &found.equals {
-        let others = &equal.explanation.fitted.point.terms[point.given_terms..];
         let worse = search.criterion(&equal.explanation) - search.criterion(best);
-        for other in others {
-            let shared = point.terms[point.given_terms..]
-                .iter()
-                .any(|term| term.effect.name == other.effect.name);
-            let known = alternatives
-                .iter()
-                .any(|known| known.0 == other.effect.name);
-            if !shared && !known && replaces(best, &equal.explanation, term) {
-                alternatives.push((other.effect.name.to_string(), worse / found.unit));
+        for (other, _) in equal.explanation.effects() {
+            let shared = own.iter().any(|own| own.0 == other);
+            let known = alternatives.iter().any(|known| known.0 == other);
+            if !shared && !known && replaces(best, &equal.explanation, effect) {
+                alternatives.push((other.to_string(), worse / found.unit));
             }
         }
     }
@@ -167,8 +158,8 @@ fn finding(
     let noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
     let rows = search.judge.held_out_rows;
     Finding {
-        effect: own.effect.name.to_string(),
-        place: own.place.name().to_string(),
+        effect: effect.0.to_string(),
+        place: effect.1.name().to_string(),
         probability: 1.0 / (1.0 + weight),
         parameters,
         evidence: format!(
@@ -183,36 +174,40 @@ fn finding(
 }
 
 /// Whether an explanation has all other effects of the best one, so that it replaces this one.
-fn replaces(best: &Explanation, other: &Explanation, term: usize) -> bool {
-    let terms = &best.fitted.point.terms;
-    let (first, theirs) = (best.fitted.point.given_terms, other.effects());
-    let kept = (first..terms.len())
-        .filter(|&k| k != term)
-        .all(|k| theirs.iter().any(|effect| effect.0 == terms[k].effect.name));
-    kept || theirs.len() < terms.len() - first
+fn replaces(best: &Explanation, other: &Explanation, effect: (&str, Place)) -> bool {
+    let (own, theirs) = (best.effects(), other.effects());
+    let mut kept = own.iter().filter(|kept| **kept != effect);
+    kept.all(|kept| theirs.iter().any(|other| other.0 == kept.0)) || theirs.len() < own.len()
 }
 
 fn parameters(
     search: &Search,
     best: &Explanation,
-    term: usize,
+    effect: (&'static str, Place),
     scatter: &Scatter,
 ) -> Vec<FittedParameter> {
     let point = &best.fitted.point;
-    let own = &point.terms[term];
     let units = super::units::units(search.problem, point);
-    let fitted = |(index, parameter): (usize, &crate::effects::Parameter)| FittedParameter {
-        name: parameter.name.to_string(),
-        value: own.values[index],
-        unit: parameter.quantity.unit(&units),
-        ci95: scatter.interval(search.problem, point, Global::Parameter(term, index)),
-    };
-    own.effect
-        .parameters
-        .iter()
-        .enumerate()
-        .map(fitted)
-        .collect()
+    let terms = (point.given_terms..point.terms.len()).filter(|term| {
+        let own = &point.terms[*term];
+        (own.effect.name, own.place) == effect
+    });
+    let mut all = Vec::new();
+    for (count, term) in terms.enumerate() {
+        let own = &point.terms[term];
+        for (index, parameter) in own.effect.parameters.iter().enumerate() {
+            all.push(FittedParameter {
+                name: match count {
+                    0 => parameter.name.to_string(),
+                    _ => format!("{}_{}", parameter.name, count + 1),
+                },
+                value: own.values[index],
+                unit: parameter.quantity.unit(&units),
+                ci95: scatter.interval(search.problem, point, Global::Parameter(term, index)),
+            });
+        }
+    }
+    all
 }
 
 fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64> {

@@ -27,12 +27,7 @@ pub struct Explanation {
 impl Explanation {
     /// Names and places of the effects that were added to the model.
     pub fn effects(&self) -> Vec<(&'static str, Place)> {
-        let point = &self.fitted.point;
-        let added = &point.terms[point.given_terms..];
-        added
-            .iter()
-            .map(|term| (term.effect.name, term.place))
-            .collect()
+        self.fitted.point.effects()
     }
 
     /// Whether another one has the same effects at the same places, in whatever order.

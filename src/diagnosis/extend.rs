@@ -80,8 +80,7 @@ impl Search<'_> {
     fn add_known(&self, from: &Explanation, found: &mut Vec<Candidate>) {
         let own = from.effects();
         for known in &self.known.points {
-            let added = known.terms[known.given_terms..].iter();
-            let theirs: Vec<_> = added.map(|t| (t.effect.name, t.place)).collect();
+            let theirs = known.effects();
             let new: Vec<_> = theirs.iter().filter(|e| !own.contains(e)).collect();
             let &[&effect] = new.as_slice() else { continue };
             if theirs.len() != own.len() + 1 {

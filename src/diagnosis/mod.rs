@@ -12,6 +12,7 @@ mod descent;
 mod displacement;
 mod document;
 mod draw;
+mod events;
 mod explanation;
 mod extend;
 mod fit;

@@ -103,6 +103,28 @@ impl Point {
         point
     }
 
+    /// Names and places of the effects that were added to the model, each once: an event may have several terms.
+    pub fn effects(&self) -> Vec<(&'static str, Place)> {
+        let mut effects = Vec::new();
+        for term in &self.terms[self.given_terms..] {
+            let effect = (term.effect.name, term.place);
+            if !effects.contains(&effect) {
+                effects.push(effect);
+            }
+        }
+        effects
+    }
+
+    /// The point without an effect that was added.
+    pub fn without_effect(&self, effect: (&str, Place)) -> Self {
+        let mut point = self.clone();
+        point.terms = self.terms[..self.given_terms].to_vec();
+        let added = self.terms[self.given_terms..].iter();
+        let others = added.filter(|term| (term.effect.name, term.place) != effect);
+        point.terms.extend(others.cloned());
+        point
+    }
+
     /// Takes what each experiment alone has from another point, where it was found for another number of windows:
     /// the same experiments are looked at in windows or in one piece.
     pub fn start_as(&mut self, other: &Self) {

@@ -169,8 +169,9 @@ impl<'a> Race<'a> {
                 descent.hop();
             }
         }
+        let explanation = self.search.judge.judge(self.search.problem, descent.end());
         Trial {
-            explanation: self.search.judge.judge(self.search.problem, descent.end()),
+            explanation: self.search.recurring(explanation),
             delta_bic: 0.0,
             held_out_ratio: 1.0,
             passed: false,

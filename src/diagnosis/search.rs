@@ -5,6 +5,7 @@ use super::explanation::{Explanation, Judge};
 use super::extend::Known;
 use super::fit::Projector;
 use super::problem::{Point, Problem};
+use crate::effects::Place;
 use rayon::prelude::*;
 
 /// Bayesian information criterion by which an effect must be better to be named: 10 is "very strong"
@@ -66,10 +67,12 @@ pub struct Found {
 }
 
 impl Found {
-    /// The best explanation without one of its terms.
-    pub fn without(&self, term: usize) -> &Explanation {
-        let index = term - self.best.fitted.point.given_terms;
-        self.ablated.get(index).unwrap_or(&self.baseline)
+    /// The best explanation without one of its effects.
+    pub fn without(&self, effect: (&str, Place)) -> &Explanation {
+        let effects = self.best.effects();
+        let index = effects.iter().position(|own| *own == effect);
+        let ablated = index.and_then(|index| self.ablated.get(index));
+        ablated.unwrap_or(&self.baseline)
     }
 
     /// The explanations that were looked at, one of each structure.
@@ -295,14 +298,12 @@ impl Search<'_> {
 
     /// The explanation without each of its effects, refitted.
     fn ablated(&self, best: &Explanation, baseline: &Explanation) -> Vec<Explanation> {
-        let point = &best.fitted.point;
-        let terms = point.given_terms..point.terms.len();
-        if terms.len() < 2 {
-            return vec![baseline.clone(); terms.len()];
+        let effects = best.effects();
+        if effects.len() < 2 {
+            return vec![baseline.clone(); effects.len()];
         }
-        terms
-            .map(|term| self.refitted(&point.without(term)))
-            .collect()
+        let without = |effect| self.refitted(&best.fitted.point.without_effect(effect));
+        effects.into_iter().map(without).collect()
     }
 
     /// Drops every effect without which the held-out part is no worse.
@@ -352,7 +353,7 @@ fn passed(trials: &[Trial], count: usize) -> Vec<Explanation> {
 fn several(trials: &[Trial]) -> Vec<Point> {
     let ended = trials.iter().filter(|trial| trial.passed);
     let points = ended.map(|trial| &trial.explanation.fitted.point);
-    let several = points.filter(|point| point.terms.len() > point.given_terms + 1);
+    let several = points.filter(|point| point.effects().len() > 1);
     several.cloned().collect()
 }
 

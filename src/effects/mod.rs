@@ -195,6 +195,14 @@ pub(crate) fn becomes(effect: &str, simpler: &str) -> bool {
     QUASI_STATIC.contains(&(effect, simpler))
 }
 
+/// Effects that are events, of which there may be several.
+const EVENTS: &[&str] = &["external_disturbance"];
+
+/// Whether an effect is an event that may happen again.
+pub(crate) fn recurs(effect: &str) -> bool {
+    EVENTS.contains(&effect)
+}
+
 /// Effects whose misfit has many minima over their size: the frequency falls with it, and what fits is
 /// found where both are right.
 const WINDING: &[&str] = &["backlash"];
