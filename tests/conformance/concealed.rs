@@ -53,9 +53,14 @@ fn scales(machine: &Machine) -> Scales {
 
 /// Simulates the machine with the effect, and adds noise of such a size that the effect is seen.
 pub fn conceal(machine: &Machine, term: Term, seed: u64) -> Concealed {
+    conceal_all(machine, &[term], seed)
+}
+
+/// The same with several effects.
+pub fn conceal_all(machine: &Machine, terms: &[Term], seed: u64) -> Concealed {
     let experiment = experiment(machine);
     let keys = machine.model.keys();
-    let after = seen(machine, &experiment, &keys, &[term], 0.0, &[0.0; 8]);
+    let after = seen(machine, &experiment, &keys, terms, 0.0, &[0.0; 8]);
     let scales = scales(machine);
     let rigid = (machine.model.kind.linear)(&keys, experiment.input);
     let size = match rigid.link {

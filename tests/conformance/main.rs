@@ -8,9 +8,9 @@ mod damper;
 mod machines;
 mod sets;
 
-use concealed::{conceal, typical};
+use concealed::{conceal, conceal_all, typical};
 use machines::{Machine, axis, commanded, gauge, held, joint, looped, oscillator, two_masses};
-use quell::diagnosis::{Diagnosis, Options, Outcome, diagnose};
+use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
 use quell::effects::{EFFECTS, Effect, PLACES, Place};
 use quell::model::{Experiment, Term, simulate};
 use quell::recording::Recording;
@@ -167,6 +167,36 @@ fn a_further_mode_is_found_wherever_it_is() {
             matches!(found, Found::First | Found::InSet),
             "{frequency_hz} Hz: {found:?}"
         );
+    }
+}
+
+/// A machine that was knocked against three times: one finding, which tells when.
+#[test]
+fn knocks_that_come_again_are_one_finding() {
+    let effect = Effect::from_name("external_disturbance").unwrap();
+    let machine = joint();
+    let times = [1.1, 2.9, 4.6];
+    let knocks = [1.0, -0.6, 0.8].into_iter().zip(times);
+    let knock = |(factor, time)| {
+        let mut term = typical(&machine, effect, Place::Environment, factor);
+        term.values[1] = time;
+        term
+    };
+    let knocks: Vec<Term> = knocks.map(knock).collect();
+    let hidden = conceal_all(&machine, &knocks, 1);
+    let said = outcome(&machine, &[hidden.recording]).diagnosis;
+    println!("{}", said.summary);
+    assert_eq!(said.verdict, Verdict::Named);
+    let [finding] = &said.findings[..] else {
+        panic!("{}", said.summary);
+    };
+    let told = finding.parameters.iter();
+    let told = told.filter(|parameter| parameter.name.starts_with("time"));
+    let mut told: Vec<f64> = told.map(|parameter| parameter.value).collect();
+    told.sort_by(f64::total_cmp);
+    assert_eq!(told.len(), times.len());
+    for (told, time) in told.iter().zip(times) {
+        assert!((told - time).abs() < 0.01, "{told} s instead of {time} s");
     }
 }
 
