@@ -9,6 +9,9 @@ use crate::recording::Role;
 
 /// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
 const CHANCE: f64 = 6.0;
+/// Fall of chi-squared by which two further unknowns pay for themselves (Akaike, IEEE Trans. Automatic Control 19
+/// (1974)).
+const LEAN: f64 = 4.0;
 
 impl Search<'_> {
     /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
@@ -100,7 +103,7 @@ impl Search<'_> {
             let theirs = other.effects();
             let mut beside = own.iter().filter(|effect| effect.0 != gain.effect.name);
             let lags = theirs.iter().any(|effect| effect.0 == "sensor_lag");
-            let lean = if too_little && lags { CHANCE } else { -CHANCE };
+            let lean = if too_little && lags { CHANCE } else { -LEAN };
             theirs.len() == own.len()
                 && beside.all(|effect| theirs.contains(effect))
                 && self.criterion(other) < self.criterion(best) + EQUAL * unit
