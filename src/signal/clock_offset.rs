@@ -1,14 +1,16 @@
 //! Offset between two clocks from one recorded move of a flexible joint.
 
 mod quasi_static;
+mod ringing;
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DVector, Dyn, Matrix6, OMatrix, Owned, U6, Vector6};
+use nalgebra::{Matrix6, Vector6};
 use quell_shapers::Mode;
 
 use super::spline::check_series;
-use super::{CubicSpline, ForcedResponse, SignalError};
+use super::{CubicSpline, SignalError};
 use quasi_static::QuasiStatic;
+use ringing::{MARGIN, Problem, mode_of};
 
 /// Result of [`fit_clock_offset`].
 #[derive(Clone, Debug, PartialEq)]
@@ -61,12 +63,7 @@ pub fn fit_clock_offset(
         .into_iter()
         .collect();
     frequencies.extend(start.frequencies(&samples));
-    let best = |ground| {
-        let fits = frequencies
-            .iter()
-            .filter_map(|&frequency| Candidate::fit(motor, &samples, &start, frequency, ground));
-        fits.min_by(|a, b| a.sum.total_cmp(&b.sum))
-    };
+    let best = |ground| Candidate::best(motor, &samples, &start, &frequencies, ground);
     let chosen = match (best(false), best(true)) {
         (Some(across), Some(ground)) => {
             let samples = across.effective.min(ground.effective);
@@ -84,8 +81,6 @@ pub fn fit_clock_offset(
     Ok(fit)
 }
 
-/// Fine offsets up to this, s, are fitted; they keep every sample within the encoder's span.
-const MARGIN: f64 = 0.02;
 /// Gain in log-likelihood from which a damper to ground is believed.
 const LIKELIHOOD_GAIN: f64 = 5.0;
 
@@ -131,70 +126,6 @@ fn coarse_offset(motor: &CubicSpline, time: &[f64], angle: &[f64]) -> f64 {
     best.map_or(0.0, |(_, offset)| offset)
 }
 
-/// Parameters: constant, offset, ln omega, logit of xi, initial deformation and its rate over omega.
-struct Problem<'a> {
-    motor: &'a CubicSpline,
-    samples: &'a [(f64, f64)],
-    ground: bool,
-    scale: f64,
-    parameters: Vector6<f64>,
-}
-
-impl Problem<'_> {
-    /// Residual in units of `scale`, or `None` outside the parameters' range.
-    fn residual(&self, p: &Vector6<f64>) -> Option<DVector<f64>> {
-        let mode = mode_of(p)?;
-        if p[1].is_nan() || p[1].abs() > MARGIN {
-            return None;
-        }
-        let rate = p[5] * mode.natural_frequency();
-        let response = ForcedResponse::new(self.motor, mode, self.ground, (p[4], rate));
-        let rest = self.samples.iter().map(|&(t, angle)| {
-            let time = t - p[1];
-            (p[0] + self.motor.value(time) + response.at(time).0 - angle) / self.scale
-        });
-        Some(DVector::from_iterator(self.samples.len(), rest))
-    }
-}
-
-/// Largest damping ratio that the fit may reach.
-const XI_MAX: f64 = 0.9;
-
-fn mode_of(p: &Vector6<f64>) -> Option<Mode> {
-    Mode::new(p[2].exp(), XI_MAX / (1.0 + (-p[3]).exp())).ok()
-}
-
-impl LeastSquaresProblem<f64, Dyn, U6> for Problem<'_> {
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U6>;
-    type ParameterStorage = Owned<f64, U6>;
-
-    fn set_params(&mut self, p: &Vector6<f64>) {
-        self.parameters = *p;
-    }
-
-    fn params(&self) -> Vector6<f64> {
-        self.parameters
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        self.residual(&self.parameters)
-    }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U6>> {
-        // Central differences: steps of 1e-6 of a radian, a second, a relative frequency, a logit.
-        let mut jacobian = OMatrix::<f64, Dyn, U6>::zeros(self.samples.len());
-        for k in 0..6 {
-            let mut step = Vector6::zeros();
-            step[k] = 1e-6;
-            let high = self.residual(&(self.parameters + step))?;
-            let low = self.residual(&(self.parameters - step))?;
-            jacobian.set_column(k, &((high - low) / 2e-6));
-        }
-        Some(jacobian)
-    }
-}
-
 struct Candidate {
     parameters: Vector6<f64>,
     ground: bool,
@@ -205,18 +136,60 @@ struct Candidate {
     offset_std: f64,
 }
 
+/// Samples in a period of the vibration, and in all, that lead a fit near to where it ends with all of them:
+/// there are six unknowns.
+const IN_A_PERIOD: f64 = 5.0;
+const IN_ALL: usize = 1000;
+/// Mean square of a fit to some samples, in times the least one, from which it is not the best to all: that of
+/// a thousand scatters by `sqrt(2 / 1000)`, less than a fifth of the difference.
+const FAR: f64 = 1.25;
+/// Relative fall of the sum of squares that ends a fit: of ten thousand samples a thousandth of a standard
+/// deviation.
+const LEAST_FALL: f64 = 1e-10;
+
 impl Candidate {
+    /// The best fit from any of the frequencies on: each to some of the samples, then to all those that may
+    /// be the best.
+    fn best(
+        motor: &CubicSpline,
+        samples: &[(f64, f64)],
+        start: &QuasiStatic,
+        frequencies: &[f64],
+        ground: bool,
+    ) -> Option<Self> {
+        let period = (samples[samples.len() - 1].0 - samples[0].0) / (samples.len() - 1) as f64;
+        let near = frequencies.iter().filter_map(|&frequency| {
+            let apart = (std::f64::consts::TAU / (frequency * period * IN_A_PERIOD)) as usize;
+            let apart = apart.min(samples.len() / IN_ALL).max(1);
+            let some: Vec<_> = samples.iter().step_by(apart).copied().collect();
+            Self::fit(motor, &some, start, start.begin(frequency), ground)
+        });
+        let near: Vec<Self> = near.collect();
+        let mean = |fit: &Self| fit.sum / fit.samples;
+        let least = near.iter().map(mean).fold(f64::INFINITY, f64::min);
+        let mut fits: Vec<Self> = Vec::new();
+        for rough in near.iter().filter(|rough| mean(rough) <= FAR * least) {
+            if !fits.iter().any(|fit| fit.is_where(rough)) {
+                fits.extend(Self::fit(motor, samples, start, rough.parameters, ground));
+            }
+        }
+        fits.into_iter().min_by(|a, b| a.sum.total_cmp(&b.sum))
+    }
+
+    /// Whether another fit ended in the same minimum: within a thousandth in frequency, and half a millisecond,
+    /// by which no two minima of an offset are alike.
+    fn is_where(&self, other: &Self) -> bool {
+        let apart = self.parameters - other.parameters;
+        apart[2].abs() < 1e-3 && apart[1].abs() < 5e-4
+    }
+
     fn fit(
         motor: &CubicSpline,
         samples: &[(f64, f64)],
         start: &QuasiStatic,
-        frequency: f64,
+        parameters: Vector6<f64>,
         ground: bool,
     ) -> Option<Self> {
-        let offset = start.offset.clamp(-0.5 * MARGIN, 0.5 * MARGIN);
-        // xi = 0.05 to begin with.
-        let logit = -(XI_MAX / 0.05 - 1.0f64).ln();
-        let parameters = Vector6::new(start.angle_offset, offset, frequency.ln(), logit, 0.0, 0.0);
         let scale = start.rms.max(f64::MIN_POSITIVE);
         let problem = Problem {
             motor,
@@ -226,6 +199,7 @@ impl Candidate {
             parameters,
         };
         let (problem, _) = LevenbergMarquardt::new()
+            .with_ftol(LEAST_FALL)
             .with_patience(50)
             .minimize(problem);
         let residual = problem.residuals()?;

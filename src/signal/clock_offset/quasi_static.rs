@@ -1,8 +1,10 @@
 //! Where the fit of a clock's offset begins: the joint as a spring that does not ring.
 
+use super::ringing::{MARGIN, XI_MAX};
 use super::{ClockFit, effective_samples};
 use crate::signal::spectrum::{Window, spectrum};
 use crate::signal::{CubicSpline, SignalError};
+use nalgebra::Vector6;
 
 /// `angle - u = theta_0 - tau u' - kappa u''`: the joint as a spring without ringing.
 pub(super) struct QuasiStatic {
@@ -82,6 +84,13 @@ impl QuasiStatic {
             .chain(peak)
             .filter(|w| (range.0..range.1).contains(w))
             .collect()
+    }
+
+    /// Parameters that a fit of a mode begins with: at a damping ratio of 0.05, at rest.
+    pub fn begin(&self, frequency: f64) -> Vector6<f64> {
+        let offset = self.offset.clamp(-0.5 * MARGIN, 0.5 * MARGIN);
+        let logit = -(XI_MAX / 0.05 - 1.0f64).ln();
+        Vector6::new(self.angle_offset, offset, frequency.ln(), logit, 0.0, 0.0)
     }
 
     pub fn result(&self) -> ClockFit {
