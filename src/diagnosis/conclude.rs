@@ -73,9 +73,12 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     }
     // What is left in plain sight is not explained, however much more there was.
     let seen = !search.below(&found.best, PLAIN);
-    let explains = search.explains(&found.baseline, &found.best)
+    let noise = search.at_noise(&found.best) && search.held_at_floor(&found.best);
+    // A second law takes up what the shape of the first one leaves: beside it nothing else may be left.
+    let shape = found.best.effects().len() == 1
+        && search.explains(&found.baseline, &found.best)
         && search.predicts(&found.baseline, &found.best);
-    if seen || !explains {
+    if seen || !(noise || shape) {
         return Verdict::PartlyExplained;
     }
     match found.equals.is_empty() {

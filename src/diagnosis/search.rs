@@ -251,7 +251,7 @@ impl Search<'_> {
 
     /// Whether nothing but noise is left, on what was fitted or on all: what holds on moves that were never seen
     /// is not undone by a few instants of the others.
-    fn at_noise(&self, explanation: &Explanation) -> bool {
+    pub fn at_noise(&self, explanation: &Explanation) -> bool {
         self.at_floor(explanation) || self.all_at_noise(explanation)
     }
 
