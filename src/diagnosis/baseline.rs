@@ -1,7 +1,8 @@
 //! The given model, refitted: problem, noise floor, held-out part.
 
 use super::fit::{Fitted, Projector};
-use super::problem::{Point, Problem, Rows};
+use super::point::Point;
+use super::problem::{Problem, Rows};
 use super::search::LONG;
 use super::split::{self, HeldOut};
 use super::start::{departure_scale, departures};

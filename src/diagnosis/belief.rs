@@ -1,7 +1,8 @@
 //! What the engineer believes, as rows of the fit: departures from the given values in standard
 //! deviations.
 
-use super::problem::{Global, Point, Problem};
+use super::point::{Global, Point};
+use super::problem::Problem;
 use std::f64::consts::TAU;
 
 /// A departure from what is believed, in standard deviations, and its derivatives to the unknowns.

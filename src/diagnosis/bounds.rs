@@ -1,6 +1,7 @@
 //! Between which bounds the unknowns lie, and how large a change of them is typical.
 
-use super::problem::{Global, Point, Problem};
+use super::point::{Global, Point};
+use super::problem::Problem;
 use crate::effects::Quantity;
 use crate::model::Term;
 use crate::model::chain::MotorSide;

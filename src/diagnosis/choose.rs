@@ -1,8 +1,9 @@
 //! Which of explanations that are nearly equal is told, and which are told beside it.
 
 use super::explanation::Explanation;
+use super::found::Trial;
 use super::screen::candidates;
-use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, Trial, ratio};
+use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, ratio};
 use crate::effects::{Quantity, becomes, contains, limits, parts};
 use crate::model::Term;
 use crate::recording::Role;

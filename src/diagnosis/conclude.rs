@@ -3,10 +3,11 @@
 use super::bootstrap::{Scatter, bootstrap};
 use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
+use super::found::{Found, Trial};
 use super::locate::Located;
-use super::problem::Global;
+use super::point::Global;
 use super::quality::{level, quality};
-use super::search::{EQUAL, Found, Search, Trial};
+use super::search::{EQUAL, Search};
 use crate::effects::{Place, parts};
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;

@@ -7,7 +7,8 @@
 
 use super::fit::{Evaluated, Fitted, Linearised, Projector};
 use super::normal::solve;
-use super::problem::{Point, Problem};
+use super::point::Point;
+use super::problem::Problem;
 use crate::effects::has_many_minima;
 use nalgebra::{DMatrix, DVector};
 

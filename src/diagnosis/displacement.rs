@@ -1,6 +1,7 @@
 //! Displacements in the space of unknowns: the shared ones first, then those of each experiment.
 
-use super::problem::{Global, Point, Problem};
+use super::point::{Global, Point};
+use super::problem::Problem;
 use crate::model::Experiment;
 use nalgebra::DVector;
 

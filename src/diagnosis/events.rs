@@ -2,7 +2,7 @@
 
 use super::descent::Descent;
 use super::explanation::Explanation;
-use super::problem::{Global, Point};
+use super::point::{Global, Point};
 use super::race::SHORT;
 use super::search::{STRONG, Search};
 use crate::effects::recurs;

@@ -2,7 +2,8 @@
 
 use super::baseline::{self, Data};
 use super::fit::{Fitted, Projector};
-use super::problem::{Point, Problem, Rows};
+use super::point::Point;
+use super::problem::{Problem, Rows};
 use super::split;
 use super::start::ringing;
 use crate::effects::{Place, Scales};

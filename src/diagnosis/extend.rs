@@ -2,10 +2,11 @@
 
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::problem::Point;
+use super::found::Trial;
+use super::point::Point;
 use super::race::Race;
 use super::screen::{Start, screen};
-use super::search::{GATE, STRONG, Search, Trial, ratio, sort};
+use super::search::{GATE, STRONG, Search, ratio, sort};
 use crate::effects::Place;
 
 /// Candidates that are fitted after the screen.

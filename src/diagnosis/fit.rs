@@ -5,7 +5,8 @@
 //! Source: Marquardt, SIAM J. Applied Mathematics 11 (1963); Golub and Pereyra, Inverse Problems 19
 //! (2003) on separable least squares.
 
-use super::problem::{Global, Point, Problem, Run};
+use super::point::{Global, Point};
+use super::problem::{Problem, Run};
 use crate::effects::has_many_minima;
 use nalgebra::{DMatrix, DVector};
 

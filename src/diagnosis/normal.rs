@@ -2,7 +2,8 @@
 
 use super::belief::Belief;
 use super::fit::Linearised;
-use super::problem::{Global, Point, Problem};
+use super::point::{Global, Point};
+use super::problem::Problem;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 impl Problem<'_> {

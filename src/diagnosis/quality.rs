@@ -2,7 +2,8 @@
 
 use super::document::{Fit, Quality};
 use super::explanation::Explanation;
-use super::problem::{Point, Problem, Rows};
+use super::point::Point;
+use super::problem::{Problem, Rows};
 use super::search::Search;
 
 /// Root mean square residuals in the unit of the first output, and in times the noise of each recording.

@@ -1,7 +1,7 @@
 //! What the reader of a diagnosis should know besides the verdict.
 
+use super::found::Found;
 use super::problem::Problem;
-use super::search::Found;
 use crate::recording::Recording;
 use crate::recording::health::{JITTER, health};
 

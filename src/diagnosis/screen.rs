@@ -8,7 +8,8 @@
 //! against it: what is left of a large shift in second order would else hide it.
 
 use super::fit::{Linearised, Projector, orthonormal};
-use super::problem::{Point, Problem, Run};
+use super::point::Point;
+use super::problem::{Problem, Run};
 use crate::effects::{EFFECTS, Effect, Place};
 use crate::model::Term;
 use nalgebra::{Complex, DMatrix, DVector};

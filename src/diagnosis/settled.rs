@@ -4,9 +4,10 @@
 use super::explanation::{Explanation, Judge};
 use super::extend::Known;
 use super::fit::Projector;
+use super::found::{Found, Trial};
 use super::problem::Problem;
 use super::run::Progress;
-use super::search::{Found, Search, Trial};
+use super::search::Search;
 use super::weights::measured_again;
 
 /// What a refitted model lacks.

@@ -1,6 +1,7 @@
 //! Units in which a model's forces and positions are told.
 
-use super::problem::{Point, Problem};
+use super::point::Point;
+use super::problem::Problem;
 use crate::effects::Units;
 use crate::model::{Experiment, Output};
 use crate::recording::{Role, Unit};

@@ -6,7 +6,7 @@
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::extend::Candidate;
-use super::problem::{Global, Point};
+use super::point::{Global, Point};
 use super::race::{Race, SECOND, SHORT};
 use super::screen::candidates;
 use super::search::Search;

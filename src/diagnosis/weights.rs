@@ -2,7 +2,8 @@
 //! leaves of each.
 
 use super::noise::{LOUDER, noise};
-use super::problem::{Point, Problem};
+use super::point::Point;
+use super::problem::Problem;
 use super::search::FLOOR;
 use super::whitening::Whitening;
 use crate::model::Experiment;

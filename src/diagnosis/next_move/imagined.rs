@@ -3,7 +3,7 @@
 use super::programme::positions;
 use super::seen::Seen;
 use crate::diagnosis::document::ProposedMove;
-use crate::diagnosis::problem::{Local, Point};
+use crate::diagnosis::point::{Local, Point};
 use crate::model::{Experiment, Grid, Kind, Output, simulate_windows};
 use crate::recording::Role;
 

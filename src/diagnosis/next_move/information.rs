@@ -1,7 +1,8 @@
 //! What data say about the shared unknowns of an explanation, as a quadratic form. Forms add.
 
 use crate::diagnosis::normal::{scales, solve};
-use crate::diagnosis::problem::{Point, Problem};
+use crate::diagnosis::point::Point;
+use crate::diagnosis::problem::Problem;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::ops::Add;
 

@@ -16,7 +16,8 @@ mod words;
 
 use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
-use super::search::{EQUAL, Found, Search};
+use super::found::Found;
+use super::search::{EQUAL, Search};
 use crate::effects::{Place, contains};
 use advice::advice;
 use contest::Contest;
@@ -65,8 +66,8 @@ type Effects = Vec<(&'static str, Place)>;
 
 /// The best explanation and one of its equals.
 struct Pair<'a> {
-    right: &'a super::problem::Point,
-    wrong: &'a super::problem::Point,
+    right: &'a super::point::Point,
+    wrong: &'a super::point::Point,
     best: Effects,
     equal: Effects,
     /// Whether the equal is taken to be right.

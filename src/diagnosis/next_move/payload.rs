@@ -1,6 +1,7 @@
 //! A change of payload: the link's inertia, known, times a factor.
 
-use crate::diagnosis::problem::{Point, Problem};
+use crate::diagnosis::point::Point;
+use crate::diagnosis::problem::Problem;
 
 /// The link's inertia times a factor; 1 for the machine as it was recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
