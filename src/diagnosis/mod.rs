@@ -19,6 +19,7 @@ mod fit;
 mod found;
 mod hops;
 mod locate;
+mod looks;
 mod next_move;
 mod noise;
 mod noise_colour;
@@ -51,6 +52,7 @@ pub use document::{
     Verdict,
 };
 pub use locate::{Dynamics, Located, Residual, locate};
-pub use run::{Options, Outcome, Progress, diagnose};
+pub use looks::diagnose;
+pub use run::{Options, Outcome, Progress};
 pub use score::{Predicted, Score, predict, score};
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

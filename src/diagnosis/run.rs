@@ -1,8 +1,8 @@
-//! From a model and recordings to a diagnosis.
+//! One investigation, from experiments to a diagnosis; a second one where something changed with time.
 
-use super::baseline::{Data, DiagnosisError, problem, refit};
+use super::baseline::{Data, problem, refit};
 use super::conclude::{better_model, conclude, reported};
-use super::document::{Diagnosis, Verdict};
+use super::document::Diagnosis;
 use super::draw::draw;
 use super::explanation::{Explanation, Judge};
 use super::extend::Known;
@@ -13,11 +13,9 @@ use super::next_move::next_move;
 use super::point::Point;
 use super::problem::Problem;
 use super::remarks::recorded;
-use super::score::score;
 use super::search::{EQUAL, LONG, Search, ratio};
 use super::settled::{search, settled};
 use super::start::ringing;
-use super::stretches::stretches;
 use super::traces::Traces;
 use super::weights::measure_noise;
 use crate::model::{Experiment, Model, simulate_windows};
@@ -50,84 +48,8 @@ pub struct Outcome {
 /// How told: the share of the work that is done, and what is being done.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
-/// Says what physics a model lacks, from recordings of the machine.
-///
-/// `held_out` recordings judge what `train` was fitted to; without them the last third of the moves is
-/// kept apart. The same input and seed give the same answer.
-///
-/// # Errors
-/// [`DiagnosisError`] where a recording does not suit the model.
-pub fn diagnose(
-    model: &Model,
-    train: &[Recording],
-    held_out: &[Recording],
-    options: &Options,
-    progress: Progress,
-) -> Result<Outcome, DiagnosisError> {
-    progress(0.0, "reading the recordings");
-    if train.is_empty() {
-        return Err(DiagnosisError::NoRecording);
-    }
-    let (train, mut left_out) = stretches(train);
-    let (held_out, also) = stretches(held_out);
-    left_out.extend(also);
-    let mut outcome = diagnose_stretches(model, &train, &held_out, options, progress)?;
-    outcome.diagnosis.remarks.splice(0..0, left_out);
-    Ok(outcome)
-}
-
-/// Of recordings that are no longer than they need to be.
-fn diagnose_stretches(
-    model: &Model,
-    train: &[Recording],
-    held_out: &[Recording],
-    options: &Options,
-    progress: Progress,
-) -> Result<Outcome, DiagnosisError> {
-    let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
-    let look = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
-    if fitted[0].windows.is_empty() {
-        return Ok(look((fitted, apart), &Known::default()).0);
-    }
-    let whole = (in_one(&fitted), in_one(&apart));
-    let windowed = match apart.is_empty() {
-        // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
-        true => in_two(model, train, &fitted)?,
-        false => (fitted, apart),
-    };
-    // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
-    // many minima. In windows there are few, and what was found in them says where to start. But what is
-    // small shows in one piece only.
-    let (mut in_windows, points) = look(windowed, &Known::default());
-    let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
-        drives an axis freely add up without bound.";
-    in_windows.diagnosis.remarks.push(remark.into());
-    let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
-    let (in_one, _) = look(whole, &Known { points, alone });
-    if explains(&in_one) {
-        return Ok(in_one);
-    }
-    let better = alone || misses(&in_windows.model, train) < misses(&in_one.model, train);
-    Ok(if better { in_windows } else { in_one })
-}
-
-/// Whether a diagnosis leaves only noise.
-fn explains(outcome: &Outcome) -> bool {
-    use Verdict::{Ambiguous, Named, NoMismatch};
-    matches!(outcome.diagnosis.verdict, NoMismatch | Named | Ambiguous)
-}
-
-/// By how much a model misses recordings, replayed in one piece: the mean square in units of the noise.
-fn misses(model: &Model, recordings: &[Recording]) -> f64 {
-    let square = |recording| match score(model, recording) {
-        Ok(score) => score.rms_over_noise.powi(2),
-        Err(_) => f64::INFINITY,
-    };
-    recordings.iter().map(square).sum()
-}
-
 /// What experiments, and others held apart, say; and the explanations that were looked at.
-fn attempt(
+pub(super) fn attempt(
     model: &Model,
     train: &[Recording],
     (fitted, apart): (Vec<Experiment>, Vec<Experiment>),
@@ -160,13 +82,6 @@ fn attempt(
     }
 }
 
-/// The same experiments without starts within them.
-fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
-    let mut whole = experiments.to_vec();
-    whole.iter_mut().for_each(|e| e.windows.clear());
-    whole
-}
-
 /// Where there are several recordings, each series that is drawn bears the name of its own.
 fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome {
     if recordings.len() > 1 {
@@ -184,34 +99,6 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
 const INTERLEAVED_PERIODS: f64 = 3.0;
 /// Held-out chi-squared per row over the fitted part's, above which something changed with time.
 const SURPRISE: f64 = 2.0;
-
-fn experiments(model: &Model, recordings: &[Recording]) -> Result<Vec<Experiment>, DiagnosisError> {
-    let mut all = Vec::new();
-    for recording in recordings {
-        all.push(Experiment::new(model, recording)?);
-    }
-    Ok(all)
-}
-
-/// The first two thirds of the windows of each recording, and the last third.
-fn in_two(
-    model: &Model,
-    recordings: &[Recording],
-    whole: &[Experiment],
-) -> Result<(Vec<Experiment>, Vec<Experiment>), DiagnosisError> {
-    let (mut fitted, mut apart) = (Vec::new(), Vec::new());
-    for (recording, experiment) in recordings.iter().zip(whole) {
-        let count = experiment.windows.len();
-        let Some(cut) = experiment.windows.get(2 * count / 3) else {
-            fitted.push(experiment.clone());
-            continue;
-        };
-        let (before, after) = recording.at(cut.time);
-        fitted.push(Experiment::new(model, &before)?);
-        apart.push(Experiment::new(model, &after)?);
-    }
-    Ok((fitted, apart))
-}
 
 /// How an investigation ends.
 enum Ending {
@@ -239,24 +126,7 @@ fn investigate(
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
-    tracing::debug!(
-        times = ?located.suspects,
-        frequencies = ?located.suspect_frequencies,
-        orders = ?located.suspect_orders,
-        "suspects"
-    );
-    let scales = &mut problem.scales;
-    scales.suspects.clone_from(&located.suspects);
-    scales
-        .suspect_frequencies
-        .clone_from(&located.suspect_frequencies);
-    scales.suspect_orders.clone_from(&located.suspect_orders);
-    scales.suspect_stops.clone_from(&located.suspect_stops);
-    if problem.scales.forced {
-        let residual = problem.explained(&baseline.fitted.point, 0);
-        let output = &problem.experiments[0].outputs[0];
-        problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
-    }
+    suspect(&mut problem, &located, &baseline);
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
     let found = settled(&mut problem, &mut projector, &judge, baseline, told);
@@ -278,6 +148,28 @@ fn investigate(
         traces,
     };
     Ending::Told(Box::new(outcome), points)
+}
+
+/// Tells the catalogue where to look.
+fn suspect(problem: &mut Problem, located: &Located, baseline: &Explanation) {
+    tracing::debug!(
+        times = ?located.suspects,
+        frequencies = ?located.suspect_frequencies,
+        orders = ?located.suspect_orders,
+        "suspects"
+    );
+    let scales = &mut problem.scales;
+    scales.suspects.clone_from(&located.suspects);
+    scales
+        .suspect_frequencies
+        .clone_from(&located.suspect_frequencies);
+    scales.suspect_orders.clone_from(&located.suspect_orders);
+    scales.suspect_stops.clone_from(&located.suspect_stops);
+    if problem.scales.forced {
+        let residual = problem.explained(&baseline.fitted.point, 0);
+        let output = &problem.experiments[0].outputs[0];
+        problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
+    }
 }
 
 /// Whether what is held out is unlike what was fitted; or what explains the latter best, by far, fails on
