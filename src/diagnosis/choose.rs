@@ -10,10 +10,6 @@ use crate::recording::Role;
 
 /// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
 const CHANCE: f64 = 6.0;
-/// Fall of chi-squared by which two further unknowns pay for themselves (Akaike, IEEE Trans. Automatic Control 19
-/// (1974)).
-const LEAN: f64 = 4.0;
-
 impl Search<'_> {
     /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
     /// than a law's shape could be wrong.
@@ -82,9 +78,9 @@ impl Search<'_> {
     }
 
     /// What is told instead of a sensor of positions in space that sees another part of the deformation than
-    /// there is. Too much or too little is mostly a further mode far above the motion (residual flexibility:
-    /// Ewins, Modal Testing (2000), chapter 5), told where the data lean to it at all; too little is first of all
-    /// a lag of the sensor, by `(omega_n T)^2 / 2` beside its delay, told unless the data lean against it.
+    /// there is, unless the data lean against it: no such sensor does by itself. Where it sees too little, a lag,
+    /// by `(omega_n T)^2 / 2` beside its delay; else a further mode far above the motion (residual flexibility:
+    /// Ewins, Modal Testing (2000), chapter 5).
     pub(super) fn flexibility<'t>(
         &self,
         best: &Explanation,
@@ -94,22 +90,15 @@ impl Search<'_> {
         let absolute = outputs
             .iter()
             .all(|output| output.role != Role::Deformation);
-        let own = best.effects();
         let point = &best.fitted.point;
         let mut added = point.terms[point.given_terms..].iter();
         let gain = added.find(|term| term.effect.name == "deformation_gain")?;
         let too_little = gain.values[0] < 0.0;
-        let unit = self.unit(best);
         let instead = |other: &&Explanation| {
-            let theirs = other.effects();
-            let mut beside = own.iter().filter(|effect| effect.0 != gain.effect.name);
-            let lags = theirs.iter().any(|effect| effect.0 == "sensor_lag");
-            let lean = if too_little && lags { CHANCE } else { -LEAN };
-            theirs.len() == own.len()
-                && beside.all(|effect| theirs.contains(effect))
-                && self.criterion(other) < self.criterion(best) + EQUAL * unit
-                && other.fitted.cost < best.fitted.cost + lean * unit
-                && !self.is_stretched(other)
+            exchanged(best, other).is_some_and(|(own, theirs)| {
+                let lags = too_little && theirs == "sensor_lag";
+                own == gain.effect.name && (lags || becomes(theirs, own))
+            }) && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
         };
         let sound = pool.iter().filter(|trial| absolute && trial.passed);
         self.lowest(sound.map(|trial| &trial.explanation).filter(instead))
@@ -148,13 +137,8 @@ impl Search<'_> {
     /// Whether another explanation has a law that acts as the best one's simpler law: the unknowns that it has
     /// besides are not determined, and do not count.
     fn stands_in(&self, best: &Explanation, other: &Explanation) -> bool {
-        let (own, theirs) = (best.effects(), other.effects());
-        let mut new = theirs.iter().filter(|effect| !own.contains(effect));
-        let mut gone = own.iter().filter(|effect| !theirs.contains(effect));
-        let one =
-            matches!((new.next(), gone.next()), (Some(new), Some(gone)) if becomes(new.0, gone.0));
-        let no_other = new.next().is_none() && gone.next().is_none();
-        one && no_other && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
+        let simpler = exchanged(best, other).is_some_and(|(own, theirs)| becomes(theirs, own));
+        simpler && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
     }
 
     /// A pair, each of its effects chosen anew beside the other: the first was chosen without the second. What is
@@ -265,5 +249,16 @@ impl Search<'_> {
             }
         }
         best
+    }
+}
+
+/// The effect of one explanation that another has another one for, and that one, where all others are the same.
+fn exchanged(own: &Explanation, other: &Explanation) -> Option<(&'static str, &'static str)> {
+    let (own, theirs) = (own.effects(), other.effects());
+    let mut gone = own.iter().filter(|effect| !theirs.contains(effect));
+    let mut new = theirs.iter().filter(|effect| !own.contains(effect));
+    match (gone.next(), gone.next(), new.next(), new.next()) {
+        (Some(gone), None, Some(new), None) => Some((gone.0, new.0)),
+        _ => None,
     }
 }

@@ -262,6 +262,16 @@ fn with_all(arm: &Arm, scales: &Scales, hidden: &[Concealed]) -> Arm {
     hurt
 }
 
+/// Names that no motion tells from what was hidden: to a sensor of positions a mode far above the motion is a
+/// gain of the deformation.
+fn equivalents(arm: &Arm, hidden: &[Concealed]) -> Vec<String> {
+    let gain = |concealed: &Concealed| concealed.entry.name == "deformation_gain";
+    match arm.channel != Channel::Deformation && hidden.iter().any(gain) {
+        true => ["second_mode", "base_mode"].map(String::from).to_vec(),
+        false => Vec::new(),
+    }
+}
+
 fn truth(
     arm: &Arm,
     instruments: &Instruments,
@@ -283,7 +293,7 @@ fn truth(
     });
     Truth {
         effects: hidden.iter().map(effect).collect(),
-        equivalents: Vec::new(),
+        equivalents: equivalents(arm, hidden),
         in_catalogue: hidden.iter().all(|concealed| concealed.entry.in_catalogue),
         natural_frequency_hz: Some(natural_frequency / TAU),
         damping_ratio: Some(damping_ratio),

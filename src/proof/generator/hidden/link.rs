@@ -62,11 +62,10 @@ fn on_outer(shape: [f64; 4]) -> bool {
     shape[2] < 0.6
 }
 
-/// Far above the motion a further spring only bends with the first one.
+/// Far above the motion a further spring only bends with the first one; a sensor on the inner body misses that.
 fn only_its_flexibility(arm: &mut Arm, _: &Scales, shape: [f64; 4], _: f64, by: [f64; 2]) {
-    if on_outer(shape) {
-        arm.faults.deformation_gain = by[0] / outer_ratio(shape).powi(2);
-    }
+    let seen = if on_outer(shape) { 1.0 } else { -1.0 };
+    arm.faults.deformation_gain = seen * by[0] / outer_ratio(shape).powi(2);
 }
 
 /// A body whose own spring gives it this frequency (rad/s) and damping ratio.
