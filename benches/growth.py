@@ -140,7 +140,7 @@ def main():
     parser.add_argument("--diagnosed", type=float, help="the longest that is diagnosed [default: as --longest]")
     parser.add_argument("--recordings", type=int, default=64)
     parser.add_argument("--limit", type=float, default=1800.0, help="seconds that one command may take")
-    parser.add_argument("--verbs", nargs="+", default=["inspect", "identify", "score", "diagnose", "batch"])
+    parser.add_argument("--verbs", nargs="+", default=["inspect", "identify", "simulate", "score", "diagnose", "batch"])
     options = parser.parse_args()
     program = str(Path(options.quell).resolve())
     with tempfile.TemporaryDirectory() as name:
@@ -154,6 +154,7 @@ def main():
         verbs = {
             "inspect": lambda path: ["inspect", path],
             "identify": lambda path: ["identify", path, *out],
+            "simulate": lambda path: ["simulate", str(model), path, "--out", str(work / "prediction.csv")],
             "score": lambda path: ["score", str(model), path],
             "diagnose": lambda path: ["diagnose", "--model", str(model), path, *out],
         }

@@ -7,7 +7,8 @@ mod words;
 use super::{CliError, output};
 use crate::estimators::ESTIMATORS;
 use crate::identification::{
-    Identification, IdentificationError, ModelError, NominalModel, Prior, Series, identify, prepare,
+    Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series, identify,
+    prepare,
 };
 use crate::recording::Recording;
 use std::path::PathBuf;
@@ -104,16 +105,28 @@ pub fn run(args: Args) -> Result<(), CliError> {
 
 /// The text that the verb prints.
 fn tables(findings: &Findings) -> String {
-    let found = &findings.found;
+    let remarks: String = words::remarks(findings)
+        .iter()
+        .map(|remark| format!("- {remark}\n"))
+        .collect();
+    let (on_line, off_line) = (
+        on_line(&findings.found),
+        off_line(findings.found.reference()),
+    );
+    format!("{}\n\n{on_line}\n{off_line}\n{remarks}", findings.recording)
+}
+
+/// What every estimator says, over the run that is quoted of it.
+fn on_line(found: &Identification) -> String {
+    let figure = |value: Option<f64>, digits: usize| {
+        value
+            .filter(|v| v.is_finite())
+            .map_or("-".into(), |v| format!("{v:.digits$}"))
+    };
     let rows = ESTIMATORS.iter().enumerate().map(|(index, line)| {
         let run = found.quoted(index);
         let result = run.and_then(|run| run.estimator(line.name));
         let estimate = result.and_then(|result| result.estimate);
-        let figure = |value: Option<f64>, digits: usize| {
-            value
-                .filter(|v| v.is_finite())
-                .map_or("-".into(), |v| format!("{v:.digits$}"))
-        };
         let tau = core::f64::consts::TAU;
         [
             line.name.to_string(),
@@ -124,37 +137,32 @@ fn tables(findings: &Findings) -> String {
             figure(estimate.map(|e| e.gain), 4),
             figure(result.and_then(|r| r.converged_at), 3),
             figure(result.and_then(|r| r.periods), 2),
-            run.map_or("-".into(), words::stretch),
+            run.map_or("-".into(), words::shown),
         ]
     });
-    let on_line = output::table(
+    let heads = [
+        "on-line",
+        "f_hz",
+        "std",
+        "xi",
+        "std",
+        "gain",
+        "converged_s",
+        "periods",
+        "over",
+    ];
+    output::table(heads, rows)
+}
+
+/// What the references say of a run.
+fn off_line(run: &Run) -> String {
+    let rows = run.off_line.iter().map(|line| {
         [
-            "on-line",
-            "f_hz",
-            "std",
-            "xi",
-            "std",
-            "gain",
-            "converged_s",
-            "periods",
-            "over",
-        ],
-        rows,
-    );
-    let off_line = output::table(
-        ["off-line", "f_hz", "xi", "over"],
-        found.reference().off_line.iter().map(|line| {
-            [
-                line.method.to_string(),
-                format!("{:.3}", line.mode.hertz()),
-                format!("{:.4}", line.mode.damping_ratio()),
-                words::stretch(found.reference()),
-            ]
-        }),
-    );
-    let remarks: String = words::remarks(findings)
-        .iter()
-        .map(|remark| format!("- {remark}\n"))
-        .collect();
-    format!("{}\n\n{on_line}\n{off_line}\n{remarks}", findings.recording)
+            line.method.to_string(),
+            format!("{:.3}", line.mode.hertz()),
+            format!("{:.4}", line.mode.damping_ratio()),
+            words::used(run),
+        ]
+    });
+    output::table(["off-line", "f_hz", "xi", "over"], rows)
 }

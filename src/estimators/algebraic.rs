@@ -163,6 +163,43 @@ impl Algebraic {
         self.settings.memory.min(1.5 * core::f64::consts::TAU / w)
     }
 
+    /// Takes a sample into the integrals of all signals; the time since the one before in this stretch, s.
+    fn integrate(&mut self, sample: Sample) -> f64 {
+        let state = &mut self.state;
+        let last = state.last.filter(|_| state.first.is_some());
+        let step = last.map_or(0.0, |last| sample.time - last.time);
+        state.last = Some(sample);
+        let first = *state.first.get_or_insert(sample);
+        let t = sample.time - first.time;
+        let moved = sample.motor_position - first.motor_position;
+        // The paper's third column is the position itself; the form with y needs the motion only.
+        let input = if self.form == AlgebraicForm::Paper {
+            sample.motor_position
+        } else {
+            moved
+        };
+        state.moved = state.moved.max(moved.abs());
+        state.position_seen = state.position_seen.max(sample.motor_position.abs());
+        state.largest = state.largest.max(sample.deformation.abs());
+        state.position.push(t, moved + sample.deformation, step);
+        state.deformation.push(t, sample.deformation, step);
+        state.input.push(t, input, step);
+        state.constant.push(t, 1.0, step);
+        step
+    }
+
+    /// Adds the equation at the last sample, which counts for a step (s).
+    fn equate(&mut self, step: f64) {
+        let (mut row, mut value) = self.row();
+        if self.form == AlgebraicForm::Integrated {
+            for (k, entry) in row.iter_mut().enumerate() {
+                *entry = self.state.extra[k].push(*entry, step);
+            }
+            value = self.state.extra[COLUMNS].push(value, step);
+        }
+        self.state.equations.push(row, value, step);
+    }
+
     fn solve(&mut self, time: f64) {
         let Some([stiffness, damping, third, ..]) = self.state.equations.solve(self.used()) else {
             return;
@@ -178,18 +215,12 @@ impl Algebraic {
 
 impl Estimator for Algebraic {
     fn observe(&mut self, sample: Sample) {
-        if !sample.is_finite() || self.settling.is_frozen() {
+        let advances = self.state.last.is_none_or(|last| sample.time > last.time);
+        if !(sample.is_finite() && advances) || self.settling.is_frozen() {
             return;
         }
-        let step = self.state.last.map_or(0.0, |last| sample.time - last.time);
-        if self.state.last.is_some() && step <= 0.0 {
-            return;
-        }
-        if self
-            .state
-            .first
-            .is_some_and(|first| sample.time - first.time >= self.stretch())
-        {
+        let begun = self.state.first;
+        if begun.is_some_and(|first| sample.time - first.time >= self.stretch()) {
             if !self.state.hearing.hears(self.settings.noise_std) {
                 // Noise alone: nothing of it shall weigh on the vibration to come.
                 self.state.equations = LeastSquares::default();
@@ -197,38 +228,8 @@ impl Estimator for Algebraic {
             self.state.begin_stretch();
         }
         self.state.hearing.push(sample.deformation);
-        let step = if self.state.first.is_some() {
-            step
-        } else {
-            0.0
-        };
-        self.state.last = Some(sample);
-        let first = *self.state.first.get_or_insert(sample);
-        let t = sample.time - first.time;
-        let moved = sample.motor_position - first.motor_position;
-        // The paper's third column is the position itself; the form with y needs the motion only.
-        let input = if self.form == AlgebraicForm::Paper {
-            sample.motor_position
-        } else {
-            moved
-        };
-        self.state.moved = self.state.moved.max(moved.abs());
-        self.state.position_seen = self.state.position_seen.max(sample.motor_position.abs());
-        self.state.largest = self.state.largest.max(sample.deformation.abs());
-        self.state
-            .position
-            .push(t, moved + sample.deformation, step);
-        self.state.deformation.push(t, sample.deformation, step);
-        self.state.input.push(t, input, step);
-        self.state.constant.push(t, 1.0, step);
-        let (mut row, mut value) = self.row();
-        if self.form == AlgebraicForm::Integrated {
-            for (k, entry) in row.iter_mut().enumerate() {
-                *entry = self.state.extra[k].push(*entry, step);
-            }
-            value = self.state.extra[COLUMNS].push(value, step);
-        }
-        self.state.equations.push(row, value, step);
+        let step = self.integrate(sample);
+        self.equate(step);
         if self.state.hearing.hears(self.settings.noise_std) {
             self.solve(sample.time);
         }

@@ -101,6 +101,21 @@ impl SuperTwisting {
         FILTER * core::f64::consts::TAU * 1.25 / self.bound
     }
 
+    /// Adds the equation `v_f' = -a1 x_f - a2 v_f` at the last sample, which counts for a step (s).
+    fn equate(&mut self, step: f64) {
+        let tau = self.time_constant();
+        let state = &mut self.state;
+        let row = [
+            -state.filtered_position.second,
+            -state.filtered_velocity.second,
+            0.0,
+            state.filtered_offset.second,
+            0.0,
+        ];
+        let slope = state.filtered_velocity.slope(tau);
+        state.equations.push(row, slope, step);
+    }
+
     /// The observer over one sample's interval, its input a line between the samples.
     fn track(&mut self, last: Sample, sample: Sample) {
         let interval = sample.time - last.time;
@@ -133,21 +148,28 @@ impl SuperTwisting {
     }
 }
 
+impl State {
+    /// Takes the first sample: the observer begins where it is.
+    fn begin_with(&mut self, sample: Sample) {
+        self.hearing.push(sample.deformation);
+        self.begin = sample.time;
+        self.position = sample.deformation;
+        self.largest = sample.deformation.abs();
+        self.filtered_position = TwoPole {
+            first: sample.deformation,
+            second: sample.deformation,
+        };
+        self.last = Some(sample);
+    }
+}
+
 impl Estimator for SuperTwisting {
     fn observe(&mut self, sample: Sample) {
         if !sample.is_finite() || self.settling.is_frozen() {
             return;
         }
         let Some(last) = self.state.last else {
-            self.state.hearing.push(sample.deformation);
-            self.state.begin = sample.time;
-            self.state.position = sample.deformation;
-            self.state.largest = sample.deformation.abs();
-            self.state.filtered_position = TwoPole {
-                first: sample.deformation,
-                second: sample.deformation,
-            };
-            self.state.last = Some(sample);
+            self.state.begin_with(sample);
             return;
         };
         if sample.time <= last.time {
@@ -166,19 +188,9 @@ impl Estimator for SuperTwisting {
         if sample.time < begin || !self.state.hearing.hears(self.settings.noise_std) {
             return;
         }
-        let tau = self.time_constant();
-        let state = &mut self.state;
-        let row = [
-            -state.filtered_position.second,
-            -state.filtered_velocity.second,
-            0.0,
-            state.filtered_offset.second,
-            0.0,
-        ];
-        let slope = state.filtered_velocity.slope(tau);
-        state.equations.push(row, slope, sample.time - last.time);
+        self.equate(sample.time - last.time);
         let used = [true, true, false, self.settings.offset_is_free(), false];
-        if let Some([stiffness, damping, ..]) = state.equations.solve(used) {
+        if let Some([stiffness, damping, ..]) = self.state.equations.solve(used) {
             self.settling.push(sample.time, stiffness, damping, 0.0);
         }
     }

@@ -23,7 +23,7 @@ use core::f64::consts::TAU;
 
 use quell_shapers::Mode;
 
-use crate::estimators::offline::{BatchFit, batch_fit};
+use crate::estimators::offline::{BatchFit, batch_fit, batch_fit_near, telling};
 use crate::estimators::{ESTIMATORS, Estimate, Sample, Settings};
 
 /// What is known before the samples.
@@ -54,11 +54,19 @@ pub struct Identification {
     pub amplitude_dependence: Option<AmplitudeDependence>,
     /// Index of the free decay with the most to tell.
     pub best_decay: Option<usize>,
-    /// Every so manyth rest was looked at for a free decay: 1 but in a long recording.
-    pub every_rest: usize,
+    /// Rests of the motor side after a motion.
+    pub rests: usize,
+    /// How many of them were looked at for a free decay: all but in a long recording.
+    pub rests_looked_at: usize,
 }
 
 impl Identification {
+    /// Whether the recording is so long that the mode was looked for in a part of it, that of
+    /// [`Run::shown`], and fitted to the whole from there.
+    pub fn is_long(&self) -> bool {
+        self.whole.shown != self.whole.stretch
+    }
+
     /// The run to quote for an estimator, by index into the table: the whole recording for those
     /// that use the motion where the known input holds, else the best free decay.
     pub fn quoted(&self, estimator: usize) -> Option<&Run> {
@@ -99,40 +107,64 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
             needed: 32,
         });
     }
-    let settings = settings(samples, prior)?;
+    let part = telling(samples);
+    let settings = settings(samples, part, prior)?;
     let rests = stretches::rests(samples, &settings);
-    let (rests, every_rest) = stretches::thinned(samples, rests);
-    let decays: Vec<FreeDecay> = rests
+    let looked_at = stretches::spread(samples, &rests);
+    let decays: Vec<FreeDecay> = looked_at
         .iter()
         .filter_map(|rest| stretches::free_decay(samples, *rest, &settings))
         .collect();
-    let (settings, fit) = trusted_memory(samples, settings);
-    let whole = Run::whole(samples, &settings, fit.as_ref());
-    let run = |input: Input| -> Vec<Run> {
-        let run = |decay: &FreeDecay| Run::free_decay(samples, decay, &settings, input);
-        decays.iter().map(run).collect()
-    };
-    let mut free_decays = run(Input::Still);
-    let mut best_decay = strongest(&free_decays);
-    let known_input_holds = best_decay.and_then(|best| agree(fit.as_ref(), &free_decays[best]));
-    if known_input_holds == Some(true) {
-        // Then what is left of the motor side's motion, its settling, is known too.
-        free_decays = run(Input::Known);
-        best_decay = strongest(&free_decays);
-    }
+    let (settings, fit) = trusted_memory(samples, part, settings);
+    let (free_decays, known_input_holds) = free_decays(samples, &decays, &settings, fit.as_ref());
+    let best_decay = strongest(&free_decays);
     let best = best_decay.map(|k| &free_decays[k]);
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
-    let explained = fit.map_or(0.0, |fit| 1.0 - explained_not(samples, &fit));
+    let explained = fit
+        .as_ref()
+        .map_or(0.0, |fit| 1.0 - explained_not(samples, fit));
     Ok(Identification {
-        whole,
+        whole: Run::whole(samples, part, &settings, fit.as_ref()),
         free_decays,
         known_input_holds,
         explained,
         memory: settings.memory,
         amplitude_dependence,
         best_decay,
-        every_rest,
+        rests: rests.len(),
+        rests_looked_at: looked_at.len(),
     })
+}
+
+/// The runs of all free decays, and whether the known input holds. Where it does what is left of the motor side's
+/// motion in them, its settling, is known, too; else it counts as standing still.
+fn free_decays(
+    samples: &[Sample],
+    decays: &[FreeDecay],
+    settings: &Settings,
+    whole: Option<&BatchFit>,
+) -> (Vec<Run>, Option<bool>) {
+    let fits = |input: Input| -> Vec<Option<BatchFit>> {
+        let fit = |decay| run::fit(samples, decay, settings, input);
+        decays.iter().map(fit).collect()
+    };
+    let energy = |k: usize, fit| run::energy(decays[k].stretch.of(samples), Some(fit));
+    let mut found = fits(Input::Still);
+    let told = found.iter().enumerate();
+    let best = told
+        .filter_map(|(k, fit)| Some((fit.as_ref()?, energy(k, fit.as_ref()?))))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let known_input_holds = best.and_then(|(decay, _)| Some(agree(whole?, decay)));
+    let mut input = Input::Still;
+    if known_input_holds == Some(true) {
+        input = Input::Known;
+        found = fits(input);
+    }
+    let pairs = decays.iter().zip(&found);
+    let run = |(decay, fit): (_, &Option<BatchFit>)| {
+        Run::free_decay(samples, decay, settings, (input, fit.as_ref()))
+    };
+    (pairs.map(run).collect(), known_input_holds)
 }
 
 /// The free decay with the largest deformation, of those that a batch fit could follow.
@@ -142,16 +174,23 @@ fn strongest(decays: &[Run]) -> Option<usize> {
         .max_by(|&a, &b| decays[a].energy.total_cmp(&decays[b].energy))
 }
 
-/// Settings whose memory the recording bears out, and the batch fit of the whole of it.
+/// Settings whose memory the recording bears out, and the batch fit of the whole of it; both are looked for in a
+/// part.
 ///
 /// The vibration is set free again after every one and a half periods if that halves the residual's
 /// variance (each for its own number of unknowns; by chance, with hundreds of samples, it changes by
 /// a tenth): then the motor side, as measured, does not drive what is seen.
-fn trusted_memory(samples: &[Sample], settings: Settings) -> (Settings, Option<BatchFit>) {
-    let Some(carried) = batch_fit(samples, &settings, true) else {
+fn trusted_memory(
+    samples: &[Sample],
+    part: &[Sample],
+    settings: Settings,
+) -> (Settings, Option<BatchFit>) {
+    let Some(carried) = batch_fit(part, &settings, true) else {
         return (settings, None);
     };
     let mut period = carried.mode.damped_period();
+    let limit = 0.5 * carried.residual_std.powi(2);
+    let mut trusted = (settings, carried);
     let mut shorter = None;
     // Twice, as the first memory comes from a frequency that the long fit may have missed.
     for _ in 0..2 {
@@ -159,31 +198,31 @@ fn trusted_memory(samples: &[Sample], settings: Settings) -> (Settings, Option<B
             memory: 1.5 * period,
             ..settings
         };
-        let Some(fit) = batch_fit(samples, &settings, true) else {
+        let Some(fit) = batch_fit(part, &settings, true) else {
             break;
         };
         period = fit.mode.damped_period();
         shorter = Some((settings, fit));
     }
-    match shorter {
-        Some((settings, fit)) if fit.residual_std.powi(2) < 0.5 * carried.residual_std.powi(2) => {
-            (settings, Some(fit))
-        }
-        _ => (settings, Some(carried)),
+    if let Some(shorter) = shorter.filter(|(_, fit)| fit.residual_std.powi(2) < limit) {
+        trusted = shorter;
+    }
+    let (settings, fit) = trusted;
+    match part.len() < samples.len() {
+        true => (settings, batch_fit_near(samples, &settings, fit.mode)),
+        false => (settings, Some(fit)),
     }
 }
 
 /// Whether the fit with the known input and the free decay's give one frequency: within 3 %, or
 /// three of their standard deviations where those are smaller than that.
-fn agree(whole: Option<&BatchFit>, decay: &Run) -> Option<bool> {
-    let decay = decay.batch()?;
-    let whole = whole?;
+fn agree(whole: &BatchFit, decay: &BatchFit) -> bool {
     let w = decay.mode.natural_frequency();
     let difference = (whole.mode.natural_frequency() - w).abs();
     let std = whole
         .natural_frequency_std
-        .hypot(decay.natural_frequency_std.unwrap_or(0.0));
-    Some(difference < (0.03 * w).max(3.0 * std.min(0.03 * w)))
+        .hypot(decay.natural_frequency_std);
+    difference < (0.03 * w).max(3.0 * std.min(0.03 * w))
 }
 
 /// Share of the deformation's variance that a fit leaves.
@@ -196,9 +235,13 @@ fn explained_not(samples: &[Sample], fit: &BatchFit) -> f64 {
 
 /// Settings for a recording: offset free, the whole of it as window, frequencies within an octave of
 /// the belief.
-fn settings(samples: &[Sample], prior: Prior) -> Result<Settings, IdentificationError> {
-    let duration = samples[samples.len() - 1].time - samples[0].time;
-    let sample_time = duration / (samples.len() - 1) as f64;
+fn settings(
+    samples: &[Sample],
+    part: &[Sample],
+    prior: Prior,
+) -> Result<Settings, IdentificationError> {
+    let duration = |samples: &[Sample]| samples[samples.len() - 1].time - samples[0].time;
+    let sample_time = duration(samples) / (samples.len() - 1) as f64;
     let common = |base: Settings| Settings {
         offset_std: Some(f64::INFINITY),
         scale_std: if prior.scale_is_open {
@@ -206,29 +249,33 @@ fn settings(samples: &[Sample], prior: Prior) -> Result<Settings, Identification
         } else {
             base.scale_std
         },
-        window: 2.0 * duration,
+        window: 2.0 * duration(samples),
         ..base
     };
     if let Some(belief) = prior.belief {
         return Ok(common(Settings::around(belief, sample_time)));
     }
-    // Two periods in the record, five samples in a period.
-    let range = (2.0 * TAU / duration, TAU / (5.0 * sample_time));
+    // Two periods in what is looked through, five samples in a period.
+    let range = (2.0 * TAU / duration(part), TAU / (5.0 * sample_time));
     if range.0 >= range.1 {
         return Err(IdentificationError::Still);
     }
-    first_look(samples, common(Settings::within(range, sample_time)))
+    first_look(samples, part, common(Settings::within(range, sample_time)))
 }
 
-/// Without a belief: what batch fits over a wide range say, of the longest rest and of the whole.
-/// The rest's counts, and both are within the range that is looked through.
-fn first_look(samples: &[Sample], wide: Settings) -> Result<Settings, IdentificationError> {
+/// Without a belief: what batch fits over a wide range say, of the longest rest and of the recording, or of parts
+/// of these. The rest's counts, and both are within the range that is looked through.
+fn first_look(
+    samples: &[Sample],
+    part: &[Sample],
+    wide: Settings,
+) -> Result<Settings, IdentificationError> {
     let mode = |samples: &[Sample], motion| Some(batch_fit(samples, &wide, motion)?.mode);
-    let whole = mode(samples, true);
+    let whole = mode(part, true);
     let rest = stretches::rests(samples, &wide)
         .into_iter()
         .max_by(|a, b| (a.until - a.from).total_cmp(&(b.until - b.from)))
-        .and_then(|rest| mode(rest.of(samples), false));
+        .and_then(|rest| mode(telling(rest.of(samples)), false));
     let belief = rest.or(whole).ok_or(IdentificationError::Still)?;
     let other = whole.unwrap_or(belief).natural_frequency();
     let w = belief.natural_frequency();

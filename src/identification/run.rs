@@ -49,11 +49,26 @@ pub struct OffLine {
     pub damping_ratio_std: Option<f64>,
 }
 
+impl OffLine {
+    /// What a method found that does not know how well.
+    fn plain(method: &'static str, mode: Mode) -> Self {
+        Self {
+            method,
+            mode,
+            natural_frequency_std: None,
+            damping_ratio_std: None,
+        }
+    }
+}
+
 /// All estimators and references over one stretch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// The samples used.
     pub stretch: Stretch,
+    /// Those that the estimators on-line were shown: the same, but of a long recording the part in which the mode
+    /// was looked for.
+    pub shown: Stretch,
     /// Where periods to convergence are counted from, s: the motion's or the decay's start.
     pub counted_from: f64,
     /// Whether it is a free decay; else the motor side is a known input.
@@ -69,21 +84,23 @@ pub struct Run {
 }
 
 impl Run {
-    /// The whole recording with the motor side as known input.
-    pub(super) fn whole(samples: &[Sample], settings: &Settings, fit: Option<&BatchFit>) -> Self {
-        let stretch = Stretch {
-            from: samples[0].time,
-            until: samples[samples.len() - 1].time,
-        };
-        let counted_from = stretches::motion_from(samples);
+    /// The whole recording with the motor side as known input; of a long one the estimators are shown a `part`, as
+    /// they forget what is older than their window, 65 536 samples at most.
+    pub(super) fn whole(
+        samples: &[Sample],
+        part: &[Sample],
+        settings: &Settings,
+        fit: Option<&BatchFit>,
+    ) -> Self {
+        let counted_from = stretches::motion_from(part);
+        let estimators = ESTIMATORS.iter().filter(|line| line.uses_motion);
         Self {
-            stretch,
+            stretch: Stretch::all(samples),
+            shown: Stretch::all(part),
             counted_from,
             is_free_decay: false,
-            on_line: ESTIMATORS
-                .iter()
-                .filter(|line| line.uses_motion)
-                .map(|line| on_line(line, samples, settings, counted_from))
+            on_line: estimators
+                .map(|line| on_line(line, part, settings, counted_from))
                 .collect(),
             off_line: fit.into_iter().map(batch_reference).collect(),
             energy: energy(samples, fit),
@@ -91,44 +108,30 @@ impl Run {
         }
     }
 
-    /// One free decay.
+    /// One free decay, and its batch fit.
     pub(super) fn free_decay(
         samples: &[Sample],
         decay: &FreeDecay,
         settings: &Settings,
-        input: Input,
+        (input, fit): (Input, Option<&BatchFit>),
     ) -> Self {
         let FreeDecay { stretch, extrema } = decay.clone();
         let moving = stretch.of(samples);
-        let position = moving.first().map_or(0.0, |s| s.motor_position);
-        let still: Vec<Sample> = moving
-            .iter()
-            .map(|s| Sample {
-                motor_position: position,
-                ..*s
-            })
-            .collect();
+        let still = still(moving);
         let samples = if input == Input::Known {
             moving
         } else {
             &still
         };
-        let settings = Settings {
-            memory: f64::INFINITY,
-            ..*settings
-        };
-        let fit = batch_fit(samples, &settings, input == Input::Known);
-        let plain = |method, mode| OffLine {
-            method,
-            mode,
-            natural_frequency_std: None,
-            damping_ratio_std: None,
-        };
-        let mut off_line: Vec<OffLine> = fit.iter().map(batch_reference).collect();
-        off_line.extend(fourier(samples, settings.frequency_range).map(|m| plain("fourier", m)));
-        off_line.extend(mode_of_extrema(&extrema).map(|m| plain("log_decrement", m)));
+        let settings = for_a_decay(settings);
+        let mut off_line: Vec<OffLine> = fit.map(batch_reference).into_iter().collect();
+        let mode = fourier(samples, settings.frequency_range);
+        off_line.extend(mode.map(|mode| OffLine::plain("fourier", mode)));
+        let mode = mode_of_extrema(&extrema);
+        off_line.extend(mode.map(|mode| OffLine::plain("log_decrement", mode)));
         Self {
             stretch,
+            shown: stretch,
             counted_from: stretch.from,
             is_free_decay: true,
             on_line: ESTIMATORS
@@ -140,7 +143,7 @@ impl Run {
                 })
                 .collect(),
             off_line,
-            energy: energy(samples, fit.as_ref()),
+            energy: energy(samples, fit),
             extrema,
         }
     }
@@ -156,6 +159,35 @@ impl Run {
     }
 }
 
+/// The batch fit of a free decay.
+pub(super) fn fit(
+    samples: &[Sample],
+    decay: &FreeDecay,
+    settings: &Settings,
+    input: Input,
+) -> Option<BatchFit> {
+    let samples = decay.stretch.of(samples);
+    batch_fit(samples, &for_a_decay(settings), input == Input::Known)
+}
+
+/// In a free decay nothing but the initial state has to be carried.
+fn for_a_decay(settings: &Settings) -> Settings {
+    Settings {
+        memory: f64::INFINITY,
+        ..*settings
+    }
+}
+
+/// The samples with the motor side standing where it is at their start.
+fn still(samples: &[Sample]) -> Vec<Sample> {
+    let position = samples.first().map_or(0.0, |s| s.motor_position);
+    let stand = |s: &Sample| Sample {
+        motor_position: position,
+        ..*s
+    };
+    samples.iter().map(stand).collect()
+}
+
 fn batch_reference(fit: &BatchFit) -> OffLine {
     OffLine {
         method: "batch_fit",
@@ -165,7 +197,8 @@ fn batch_reference(fit: &BatchFit) -> OffLine {
     }
 }
 
-fn energy(samples: &[Sample], fit: Option<&BatchFit>) -> f64 {
+/// Sum of squares of the deformation about the offset that a fit found.
+pub(super) fn energy(samples: &[Sample], fit: Option<&BatchFit>) -> f64 {
     let offset = fit.map_or(0.0, |fit| fit.offset);
     samples
         .iter()

@@ -16,6 +16,14 @@ pub struct Stretch {
 }
 
 impl Stretch {
+    /// From the first of some samples to the last.
+    pub(super) fn all(samples: &[Sample]) -> Self {
+        Self {
+            from: samples[0].time,
+            until: samples[samples.len() - 1].time,
+        }
+    }
+
     /// The samples within.
     pub fn of<'a>(&self, samples: &'a [Sample]) -> &'a [Sample] {
         let first = samples.partition_point(|s| s.time < self.from);
@@ -57,13 +65,33 @@ pub fn rests(samples: &[Sample], settings: &Settings) -> Vec<Stretch> {
 
 /// Samples of rests that are looked at: hundreds of decays. What is quoted is the strongest of them, and
 /// what a further one adds to the frequency is little against what motion and decays together say.
-const ENOUGH: usize = 100_000;
+const LOOKED_AT: usize = 100_000;
 
-/// Every `n`th of the rests, so that they hold [`ENOUGH`] samples or less, and `n`; all where they are one.
-pub fn thinned(samples: &[Sample], rests: Vec<Stretch>) -> (Vec<Stretch>, usize) {
+/// The rests that are looked at: all, or where these hold more than [`LOOKED_AT`] samples such a share of them that
+/// they hold about as many, each for as many samples from its start on at most.
+///
+/// Rest `k` is one of them where the fractional part of `k` over the golden ratio is less than the share. So they
+/// are spread evenly (from one to the next it is one of three numbers of rests), and of a programme that repeats
+/// itself after some moves each is seen in its turn: no multiple of an irrational number is a whole one.
+///
+/// Source: H. Weyl, Math. Ann. 77 (1916) 313-352; three distances: V. T. Sos, Ann. Univ. Sci. Budapest 1 (1958)
+/// 127-134.
+pub fn spread(samples: &[Sample], rests: &[Stretch]) -> Vec<Stretch> {
+    let cut = |rest: &Stretch| {
+        let within = rest.of(samples);
+        let last = within.get(LOOKED_AT - 1);
+        Stretch {
+            until: last.map_or(rest.until, |sample| sample.time),
+            ..*rest
+        }
+    };
+    let rests: Vec<Stretch> = rests.iter().map(cut).collect();
     let held: usize = rests.iter().map(|rest| rest.of(samples).len()).sum();
-    let every = held.div_ceil(ENOUGH).clamp(1, rests.len().max(1));
-    (rests.into_iter().step_by(every).collect(), every)
+    let share = LOOKED_AT as f64 / held as f64;
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let numbered = rests.into_iter().enumerate();
+    let looked_at = numbered.filter(|(k, _)| (*k as f64 * golden).fract() < share);
+    looked_at.map(|(_, rest)| rest).collect()
 }
 
 /// First motion of the motor side, s; the record's start where it always rests.
@@ -178,4 +206,62 @@ fn longest_run(found: &[Extremum], even: impl Fn(&[Extremum]) -> bool) -> &[Extr
         }
     }
     &found[best]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rests of so many samples, a second apart in number of samples, and the samples of all.
+    fn rests(count: usize, length: usize) -> (Vec<Sample>, Vec<Stretch>) {
+        let sample = |k: usize| Sample {
+            time: k as f64,
+            motor_position: 0.0,
+            deformation: 0.0,
+        };
+        let samples = (0..count * (length + 1)).map(sample).collect();
+        let stretch = |k: usize| Stretch {
+            from: (k * (length + 1)) as f64,
+            until: (k * (length + 1) + length - 1) as f64,
+        };
+        (samples, (0..count).map(stretch).collect())
+    }
+
+    #[test]
+    fn what_is_looked_at_is_even_and_sees_every_move_of_a_programme() {
+        let (samples, all) = rests(4000, 100);
+        let looked_at = spread(&samples, &all);
+        let number = |rest: &Stretch| all.iter().position(|one| one == rest).unwrap();
+        let numbers: Vec<usize> = looked_at.iter().map(number).collect();
+        // A quarter, but for what an even spread of 4000 is off by: the logarithm of their number.
+        assert!(numbers.len().abs_diff(1000) < 10, "{}", numbers.len());
+        let mut apart: Vec<usize> = numbers.windows(2).map(|two| two[1] - two[0]).collect();
+        apart.sort_unstable();
+        apart.dedup();
+        assert!(apart.len() <= 3, "{apart:?}");
+        // Programmes that repeat themselves after two moves (there and back), four, which every fourth rest
+        // would never leave, and numbers that the golden ratio knows.
+        for moves in [2, 3, 4, 5, 8, 13] {
+            for place in 0..moves {
+                let seen = numbers.iter().filter(|&&k| k % moves == place).count();
+                let expected = numbers.len() / moves;
+                assert!(
+                    seen.abs_diff(expected) < 10,
+                    "{place} of {moves}: {seen} of {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn few_rests_are_all_looked_at_and_a_long_one_from_its_start_on() {
+        let (samples, all) = rests(100, 1000);
+        assert_eq!(spread(&samples, &all), all);
+        assert!(spread(&samples, &[]).is_empty());
+        let (samples, all) = rests(1, 3 * LOOKED_AT);
+        let looked_at = spread(&samples, &all);
+        assert_eq!(looked_at.len(), 1);
+        assert_eq!(looked_at[0].of(&samples).len(), LOOKED_AT);
+        assert_eq!(looked_at[0].from, all[0].from);
+    }
 }

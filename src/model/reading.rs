@@ -121,56 +121,84 @@ impl<'a> Reader<'a> {
                 *filtered = curve.last().copied();
             }
         }
-        self.show(sensors, &trace.motor[from..=to], time, curve, last);
+        let part = Part {
+            time,
+            curve,
+            motor: &trace.motor[from..=to],
+            relative: self.output.role == Role::Deformation,
+        };
+        self.show(&part, last);
     }
 
     /// Values and rates at the stamps up to the last node.
-    fn show(
-        &mut self,
-        sensors: &[Box<dyn Sensor>],
-        motor: &[Kinematics],
-        time: &[f64],
-        curve: &[[f64; 2]],
-        last: bool,
-    ) {
-        let (end, relative) = (time.len() - 1, self.output.role == Role::Deformation);
+    fn show(&mut self, part: &Part<'_>, last: bool) {
+        let sensors = self.eyes.of(self.output);
+        let (first, end) = (part.time[0], part.time[part.time.len() - 1]);
         let mut k = 0;
         for &stamp in &self.output.time[self.prediction.values.len()..] {
-            let mut at = stamp - self.offset;
-            for sensor in sensors {
-                at = sensor.instant(at);
-            }
-            if !last && at > time[end] {
+            let instant = |at, sensor: &Box<dyn Sensor>| sensor.instant(at);
+            let at = sensors.iter().fold(stamp - self.offset, instant);
+            if !last && at > end {
                 return;
             }
             // Before and after the record everything stays as it was.
-            let inside = at.clamp(time[0], time[end]);
-            while k + 2 <= end && time[k + 1] < inside {
-                k += 1;
-            }
-            while k > 0 && time[k] > inside {
-                k -= 1;
-            }
-            let (start, stop) = (time[k], time[k + 1]);
-            let mut value = hermite(start, stop, curve[k], curve[k + 1], inside);
-            let s = (inside - start) / (stop - start);
-            let rate = curve[k][1] + s * (curve[k + 1][1] - curve[k][1]);
-            if !sensors.is_empty() {
-                let u = |k: usize| [motor[k][0], motor[k][1]];
-                let motor = match relative {
-                    true => 0.0,
-                    false => hermite(start, stop, u(k), u(k + 1), inside),
-                };
-                for sensor in sensors {
-                    value = sensor.read(&Reading {
-                        time: inside,
-                        value,
-                        motor,
-                    });
-                }
-            }
-            self.prediction.values.push(value);
+            let at = at.clamp(first, end);
+            k = part.interval(k, at);
+            let [value, rate] = part.measured(k, at);
+            self.prediction
+                .values
+                .push(part.shown(sensors, k, at, value));
             self.prediction.rates.push(rate);
         }
+    }
+}
+
+/// A part of a motion: what an output measures of it, and the motor side, at its nodes.
+struct Part<'a> {
+    time: &'a [f64],
+    curve: &'a [[f64; 2]],
+    motor: &'a [Kinematics],
+    /// Whether what is measured is relative to the motor side.
+    relative: bool,
+}
+
+impl Part<'_> {
+    /// The interval that an instant is in, looked for from interval `k` on.
+    fn interval(&self, mut k: usize, at: f64) -> usize {
+        while k + 2 < self.time.len() && self.time[k + 1] < at {
+            k += 1;
+        }
+        while k > 0 && self.time[k] > at {
+            k -= 1;
+        }
+        k
+    }
+
+    /// The quantity and its rate at an instant in interval `k`.
+    fn measured(&self, k: usize, at: f64) -> [f64; 2] {
+        let (start, stop) = (self.time[k], self.time[k + 1]);
+        let value = hermite(start, stop, self.curve[k], self.curve[k + 1], at);
+        let s = (at - start) / (stop - start);
+        let rate = self.curve[k][1] + s * (self.curve[k + 1][1] - self.curve[k][1]);
+        [value, rate]
+    }
+
+    /// What sensors make of a value at an instant in interval `k`.
+    fn shown(&self, sensors: &[Box<dyn Sensor>], k: usize, at: f64, value: f64) -> f64 {
+        if sensors.is_empty() {
+            return value;
+        }
+        let u = |k: usize| [self.motor[k][0], self.motor[k][1]];
+        let motor = match self.relative {
+            true => 0.0,
+            false => hermite(self.time[k], self.time[k + 1], u(k), u(k + 1), at),
+        };
+        sensors.iter().fold(value, |value, sensor| {
+            sensor.read(&Reading {
+                time: at,
+                value,
+                motor,
+            })
+        })
     }
 }

@@ -61,8 +61,8 @@ fn estimate(name: &str, run: Option<&Run>, result: Option<&OnLine>) -> Value {
         "gain": estimate.map(|e| e.gain),
         "converged_at_s": result.and_then(|r| r.converged_at),
         "periods_to_converge": result.and_then(|r| r.periods),
-        "from_s": run.map(|run| run.stretch.from),
-        "until_s": run.map(|run| run.stretch.until),
+        "from_s": run.map(|run| run.shown.from),
+        "until_s": run.map(|run| run.shown.until),
     })
 }
 

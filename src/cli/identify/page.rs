@@ -109,8 +109,7 @@ fn on_line(findings: &Findings) -> Table {
             number(e.map(|e| e.gain)),
             number(result.and_then(|r| r.converged_at)),
             number(result.and_then(|r| r.periods)),
-            run.map_or("needs a free decay".into(), words::stretch)
-                .into(),
+            run.map_or("needs a free decay".into(), words::shown).into(),
         ]);
     }
     table
@@ -133,7 +132,7 @@ fn off_line(run: &Run) -> Table {
                 .into(),
             line.mode.damping_ratio().into(),
             line.damping_ratio_std.unwrap_or(f64::NAN).into(),
-            words::stretch(run).into(),
+            words::used(run).into(),
         ]);
     }
     table
@@ -182,7 +181,7 @@ fn over_time(
 }
 
 fn frequencies(run: &Run) -> Chart {
-    let title = format!("Natural frequency, {}", words::stretch(run));
+    let title = format!("Natural frequency, {}", words::shown(run));
     let chart = Chart::lines(title, "time", "s", "frequency", "Hz");
     over_time(
         run,
@@ -194,7 +193,7 @@ fn frequencies(run: &Run) -> Chart {
 }
 
 fn dampings(run: &Run) -> Chart {
-    let title = format!("Damping ratio, {}", words::stretch(run));
+    let title = format!("Damping ratio, {}", words::shown(run));
     let chart = Chart::lines(title, "time", "s", "damping ratio", "");
     let quantity = |e: &Estimate| (e.mode.damping_ratio(), e.damping_ratio_std);
     over_time(run, chart, quantity, |l| l.mode.damping_ratio(), [0.0, 2.0])
@@ -235,7 +234,7 @@ fn deformation(findings: &Findings) -> Chart {
 }
 
 fn spectrum(findings: &Findings, run: &Run) -> Chart {
-    let samples = run.stretch.of(&findings.series.samples);
+    let samples = run.shown.of(&findings.series.samples);
     let centre = run.batch().map_or(1.0, |line| line.mode.hertz());
     let grid: Vec<f64> = (1..=400).map(|k| centre * k as f64 / 100.0).collect();
     let angular: Vec<f64> = grid.iter().map(|f| f * TAU).collect();
@@ -246,7 +245,7 @@ fn spectrum(findings: &Findings, run: &Run) -> Chart {
     Chart::lines(
         format!(
             "Fourier transform of the deformation, {}",
-            words::stretch(run)
+            words::shown(run)
         ),
         "frequency",
         "Hz",

@@ -1,12 +1,24 @@
 //! The findings in sentences.
 
 use super::Findings;
-use crate::identification::Run;
+use crate::identification::{Identification, Run, Stretch};
 
-/// `0.390-2.000 s`, with a word for the whole recording.
-pub fn stretch(run: &Run) -> String {
+/// `decay 0.39-2.00s`: what a run's off-line references used.
+pub fn used(run: &Run) -> String {
     let kind = if run.is_free_decay { "decay" } else { "all" };
-    format!("{kind} {:.2}-{:.2}s", run.stretch.from, run.stretch.until)
+    seconds(kind, run.stretch)
+}
+
+/// The same for what its estimators were shown.
+pub fn shown(run: &Run) -> String {
+    match run.shown == run.stretch {
+        true => used(run),
+        false => seconds("part", run.shown),
+    }
+}
+
+fn seconds(kind: &str, stretch: Stretch) -> String {
+    format!("{kind} {:.2}-{:.2}s", stretch.from, stretch.until)
 }
 
 /// Everything that a table does not say.
@@ -33,12 +45,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
             found.memory
         ));
     }
-    if found.every_rest > 1 {
-        remarks.push(format!(
-            "The recording is long: one rest in {} was looked at for a free decay.",
-            found.every_rest
-        ));
-    }
+    remarks.extend(long(found));
     remarks.extend(two_modes(findings));
     remarks.extend(damping(findings));
     if let Some(registration) = &findings.series.registration {
@@ -51,6 +58,23 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
         ));
     }
     remarks
+}
+
+/// A sentence on what was looked at of a long recording.
+fn long(found: &Identification) -> Option<String> {
+    let Stretch { from, until } = found.whole.shown;
+    let part = format!(
+        "The recording is long: the mode was looked for from {from:.0} s to {until:.0} s, where the deformation \
+         varies most, and the estimators were run over that part; the batch fit goes on from there over the whole."
+    );
+    let rests = format!(
+        " Of {} rests {} were looked at for a free decay, spread over the recording.",
+        found.rests, found.rests_looked_at
+    );
+    match found.rests_looked_at < found.rests {
+        true => Some(part + &rests),
+        false => found.is_long().then_some(part),
+    }
 }
 
 /// A sentence on a second mode, and what to do about it.

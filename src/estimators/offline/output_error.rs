@@ -6,11 +6,10 @@
 use core::ops::Range;
 
 use levenberg_marquardt::LeastSquaresProblem;
-use nalgebra::{
-    Complex, Const, Matrix2, OMatrix, Owned, RowSVector, SMatrix, SVector, U1, U6, Vector, Vector2,
-};
+use nalgebra::{Complex, Const, OMatrix, Owned, RowSVector, SMatrix, SVector, U1, U6, Vector2};
 use quell_shapers::Mode;
 
+use super::point::{Point, UNKNOWNS, damping_slope, mode};
 use super::triangle::Triangle;
 use crate::estimators::modal_response::{
     DEFORMATION, FREE, FREE_SLOPE, INPUT, Interval, LINK, ModalResponse, OFFSET, RATE, RESIDUAL,
@@ -18,9 +17,6 @@ use crate::estimators::modal_response::{
 };
 use crate::estimators::{Sample, Settings};
 
-/// Unknowns of the solver: `ln w`, `sqrt(xi / (1 - xi))`, offset, rate, scale, gain. The free decay of
-/// each stretch is projected out.
-pub const UNKNOWNS: usize = 6;
 /// The columns of the four linear ones.
 const LINEAR: [usize; 4] = [OFFSET, VELOCITY, DEFORMATION, INPUT];
 /// Columns of a stretch: two of the free decay, two sensitivities of the link, two of the free decay, the
@@ -31,9 +27,9 @@ const REDUCED: usize = UNKNOWNS + 1;
 /// Residuals of the solver: the triangle's, a prior each.
 const ROWS: usize = REDUCED + UNKNOWNS;
 
-/// Values of the unknowns.
-pub type Point = Vector<f64, U6, Owned<f64, U6>>;
-
+/// Noise, in amplitudes of the deformation, where its level is not given. It weighs the priors only: against `N`
+/// samples of a vibration the square of a scale's that is known to 10 % is `0.02 / N`, so that its order is enough.
+const GUESSED_NOISE: f64 = 0.01;
 /// One record, and a point in the space of unknowns.
 pub struct Problem<'a> {
     pub samples: &'a [Sample],
@@ -55,12 +51,14 @@ struct Stretch {
 }
 
 impl<'a> Problem<'a> {
-    /// A record, what a prior's standard deviation is worth in the residual, and a point.
-    pub fn new(samples: &'a [Sample], settings: &'a Settings, noise: f64, point: Point) -> Self {
+    /// A record, what is known before it, and a point.
+    pub fn new(samples: &'a [Sample], settings: &'a Settings, point: Point) -> Self {
         let mut problem = Self {
             samples,
             settings,
-            noise,
+            noise: settings
+                .noise_std
+                .unwrap_or_else(|| GUESSED_NOISE * amplitude(samples)),
             point,
             stretches: Vec::new(),
             reduced: SMatrix::zeros(),
@@ -75,13 +73,9 @@ impl<'a> Problem<'a> {
         self.stretches.len()
     }
 
-    /// The mode at the point: `w = exp p_0`, `xi = p_1^2 / (1 + p_1^2)`, so that every step of the
-    /// solver ends in a mode.
+    /// The mode at the point.
     pub fn mode(&self) -> Option<Mode> {
-        let square = self.point[1] * self.point[1];
-        // Within what doubles can simulate; a frequency out there is refused later.
-        let w = self.point[0].clamp(-20.0, 20.0).exp();
-        Mode::new(w, (square / (1.0 + square)).min(0.999)).ok()
+        mode(&self.point, self.settings.frequency_range)
     }
 
     fn simulate(&mut self) {
@@ -151,14 +145,14 @@ impl<'a> Problem<'a> {
 
     /// Amplitudes of a stretch's free decay for the linear unknowns as they are.
     fn free(&self, triangle: &SMatrix<f64, COLUMNS, COLUMNS>) -> Vector2<f64> {
-        let columns = triangle.fixed_view::<2, 2>(0, 0);
         let linear = triangle.fixed_view::<2, 4>(0, 6) * self.point.fixed_rows::<4>(2);
         let left = triangle.fixed_view::<2, 1>(0, 10) - linear;
-        let mut normal = columns.tr_mul(&columns);
-        // One sample alone determines one amplitude: the rest of the other is left at zero.
-        normal += Matrix2::identity() * (1e-12 * normal.trace());
-        let inverse = normal.try_inverse().unwrap_or_else(Matrix2::zeros);
-        inverse * columns.tr_mul(&left)
+        // One sample alone determines one amplitude: the column of the other is 0, and so is it.
+        let sine = match triangle[(1, 1)] {
+            0.0 => 0.0,
+            pivot => left[1] / pivot,
+        };
+        Vector2::new((left[0] - triangle[(0, 1)] * sine) / triangle[(0, 0)], sine)
     }
 
     /// Derivatives and residual of a stretch, with what its free decay can follow projected out: the rows
@@ -174,14 +168,17 @@ impl<'a> Problem<'a> {
     ) {
         let turned = |k: usize| Complex::new(free.x, -free.y) * self.slopes[k];
         let turned = [turned(0), turned(1)];
+        let held = self.spread().map(|std| std == 0.0);
         for i in 2..COLUMNS {
             let row: RowSVector<f64, COLUMNS> = triangle.row(i).into_owned();
             let mut reduced = [0.0; REDUCED];
             for (k, turned) in turned.iter().enumerate() {
                 reduced[k] = row[2 + k] + turned.re * row[4] - turned.im * row[5];
             }
-            reduced[1] *= self.damping_slope();
-            reduced[2..UNKNOWNS].copy_from_slice(&row.as_slice()[6..10]);
+            reduced[1] *= damping_slope(&self.point);
+            for k in (2..UNKNOWNS).filter(|&k| !held[k]) {
+                reduced[k] = row[4 + k];
+            }
             reduced[UNKNOWNS] = (2..UNKNOWNS)
                 .map(|k| self.point[k] * reduced[k])
                 .sum::<f64>()
@@ -198,29 +195,30 @@ impl<'a> Problem<'a> {
             .sum()
     }
 
-    /// One residual's worth of each prior: offset, rate, scale, gain.
-    fn priors(&self) -> [f64; UNKNOWNS] {
-        let weight = |std: f64| {
-            if std > 0.0 {
-                self.noise / std
-            } else {
-                1e6 * self.noise
-            }
-        };
-        let w = self.point[0].exp();
+    /// Standard deviations of the priors, infinite where there is none; 0 for what is held at 0.
+    fn spread(&self) -> [f64; UNKNOWNS] {
+        let rate = self.mode().map(|mode| mode.natural_frequency().recip());
         [
-            0.0,
-            0.0,
-            self.settings.offset_std.map_or(1.0, weight),
-            weight(1.0 / w),
-            weight(self.settings.scale_std),
-            weight(self.settings.gain_std),
+            f64::INFINITY,
+            f64::INFINITY,
+            self.settings.offset_std.unwrap_or(self.noise),
+            rate.unwrap_or(f64::INFINITY),
+            self.settings.scale_std,
+            self.settings.gain_std,
         ]
     }
 
-    /// `d xi / d p_1`.
-    pub fn damping_slope(&self) -> f64 {
-        2.0 * self.point[1] / (1.0 + self.point[1] * self.point[1]).powi(2)
+    /// Whether an unknown is known to be 0.
+    pub fn is_held(&self, unknown: usize) -> bool {
+        self.spread()[unknown] == 0.0
+    }
+
+    /// One residual's worth of each prior: offset, rate, scale, gain. What is held moves no other residual.
+    fn priors(&self) -> [f64; UNKNOWNS] {
+        self.spread().map(|std| match std {
+            0.0 => 1.0,
+            std => self.noise / std,
+        })
     }
 
     /// Data minus model at every sample.
@@ -238,6 +236,13 @@ impl<'a> Problem<'a> {
         });
         residual
     }
+}
+
+/// The largest deviation of the deformation from its mean.
+fn amplitude(samples: &[Sample]) -> f64 {
+    let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / samples.len() as f64;
+    let off = samples.iter().map(|s| (s.deformation - mean).abs());
+    off.fold(0.0, f64::max)
 }
 
 /// The interval that ends at sample `k` of the stretch that begins at `first`.

@@ -46,9 +46,12 @@ impl<const N: usize> Triangle<N> {
         triangle
     }
 
-    /// Turns the rows into the triangle.
+    /// Turns the rows into the triangle. A full block is not copied.
     fn fold(&mut self) {
-        let there = self.rows.rows(0, N + self.filled).into_owned();
+        let there = match self.filled {
+            BLOCK => std::mem::replace(&mut self.rows, DMatrix::zeros(N + BLOCK, N)),
+            filled => self.rows.rows(0, N + filled).into_owned(),
+        };
         self.rows.rows_mut(0, N).copy_from(&there.qr().r());
         self.filled = 0;
     }

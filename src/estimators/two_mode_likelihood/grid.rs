@@ -29,8 +29,15 @@ const MEASURED: usize = WIDTH - 1;
 const UNKNOWNS: usize = 2 * OF_A_MODE + 2;
 /// Whose prior each of them has among the unknowns of a fit; the shares of both modes are open.
 const PRIOR: [usize; UNKNOWNS] = [0, 1, 5, 8, 2, 3, 6, 8, 4, 9];
-/// Starts that are kept.
+/// Starts that are kept: the best pair, and where the window is too short to tell which neighbour of a strong mode
+/// is the weak one, one to either side.
 pub const STARTS: usize = 3;
+
+/// Work of a sample of the grid, and of a pair's solution, in samples of a pair of modes. That has `23^2 / 2` products,
+/// its responses and its residual; the grid's row has `67^2 / 2` in longer sums, counted as half; the solution
+/// `10^3 / 3`, and its columns to gather.
+const SAMPLE: usize = 4;
+const PAIR: usize = 2;
 
 /// A pair of the grid, and the sum of squares that it leaves.
 #[derive(Clone, Copy, Debug)]
@@ -100,8 +107,7 @@ impl Grid {
     ) -> bool {
         while *budget > 0 && self.walk.count < window.samples().len() {
             self.absorb(window);
-            // Sixteen modes are so much more than two.
-            *budget = budget.saturating_sub(4);
+            *budget = budget.saturating_sub(SAMPLE);
         }
         if self.walk.count < window.samples().len() {
             return false;
@@ -116,7 +122,7 @@ impl Grid {
                 [i, j] if j + 1 < MODES => [i, j + 1],
                 [i, _] => [i + 1, i + 2],
             };
-            *budget = budget.saturating_sub(2);
+            *budget = budget.saturating_sub(PAIR);
         }
         self.next[0] + 1 >= MODES
     }
