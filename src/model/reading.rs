@@ -136,8 +136,9 @@ impl<'a> Reader<'a> {
         let (first, end) = (part.time[0], part.time[part.time.len() - 1]);
         let mut k = 0;
         for &stamp in &self.output.time[self.prediction.values.len()..] {
-            let instant = |at, sensor: &Box<dyn Sensor>| sensor.instant(at);
-            let at = sensors.iter().fold(stamp - self.offset, instant);
+            let at = sensors
+                .iter()
+                .fold(stamp - self.offset, |at, sensor| sensor.instant(at));
             if !last && at > end {
                 return;
             }
