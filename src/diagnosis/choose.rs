@@ -10,6 +10,7 @@ use crate::recording::Role;
 
 /// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
 const CHANCE: f64 = 6.0;
+
 impl Search<'_> {
     /// The best trial that passed; or one whose law is a limit of the best one's, if they differ by less
     /// than a law's shape could be wrong.
@@ -94,14 +95,25 @@ impl Search<'_> {
         let mut added = point.terms[point.given_terms..].iter();
         let gain = added.find(|term| term.effect.name == "deformation_gain")?;
         let too_little = gain.values[0] < 0.0;
-        let instead = |other: &&Explanation| {
-            exchanged(best, other).is_some_and(|(own, theirs)| {
-                let lags = too_little && theirs == "sensor_lag";
-                own == gain.effect.name && (lags || becomes(theirs, own))
-            }) && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
-        };
+        let near =
+            |other: &&Explanation| other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best);
         let sound = pool.iter().filter(|trial| absolute && trial.passed);
-        self.lowest(sound.map(|trial| &trial.explanation).filter(instead))
+        let sound: Vec<_> = sound.map(|trial| &trial.explanation).filter(near).collect();
+        let instead = |lag: bool| {
+            let takes = |other: &&&Explanation| {
+                substitution(best, other).is_some_and(|(own, theirs)| {
+                    let other = if lag {
+                        theirs == "sensor_lag"
+                    } else {
+                        becomes(theirs, own)
+                    };
+                    own == gain.effect.name && other
+                })
+            };
+            self.lowest(sound.iter().filter(takes).copied())
+        };
+        let lag = too_little.then(|| instead(true)).flatten();
+        lag.or_else(|| instead(false))
     }
 
     /// Explanations with as many effects as the best that are within reach of it.
@@ -109,8 +121,15 @@ impl Search<'_> {
         let mut equals: Vec<Trial> = Vec::new();
         // Within a standard deviation of chi-squared two predictions are alike.
         let alike = 1.0 + (2.0 / self.judge.held_out_rows.max(1) as f64).sqrt();
+        let as_many = |other: &&Explanation| other.effects().len() <= best.effects().len();
+        let sound = pool.iter().filter(|trial| trial.passed);
+        let sound = sound.map(|trial| &trial.explanation).filter(as_many);
+        let level = self.criterion(best) + EQUAL * unit;
+        let within = sound.filter(|other| self.criterion(other) < level);
+        let within: Vec<&Explanation> = std::iter::once(best).chain(within).collect();
         for trial in pool {
             let explanation = &trial.explanation;
+            let stands_in = || within.iter().any(|own| self.stands_in(own, explanation));
             let worse = self.criterion(explanation) - self.criterion(best);
             let held = ratio(explanation.held_out, best.held_out);
             let limit = match (explanation.effects().as_slice(), best.effects().as_slice()) {
@@ -123,7 +142,7 @@ impl Search<'_> {
             let near = worse < EQUAL * unit;
             let close = match limit {
                 true => more || near && held < GATE,
-                false => (near || self.stands_in(best, explanation)) && held < alike,
+                false => (near || stands_in()) && held < alike,
             };
             let same = |other: &Trial| other.explanation.is_like(explanation);
             let new = !explanation.is_like(best) && !equals.iter().any(same);
@@ -134,10 +153,10 @@ impl Search<'_> {
         equals
     }
 
-    /// Whether another explanation has a law that acts as the best one's simpler law: the unknowns that it has
-    /// besides are not determined, and do not count.
+    /// Whether another explanation has a law that acts as a simpler one: the unknowns that it has besides are not
+    /// determined, and do not count. As far as its descent came it may leave more, by what is chance.
     fn stands_in(&self, best: &Explanation, other: &Explanation) -> bool {
-        let simpler = exchanged(best, other).is_some_and(|(own, theirs)| becomes(theirs, own));
+        let simpler = substitution(best, other).is_some_and(|(own, theirs)| becomes(theirs, own));
         simpler && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
     }
 
@@ -204,7 +223,7 @@ impl Search<'_> {
             // Without a spring all forces act at one seat.
             let any = || there().next().filter(|_| self.problem.scales.rigid);
             let &(effect, place) = same.or_else(any)?;
-            let twice = |term: &Term| term.effect.name == effect.name && term.place == place;
+            let twice = |term: &Term| term.identity() == (effect.name, place);
             if point.terms.iter().any(twice) {
                 return None;
             }
@@ -253,7 +272,7 @@ impl Search<'_> {
 }
 
 /// The effect of one explanation that another has another one for, and that one, where all others are the same.
-fn exchanged(own: &Explanation, other: &Explanation) -> Option<(&'static str, &'static str)> {
+fn substitution(own: &Explanation, other: &Explanation) -> Option<(&'static str, &'static str)> {
     let (own, theirs) = (own.effects(), other.effects());
     let mut gone = own.iter().filter(|effect| !theirs.contains(effect));
     let mut new = theirs.iter().filter(|effect| !own.contains(effect));

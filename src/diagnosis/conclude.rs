@@ -63,8 +63,8 @@ pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
     }
 }
 
-/// Named where the best explanation leaves nothing but noise (or a hundredth of the mismatch: no law
-/// of the catalogue has the shape of nature to better than a tenth in amplitude).
+/// Named where the best explanation leaves nothing but noise (or, one law, a hundredth of the mismatch, fitted
+/// and held out: none of the catalogue has the shape of nature to better than a tenth in amplitude).
 fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     if found.best.effects().is_empty() {
         return match search.is_quiet(&found.baseline, located) {
@@ -76,7 +76,8 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     let seen = !search.below(&found.best, PLAIN);
     let noise = search.at_noise(&found.best) && search.held_at_floor(&found.best);
     // A second law takes up what the shape of the first one leaves: beside it nothing else may be left.
-    let shape = found.best.effects().len() == 1
+    let one = found.best.effects().len() == 1 || stands_for_one(found);
+    let shape = one
         && search.explains(&found.baseline, &found.best)
         && search.predicts(&found.baseline, &found.best);
     if seen || !(noise || shape) {
@@ -146,7 +147,8 @@ fn finding(
     let own = best.effects();
     let mut alternatives: Vec<(String, f64)> = Vec::new();
     for equal in &found.equals {
-        let worse = search.criterion(&equal.explanation) - search.criterion(best);
+        // What is told before a simpler law is believed no less than that.
+        let worse = (search.criterion(&equal.explanation) - search.criterion(best)).max(0.0);
         for (other, _) in equal.explanation.effects() {
             let shared = own.iter().any(|own| own.0 == other);
             let known = alternatives.iter().any(|known| known.0 == other);

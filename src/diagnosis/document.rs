@@ -52,7 +52,8 @@ pub struct Finding {
     pub effect: String,
     /// Its place in the chain.
     pub place: String,
-    /// Probability among the explanations that were tried.
+    /// Probability among the explanations that were tried: their criteria `B` weigh as `exp(-B / 15)`, tempered
+    /// against `exp(-B / 2)`, since a law's shape is not nature's.
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<FittedParameter>,

@@ -11,7 +11,7 @@ use crate::effects::Place;
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
-/// Sizes of each candidate that a fit starts from.
+/// Sizes of each candidate that a fit starts from: a law with a time or a length has a basin for each few of them.
 const SIZES: usize = 4;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
@@ -87,7 +87,11 @@ impl Search<'_> {
             if theirs.len() != own.len() + 1 {
                 continue;
             }
-            let mut point = known.clone();
+            // The new effect comes last, as on top of an explanation.
+            let mut point = known.without_effect(effect);
+            let terms = known.terms[known.given_terms..].iter();
+            let last = terms.filter(|term| term.identity() == effect);
+            point.terms.extend(last.cloned());
             point.start_as(&from.fitted.point);
             add_far(found, effect, vec![point]);
         }

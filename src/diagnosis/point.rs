@@ -52,7 +52,7 @@ impl Point {
     pub fn effects(&self) -> Vec<(&'static str, Place)> {
         let mut effects = Vec::new();
         for term in &self.terms[self.given_terms..] {
-            let effect = (term.effect.name, term.place);
+            let effect = term.identity();
             if !effects.contains(&effect) {
                 effects.push(effect);
             }
@@ -65,7 +65,7 @@ impl Point {
         let mut point = self.clone();
         point.terms = self.terms[..self.given_terms].to_vec();
         let added = self.terms[self.given_terms..].iter();
-        let others = added.filter(|term| (term.effect.name, term.place) != effect);
+        let others = added.filter(|term| term.identity() != effect);
         point.terms.extend(others.cloned());
         point
     }

@@ -164,15 +164,19 @@ impl<'a> Race<'a> {
     fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Trial {
         let explained = |cost: f64| self.from.fitted.cost - cost;
         let near = |winner| explained(descent.cost()) > NEARER * explained(winner);
-        if self.winner().is_none_or(near) {
+        let carries = self.winner().is_none_or(near);
+        if carries {
             descent.race(LONG, ahead);
             if descent.winds() && descent.cost() < LOST * ahead {
                 descent.hop();
             }
         }
-        let explanation = self.search.judge.judge(self.search.problem, descent.end());
+        let mut explanation = self.search.judge.judge(self.search.problem, descent.end());
+        if carries {
+            explanation = self.search.recurring(explanation);
+        }
         Trial {
-            explanation: self.search.recurring(explanation),
+            explanation,
             delta_bic: 0.0,
             held_out_ratio: 1.0,
             passed: false,

@@ -90,7 +90,7 @@ pub fn screen(
         residual: stacked(&linear.residuals),
     };
     let there = |effect: &Effect, place: Place| {
-        let twice = |term: &Term| term.effect.name == effect.name && term.place == place;
+        let twice = |term: &Term| term.identity() == (effect.name, place);
         point.terms.iter().any(twice)
     };
     let tried: Vec<Vec<Start>> = candidates(problem)
@@ -120,9 +120,10 @@ impl Screen<'_> {
         let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
-        // Sizes come first among an effect's parameters.
+        // Sizes come first among an effect's parameters; where a limit does, the factor is no better than any other,
+        // and what scores less is not taken.
         let (low, high) = (effect.parameters[0].bounds)(&self.problem.scales);
-        for own in &mut starts {
+        for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
             let mut values = own.values.clone();
             values[0] = (values[0] * own.factor).clamp(low, high);
             let resized = start(values);

@@ -253,14 +253,15 @@ impl Search<'_> {
     fn prune(&self, explanation: Explanation) -> Explanation {
         let mut best = explanation;
         loop {
-            let point = &best.fitted.point;
-            let terms = point.given_terms..point.terms.len();
-            if terms.len() < 2 {
+            let effects = best.effects();
+            if effects.len() < 2 {
                 return best;
             }
             let unit = self.unit(&best);
-            let dropped = terms
-                .map(|term| self.refitted(&point.without(term)))
+            let point = &best.fitted.point;
+            let dropped = effects
+                .into_iter()
+                .map(|effect| self.refitted(&point.without_effect(effect)))
                 .filter(|without| {
                     let needless = self.criterion(without) < self.criterion(&best) + STRONG * unit;
                     // What was held out tells nothing where it was noise before.

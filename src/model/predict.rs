@@ -22,6 +22,13 @@ pub struct Term {
     pub values: Vec<f64>,
 }
 
+impl Term {
+    /// Name and place of the effect.
+    pub fn identity(&self) -> (&'static str, Place) {
+        (self.effect.name, self.place)
+    }
+}
+
 /// A simulated experiment.
 pub struct Simulated {
     /// The motion at the nodes.

@@ -14,6 +14,11 @@ const GROUPS: &[Group] = &[
         effects: &["second_mode", "base_mode"],
         remedy: "a sensor on the base, which a second mode of the arm leaves still",
     },
+    // Far above the motion a mode bends with the first one.
+    Group {
+        effects: &["second_mode", "base_mode", "deformation_gain"],
+        remedy: "faster motion, or an accelerometer beside the sensor: a mode shows at its own frequency, a gain does not",
+    },
     // All are functions of the pose alone.
     Group {
         effects: &[

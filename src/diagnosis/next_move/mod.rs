@@ -18,7 +18,7 @@ use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
 use super::search::{EQUAL, Search};
-use crate::effects::{Place, contains};
+use crate::effects::{Place, becomes, contains};
 use advice::advice;
 use contest::Contest;
 use distance::Rival;
@@ -79,7 +79,8 @@ impl<'a> Pair<'a> {
     /// never fail, the equal.
     fn new(best: &'a Explanation, equal: &'a Explanation) -> Self {
         let [own, theirs] = words::apart(&best.effects(), &equal.effects());
-        let limit = |simple: &&(&str, Place)| theirs.iter().any(|law| contains(law.0, simple.0));
+        let holds = |law: &str, simple: &str| contains(law, simple) || becomes(law, simple);
+        let limit = |simple: &&(&str, Place)| theirs.iter().any(|law| holds(law.0, simple.0));
         let reversed = !own.is_empty() && own.iter().filter(limit).count() == own.len();
         let points = [&best.fitted.point, &equal.fitted.point];
         let [right, wrong] = if reversed {

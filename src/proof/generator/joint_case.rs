@@ -266,7 +266,8 @@ fn with_all(arm: &Arm, scales: &Scales, hidden: &[Concealed]) -> Arm {
 /// gain of the deformation.
 fn equivalents(arm: &Arm, hidden: &[Concealed]) -> Vec<String> {
     let gain = |concealed: &Concealed| concealed.entry.name == "deformation_gain";
-    match arm.channel != Channel::Deformation && hidden.iter().any(gain) {
+    let alone = hidden.len() == 1 && hidden.iter().all(gain);
+    match alone && arm.channel != Channel::Deformation {
         true => ["second_mode", "base_mode"].map(String::from).to_vec(),
         false => Vec::new(),
     }

@@ -107,27 +107,39 @@ pub(super) fn covered(truth: &Truth, verdict: &Verdict) -> Vec<Covered> {
             .findings
             .iter()
             .find(|finding| finding.effect == hidden.effect);
+        let mut told = vec![false; hidden.parameters.len()];
         for parameter in named.iter().flat_map(|finding| &finding.parameters) {
+            let name = once(&parameter.name);
             let same = SAME
                 .iter()
-                .find(|(effect, name, _)| *effect == hidden.effect && *name == parameter.name);
+                .find(|entry| entry.0 == hidden.effect && entry.1 == name);
             let same = same.filter(|entry| !(entry.1 == "jump" && other_inertia));
-            let known = |name: &str| same.is_some_and(|(_, _, names)| names.contains(&name));
-            // Of several knocks the one that was found.
-            let off = |value: f64| (value - parameter.value).abs();
-            let values = hidden.parameters.iter().filter(|(name, _)| known(name));
-            let value = values.min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
-            found.extend(value.map(|&(_, value)| {
-                let [low, high] = parameter.ci95;
-                Covered {
-                    effect: hidden.effect.clone(),
-                    parameter: parameter.name.clone(),
-                    truth: value,
-                    ci95: parameter.ci95,
-                    inside: low <= value && value <= high,
-                }
-            }));
+            let known = |name: &str| same.is_some_and(|entry| entry.2.contains(&name));
+            // Of several events the nearest that is not yet told.
+            let off = |k: &usize| (hidden.parameters[*k].1 - parameter.value).abs();
+            let open = (0..told.len()).filter(|&k| !told[k] && known(&hidden.parameters[k].0));
+            let Some(index) = open.min_by(|a, b| off(a).total_cmp(&off(b))) else {
+                continue;
+            };
+            told[index] = true;
+            let value = hidden.parameters[index].1;
+            let [low, high] = parameter.ci95;
+            found.push(Covered {
+                effect: hidden.effect.clone(),
+                parameter: parameter.name.clone(),
+                truth: value,
+                ci95: parameter.ci95,
+                inside: low <= value && value <= high,
+            });
         }
     }
     found
+}
+
+/// A parameter's name without the number of its event: `time` of `time_2`.
+fn once(name: &str) -> &str {
+    match name.rsplit_once('_') {
+        Some((name, number)) if number.parse::<u32>().is_ok() => name,
+        _ => name,
+    }
 }
