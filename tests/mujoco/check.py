@@ -19,11 +19,11 @@ from simulate import simulate
 
 # Torque across the joint and on the link, written down anew from the truth's parameters p and the arm a.
 LAWS = {
-    CubicStiffness: lambda p, a, e, u, du, dy: (-p["k3"] * e ** 3, 0.0),
+    CubicStiffness: lambda p, a, e, u, du, dy: (-p["k3_nm_per_rad3"] * e ** 3, 0.0),
     TransmissionError: lambda p, a, e, u, du, dy: (
         p["amp_rad"] * (a.stiffness * math.sin(p["cycles_per_rad"] * u + p["phase_rad"])
                         + a.damping * p["cycles_per_rad"] * du * math.cos(p["cycles_per_rad"] * u + p["phase_rad"])), 0.0),
-    TendonBacklash: lambda p, a, e, u, du, dy: (a.stiffness * max(-p["gap_rad"], min(p["gap_rad"], e)), 0.0),
+    TendonBacklash: lambda p, a, e, u, du, dy: (a.stiffness * max(-0.5 * p["gap_rad"], min(0.5 * p["gap_rad"], e)), 0.0),
     ViscousDrag: lambda p, a, e, u, du, dy: (0.0, -p["c"] * dy),
     QuadraticDrag: lambda p, a, e, u, du, dy: (0.0, -p["c2"] * dy * abs(dy)),
     GravityTilt: lambda p, a, e, u, du, dy: (

@@ -142,7 +142,7 @@ class TendonBacklash(Effect):
     name, catalogue, timestep, high = "backlash", ("backlash",), 1e-4, 0.5
 
     def parameters(self, size):
-        return {"gap_rad": size * self.setting.peak, "damper_in_gap": 1.0}
+        return {"gap_rad": 2.0 * size * self.setting.peak, "damper_in_gap": 1.0}
 
     def change_arm(self, size, arm):
         gap = size * self.setting.peak
@@ -157,7 +157,7 @@ class ContactBacklash(Effect):
     name, catalogue, timestep, high = "backlash", ("backlash",), 1e-4, 0.5
 
     def parameters(self, size):
-        return {"gap_rad": size * self.setting.peak, "damper_in_gap": 0.0}
+        return {"gap_rad": 2.0 * size * self.setting.peak, "damper_in_gap": 0.0}
 
     def hook(self, size, arm, which):
         gap, k, d = size * self.setting.peak, arm.stiffness, arm.damping
@@ -182,10 +182,10 @@ class CubicStiffness(Effect):
         self.high = 0.8 if self.sign > 0 else 0.25
 
     def parameters(self, size):
-        return {"k3": self.sign * size * self.setting.torque / self.setting.peak ** 3}
+        return {"k3_nm_per_rad3": self.sign * size * self.setting.torque / self.setting.peak ** 3}
 
     def hook(self, size, arm, which):
-        k3 = self.parameters(size)["k3"]
+        k3 = self.parameters(size)["k3_nm_per_rad3"]
         return lambda t, dt, e, de, u, du, model: (-k3 * e * e * e, 0.0)
 
 
