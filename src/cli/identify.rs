@@ -29,8 +29,9 @@ in a frame of its own needs a model with the lever arm:
   lever_arm_m = 1.8
   tip_height_m = 0.9
 
-Estimators that know the motor side's motion see the whole recording, if that explains the
-deformation; the others, and all where it does not, see the strongest free decay.")]
+Estimators that know the motor side's motion see the whole recording, of more than 1e5 samples the
+1e5 in a row whose deformation varies most, if the motion explains the deformation; the others, and
+all where it does not, see the strongest free decay.")]
 pub struct Args {
     /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,

@@ -8,6 +8,7 @@ mod nominal_model;
 mod prepare;
 mod run;
 mod stretches;
+mod whole_fit;
 
 pub use crate::model::ModelError;
 pub use amplitude::{AmplitudeDependence, CycleDamping};
@@ -23,7 +24,7 @@ use core::f64::consts::TAU;
 
 use quell_shapers::Mode;
 
-use crate::estimators::offline::{BatchFit, batch_fit, batch_fit_near, telling};
+use crate::estimators::offline::{BatchFit, batch_fit, telling};
 use crate::estimators::{ESTIMATORS, Estimate, Sample, Settings};
 
 /// What is known before the samples.
@@ -46,7 +47,7 @@ pub struct Identification {
     /// Whether the known input explains the deformation: its batch fit agrees with that of the
     /// free decays. `None` where there is no free decay to hold it against.
     pub known_input_holds: Option<bool>,
-    /// Share of the deformation's variance that the batch fit of the whole recording explains.
+    /// Share of the deformation's variance that the batch fit of the whole recording explains, over what it is of.
     pub explained: f64,
     /// How long the known input carries the vibration, s; infinite where it does to the end.
     pub memory: f64,
@@ -65,6 +66,11 @@ impl Identification {
     /// [`Run::shown`], and fitted to the whole from there.
     pub fn is_long(&self) -> bool {
         self.whole.shown != self.whole.stretch
+    }
+
+    /// Whether the batch fit is of that part alone, as the whole led it out of the range of frequencies.
+    pub fn is_fit_of_part(&self) -> bool {
+        self.whole.fitted != self.whole.stretch
     }
 
     /// The run to quote for an estimator, by index into the table: the whole recording for those
@@ -110,21 +116,22 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
     let part = telling(samples);
     let settings = settings(samples, part, prior)?;
     let rests = stretches::rests(samples, &settings);
-    let looked_at = stretches::spread(samples, &rests);
+    let looked_at = stretches::evenly(samples, &rests);
     let decays: Vec<FreeDecay> = looked_at
         .iter()
         .filter_map(|rest| stretches::free_decay(samples, *rest, &settings))
         .collect();
-    let (settings, fit) = trusted_memory(samples, part, settings);
+    let (settings, fit) = whole_fit::trusted_memory(part, settings);
+    let (fitted, fit) = whole_fit::follow(samples, part, &settings, fit);
     let (free_decays, known_input_holds) = free_decays(samples, &decays, &settings, fit.as_ref());
     let best_decay = strongest(&free_decays);
     let best = best_decay.map(|k| &free_decays[k]);
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
     let explained = fit
         .as_ref()
-        .map_or(0.0, |fit| 1.0 - explained_not(samples, fit));
+        .map_or(0.0, |fit| 1.0 - explained_not(fitted, fit));
     Ok(Identification {
-        whole: Run::whole(samples, part, &settings, fit.as_ref()),
+        whole: Run::whole(samples, part, &settings, (fitted, fit.as_ref())),
         free_decays,
         known_input_holds,
         explained,
@@ -172,46 +179,6 @@ fn strongest(decays: &[Run]) -> Option<usize> {
     (0..decays.len())
         .filter(|&k| decays[k].batch().is_some())
         .max_by(|&a, &b| decays[a].energy.total_cmp(&decays[b].energy))
-}
-
-/// Settings whose memory the recording bears out, and the batch fit of the whole of it; both are looked for in a
-/// part.
-///
-/// The vibration is set free again after every one and a half periods if that halves the residual's
-/// variance (each for its own number of unknowns; by chance, with hundreds of samples, it changes by
-/// a tenth): then the motor side, as measured, does not drive what is seen.
-fn trusted_memory(
-    samples: &[Sample],
-    part: &[Sample],
-    settings: Settings,
-) -> (Settings, Option<BatchFit>) {
-    let Some(carried) = batch_fit(part, &settings, true) else {
-        return (settings, None);
-    };
-    let mut period = carried.mode.damped_period();
-    let limit = 0.5 * carried.residual_std.powi(2);
-    let mut trusted = (settings, carried);
-    let mut shorter = None;
-    // Twice, as the first memory comes from a frequency that the long fit may have missed.
-    for _ in 0..2 {
-        let settings = Settings {
-            memory: 1.5 * period,
-            ..settings
-        };
-        let Some(fit) = batch_fit(part, &settings, true) else {
-            break;
-        };
-        period = fit.mode.damped_period();
-        shorter = Some((settings, fit));
-    }
-    if let Some(shorter) = shorter.filter(|(_, fit)| fit.residual_std.powi(2) < limit) {
-        trusted = shorter;
-    }
-    let (settings, fit) = trusted;
-    match part.len() < samples.len() {
-        true => (settings, batch_fit_near(samples, &settings, fit.mode)),
-        false => (settings, Some(fit)),
-    }
 }
 
 /// Whether the fit with the known input and the free decay's give one frequency: within 3 %, or

@@ -69,6 +69,9 @@ pub struct Run {
     /// Those that the estimators on-line were shown: the same, but of a long recording the part in which the mode
     /// was looked for.
     pub shown: Stretch,
+    /// Those that the batch fit is of: the same, but of a long recording that leads it out of the range of
+    /// frequencies the part again.
+    pub fitted: Stretch,
     /// Where periods to convergence are counted from, s: the motion's or the decay's start.
     pub counted_from: f64,
     /// Whether it is a free decay; else the motor side is a known input.
@@ -84,26 +87,30 @@ pub struct Run {
 }
 
 impl Run {
-    /// The whole recording with the motor side as known input; of a long one the estimators are shown a `part`, as
-    /// they forget what is older than their window, 65 536 samples at most.
+    /// The whole recording with the motor side as known input, and its batch fit with the samples that it is of.
+    ///
+    /// Of a long one the estimators are shown a `part`. The likelihoods lose nothing by that, as they forget what is
+    /// older than their window, 65 536 samples at most; the algebraic ones sum over all that they are shown, and
+    /// what they tell is of the part.
     pub(super) fn whole(
         samples: &[Sample],
         part: &[Sample],
         settings: &Settings,
-        fit: Option<&BatchFit>,
+        (fitted, fit): (&[Sample], Option<&BatchFit>),
     ) -> Self {
         let counted_from = stretches::motion_from(part);
         let estimators = ESTIMATORS.iter().filter(|line| line.uses_motion);
         Self {
             stretch: Stretch::all(samples),
             shown: Stretch::all(part),
+            fitted: Stretch::all(fitted),
             counted_from,
             is_free_decay: false,
             on_line: estimators
                 .map(|line| on_line(line, part, settings, counted_from))
                 .collect(),
             off_line: fit.into_iter().map(batch_reference).collect(),
-            energy: energy(samples, fit),
+            energy: energy(fitted, fit),
             extrema: Vec::new(),
         }
     }
@@ -132,6 +139,7 @@ impl Run {
         Self {
             stretch,
             shown: stretch,
+            fitted: stretch,
             counted_from: stretch.from,
             is_free_decay: true,
             on_line: ESTIMATORS

@@ -76,7 +76,7 @@ const LOOKED_AT: usize = 100_000;
 ///
 /// Source: H. Weyl, Math. Ann. 77 (1916) 313-352; three distances: V. T. Sos, Ann. Univ. Sci. Budapest 1 (1958)
 /// 127-134.
-pub fn spread(samples: &[Sample], rests: &[Stretch]) -> Vec<Stretch> {
+pub fn evenly(samples: &[Sample], rests: &[Stretch]) -> Vec<Stretch> {
     let cut = |rest: &Stretch| {
         let within = rest.of(samples);
         let last = within.get(LOOKED_AT - 1);
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn what_is_looked_at_is_even_and_sees_every_move_of_a_programme() {
         let (samples, all) = rests(4000, 100);
-        let looked_at = spread(&samples, &all);
+        let looked_at = evenly(&samples, &all);
         let number = |rest: &Stretch| all.iter().position(|one| one == rest).unwrap();
         let numbers: Vec<usize> = looked_at.iter().map(number).collect();
         // A quarter, but for what an even spread of 4000 is off by: the logarithm of their number.
@@ -256,10 +256,10 @@ mod tests {
     #[test]
     fn few_rests_are_all_looked_at_and_a_long_one_from_its_start_on() {
         let (samples, all) = rests(100, 1000);
-        assert_eq!(spread(&samples, &all), all);
-        assert!(spread(&samples, &[]).is_empty());
+        assert_eq!(evenly(&samples, &all), all);
+        assert!(evenly(&samples, &[]).is_empty());
         let (samples, all) = rests(1, 3 * LOOKED_AT);
-        let looked_at = spread(&samples, &all);
+        let looked_at = evenly(&samples, &all);
         assert_eq!(looked_at.len(), 1);
         assert_eq!(looked_at[0].of(&samples).len(), LOOKED_AT);
         assert_eq!(looked_at[0].from, all[0].from);

@@ -25,14 +25,14 @@ pub struct Restart {
     pub state: [f64; 4],
 }
 
-/// What is not smooth at which time.
+/// What is not smooth at which time, in any order.
 #[derive(Clone, Debug, Default)]
 pub struct Timed {
-    /// Instants at which a law jumps, s, increasing.
+    /// Instants at which a law jumps, s.
     pub breaks: Vec<f64>,
-    /// Impulses on the link, increasing in time.
+    /// Impulses on the link.
     pub kicks: Vec<Kick>,
-    /// Where the motion starts anew, increasing in time.
+    /// Where the motion starts anew.
     pub restarts: Vec<Restart>,
 }
 

@@ -158,7 +158,6 @@ fn ready<'a>(
             &mut timed,
         );
     }
-    timed.breaks.sort_by(f64::total_cmp);
     if chain.linear.position_loop.is_some() {
         chain.maps.append(&mut drives);
     }

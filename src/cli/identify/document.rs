@@ -76,8 +76,8 @@ fn off_line(run: &Run) -> Vec<Value> {
                 "frequency_std_hz": line.natural_frequency_std.map(|std| std / TAU),
                 "damping_ratio": line.mode.damping_ratio(),
                 "damping_std": line.damping_ratio_std,
-                "from_s": run.stretch.from,
-                "until_s": run.stretch.until,
+                "from_s": run.fitted.from,
+                "until_s": run.fitted.until,
             })
         })
         .collect()

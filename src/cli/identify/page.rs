@@ -170,7 +170,7 @@ fn over_time(
         return chart;
     };
     let value = level(batch);
-    let until = (run.counted_from + 5.0 * batch.mode.damped_period()).min(run.stretch.until);
+    let until = (run.counted_from + 5.0 * batch.mode.damped_period()).min(run.shown.until);
     chart
         .level(value, "batch fit")
         .x_range(run.counted_from, until)

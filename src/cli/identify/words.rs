@@ -5,20 +5,22 @@ use crate::identification::{Identification, Run, Stretch};
 
 /// `decay 0.39-2.00s`: what a run's off-line references used.
 pub fn used(run: &Run) -> String {
-    let kind = if run.is_free_decay { "decay" } else { "all" };
-    seconds(kind, run.stretch)
+    seconds(run, run.fitted)
 }
 
 /// The same for what its estimators were shown.
 pub fn shown(run: &Run) -> String {
-    match run.shown == run.stretch {
-        true => used(run),
-        false => seconds("part", run.shown),
-    }
+    seconds(run, run.shown)
 }
 
-fn seconds(kind: &str, stretch: Stretch) -> String {
-    format!("{kind} {:.2}-{:.2}s", stretch.from, stretch.until)
+fn seconds(run: &Run, Stretch { from, until }: Stretch) -> String {
+    let is_all = Stretch { from, until } == run.stretch;
+    let kind = match (run.is_free_decay, is_all) {
+        (true, _) => "decay",
+        (_, true) => "all",
+        _ => "part",
+    };
+    format!("{kind} {from:.2}-{until:.2}s")
 }
 
 /// Everything that a table does not say.
@@ -60,21 +62,29 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     remarks
 }
 
-/// A sentence on what was looked at of a long recording.
+/// What was looked at of a long recording.
 fn long(found: &Identification) -> Option<String> {
-    let Stretch { from, until } = found.whole.shown;
-    let part = format!(
-        "The recording is long: the mode was looked for from {from:.0} s to {until:.0} s, where the deformation \
-         varies most, and the estimators were run over that part; the batch fit goes on from there over the whole."
-    );
-    let rests = format!(
-        " Of {} rests {} were looked at for a free decay, spread over the recording.",
-        found.rests, found.rests_looked_at
-    );
-    match found.rests_looked_at < found.rests {
-        true => Some(part + &rests),
-        false => found.is_long().then_some(part),
+    if !found.is_long() {
+        return None;
     }
+    let Stretch { from, until } = found.whole.shown;
+    let fit = match found.is_fit_of_part() {
+        true => {
+            "over the whole the batch fit leaves the range of frequencies, and what is told of it is of the part"
+        }
+        false => "the batch fit goes on from there over the whole",
+    };
+    let mut words = format!(
+        "The recording is long: the mode was looked for from {from:.0} s to {until:.0} s, where the deformation \
+         varies most, and the estimators were run over that part; {fit}."
+    );
+    if found.rests_looked_at < found.rests {
+        words += &format!(
+            " Of {} rests {} were looked at for a free decay, spread over the recording.",
+            found.rests, found.rests_looked_at
+        );
+    }
+    Some(words)
 }
 
 /// A sentence on a second mode, and what to do about it.

@@ -42,8 +42,9 @@ pub struct BatchFit {
 /// The model is that of the likelihood estimator, with the free initial state (again after each
 /// `memory` of the settings), offset, rate, scale and gain as further unknowns under the settings'
 /// priors. Starts: a grid of frequencies over the settings' range, a quarter apart; the best end wins. In
-/// a record of more than 1e5 samples that is decided in the liveliest so many of them, and where it ends
-/// there the whole begins. With `motion` false the motor side counts as standing still (a plain free
+/// a record of more than 1e4 samples they descend in the liveliest so many of them first, and the places
+/// that they come to go on in the liveliest 1e5, or in all where there are no more; the best of these is
+/// where the whole begins. With `motion` false the motor side counts as standing still (a plain free
 /// decay). `None` where no start ends in a mode or the samples are fewer than twice the unknowns.
 pub fn batch_fit(samples: &[Sample], settings: &Settings, motion: bool) -> Option<BatchFit> {
     if samples.len() < 2 * (UNKNOWNS + 2) {
@@ -60,8 +61,13 @@ pub fn batch_fit(samples: &[Sample], settings: &Settings, motion: bool) -> Optio
     follow(&still, settings, best_start(&still, settings)?)
 }
 
-/// The batch fit next to a mode that is known already, as from a part of the record.
-pub fn batch_fit_near(samples: &[Sample], settings: &Settings, mode: Mode) -> Option<BatchFit> {
+/// The batch fit next to a mode that is known already, from a part of the record that [`batch_fit`] took: so there
+/// are samples enough. `None` where it ends in no mode of the settings' range.
+pub(crate) fn batch_fit_near(
+    samples: &[Sample],
+    settings: &Settings,
+    mode: Mode,
+) -> Option<BatchFit> {
     let point = point_of(mode.natural_frequency(), mode.damping_ratio());
     follow(samples, settings, point)
 }
@@ -89,7 +95,7 @@ fn conclude(problem: &Problem<'_>) -> Option<BatchFit> {
     } else {
         1.0
     };
-    let std = spread(problem, variance * wide)?;
+    let std = standard_deviations(problem, variance * wide)?;
     Some(BatchFit {
         mode,
         natural_frequency_std: std[0] * mode.natural_frequency(),
@@ -104,7 +110,7 @@ fn conclude(problem: &Problem<'_>) -> Option<BatchFit> {
 }
 
 /// Standard deviations of the unknowns for a variance of the residual.
-fn spread(problem: &Problem<'_>, variance: f64) -> Option<[f64; UNKNOWNS]> {
+fn standard_deviations(problem: &Problem<'_>, variance: f64) -> Option<[f64; UNKNOWNS]> {
     let jacobian = problem.jacobian()?;
     let normal = jacobian.tr_mul(&jacobian);
     let scale: [f64; UNKNOWNS] =

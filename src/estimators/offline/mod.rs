@@ -8,7 +8,8 @@ mod point;
 mod search;
 mod triangle;
 
-pub use batch_fit::{BatchFit, batch_fit, batch_fit_near};
+pub(crate) use batch_fit::batch_fit_near;
+pub use batch_fit::{BatchFit, batch_fit};
 pub use fourier::{amplitude_spectrum, fourier};
 pub use log_decrement::{Extremum, extrema, log_decrement, mode_of_extrema};
 pub(crate) use search::telling;

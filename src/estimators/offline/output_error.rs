@@ -168,7 +168,7 @@ impl<'a> Problem<'a> {
     ) {
         let turned = |k: usize| Complex::new(free.x, -free.y) * self.slopes[k];
         let turned = [turned(0), turned(1)];
-        let held = self.spread().map(|std| std == 0.0);
+        let held = self.prior_deviations().map(|std| std == 0.0);
         for i in 2..COLUMNS {
             let row: RowSVector<f64, COLUMNS> = triangle.row(i).into_owned();
             let mut reduced = [0.0; REDUCED];
@@ -196,7 +196,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Standard deviations of the priors, infinite where there is none; 0 for what is held at 0.
-    fn spread(&self) -> [f64; UNKNOWNS] {
+    fn prior_deviations(&self) -> [f64; UNKNOWNS] {
         let rate = self.mode().map(|mode| mode.natural_frequency().recip());
         [
             f64::INFINITY,
@@ -210,12 +210,12 @@ impl<'a> Problem<'a> {
 
     /// Whether an unknown is known to be 0.
     pub fn is_held(&self, unknown: usize) -> bool {
-        self.spread()[unknown] == 0.0
+        self.prior_deviations()[unknown] == 0.0
     }
 
     /// One residual's worth of each prior: offset, rate, scale, gain. What is held moves no other residual.
     fn priors(&self) -> [f64; UNKNOWNS] {
-        self.spread().map(|std| match std {
+        self.prior_deviations().map(|std| match std {
             0.0 => 1.0,
             std => self.noise / std,
         })

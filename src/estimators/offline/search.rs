@@ -1,5 +1,7 @@
 //! Where a batch fit begins: the best of many descents, from a grid of frequencies, in a part of the record.
 
+use core::f64::consts::TAU;
+
 use levenberg_marquardt::LevenbergMarquardt;
 
 use super::output_error::Problem;
@@ -38,7 +40,12 @@ pub fn telling(samples: &[Sample]) -> &[Sample] {
     liveliest(samples, PARTS[1])
 }
 
+/// Of all parts of so many samples that begin at a multiple of their number, and of the one that ends with the last
+/// sample, the one whose deformation varies most; all samples where they are fewer.
 fn liveliest(samples: &[Sample], count: usize) -> &[Sample] {
+    let Some(last) = samples.len().checked_sub(count) else {
+        return samples;
+    };
     let variance = |part: &[Sample]| {
         let n = part.len() as f64;
         let mean = part.iter().map(|s| s.deformation).sum::<f64>() / n;
@@ -47,8 +54,9 @@ fn liveliest(samples: &[Sample], count: usize) -> &[Sample] {
             .sum::<f64>()
             / n
     };
-    let parts = samples.chunks_exact(count);
+    let parts = (0..last).step_by(count).chain([last]);
     parts
+        .map(|first| &samples[first..first + count])
         .max_by(|a, b| variance(a).total_cmp(&variance(b)))
         .unwrap_or(samples)
 }
@@ -80,13 +88,15 @@ fn grid(settings: &Settings) -> Vec<Point> {
         .collect()
 }
 
-/// The places in a part that the starts lead to, each once. A start that leads nowhere there, as where the part is
-/// too short for it, stays.
+/// The places in a part that the starts lead to, each once. A start that leads nowhere there stays, and so does each
+/// that has less than two periods there: of these the part cannot tell a vibration from a drift, nor one from another.
 fn places(part: &[Sample], settings: &Settings, starts: &[Point]) -> Vec<Point> {
     let method = LevenbergMarquardt::new().with_tol(SEARCH);
     let duration = part[part.len() - 1].time - part[0].time;
+    let is_slow = |start: &&Point| 2.0 * TAU > duration * start[0].exp();
+    let slow: Vec<Point> = starts.iter().filter(is_slow).copied().collect();
     let mut places: Vec<Point> = Vec::new();
-    for start in starts {
+    for start in starts.iter().filter(|start| !is_slow(start)) {
         let end = descend(&method, part, settings, *start);
         let place = end.map_or(*start, |(end, _)| end.point);
         // Responses whose poles are nearer than that do not come apart within the part.
@@ -95,11 +105,12 @@ fn places(part: &[Sample], settings: &Settings, starts: &[Point]) -> Vec<Point> 
             places.push(place);
         }
     }
+    places.extend(slow);
     places
 }
 
-/// A descent from a start: where it ends and what it leaves there. `None` where that is no mode in the range of
-/// frequencies, or beyond it by no more than a neighbour of its last start would be.
+/// A descent from a start: where it ends and what it leaves there. `None` where it ends farther outside the range of
+/// frequencies than a neighbour of its last start would be, or in no number.
 pub fn descend<'a>(
     method: &LevenbergMarquardt<f64>,
     samples: &'a [Sample],
@@ -113,4 +124,48 @@ pub fn descend<'a>(
     let inside = w >= low / RATIO && w <= high * RATIO;
     let cost = report.objective_function;
     (inside && cost.is_finite()).then_some((end, cost))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(time: f64, deformation: f64) -> Sample {
+        Sample {
+            time,
+            motor_position: 0.0,
+            deformation,
+        }
+    }
+
+    /// Samples of which those of a range ring.
+    fn ringing(count: usize, range: core::ops::Range<usize>) -> Vec<Sample> {
+        let value = |k: usize| {
+            if range.contains(&k) {
+                (k as f64).sin()
+            } else {
+                0.0
+            }
+        };
+        (0..count).map(|k| sample(k as f64, value(k))).collect()
+    }
+
+    #[test]
+    fn the_liveliest_part_may_be_the_first_one_between_and_the_last() {
+        for (range, first) in [
+            (0..5_000, 0),
+            (10_000..15_000, 10_000),
+            (24_000..29_000, 19_000),
+        ] {
+            let samples = ringing(29_000, range);
+            let part = liveliest(&samples, 10_000);
+            assert_eq!(part, &samples[first..first + 10_000]);
+        }
+        // Less than two parts: all that rings is in what is left of the first.
+        let samples = ringing(19_000, 13_000..19_000);
+        assert_eq!(liveliest(&samples, 10_000), &samples[9_000..]);
+        let short = &samples[..10_000];
+        assert_eq!(liveliest(short, 10_000), short);
+        assert_eq!(liveliest(&short[1..], 10_000), &short[1..]);
+    }
 }
