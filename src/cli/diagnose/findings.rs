@@ -4,6 +4,7 @@ use super::page::Case;
 use super::shown::Shown;
 use super::{head, remedy, words};
 use crate::diagnosis::{Finding, Verdict};
+use crate::effects::Effect;
 use crate::report::{Page, Table, number};
 
 /// Every finding, what it means, what may be done about it, and its parameters.
@@ -33,9 +34,12 @@ pub fn set(page: Page, case: &Case) -> Page {
         }
         let names = words::list(&words::set(finding), "or");
         page = page.heading(format!("{}?", words::capital(&names)));
+        let place = match sits_with_all(finding) {
+            true => format!(" {}", words::at(&finding.place)),
+            false => String::new(),
+        };
         page = page.text(format!(
-            "One of them is missing {}; these recordings cannot tell which.",
-            words::at(&finding.place)
+            "One of them is missing{place}; these recordings cannot tell which."
         ));
         for effect in std::iter::once(&finding.effect).chain(&finding.alternatives) {
             if let Some(physics) = words::physics(effect) {
@@ -50,6 +54,15 @@ pub fn set(page: Page, case: &Case) -> Page {
         }
     }
     page
+}
+
+/// Whether all that cannot be told from a finding can sit at its place.
+fn sits_with_all(finding: &Finding) -> bool {
+    let there = |name: &String| {
+        let places = Effect::from_name(name).map_or(&[][..], |effect| effect.places);
+        places.iter().any(|place| place.name() == finding.place)
+    };
+    finding.alternatives.iter().all(there)
 }
 
 /// The parameters of the explanation that was written into the model.
