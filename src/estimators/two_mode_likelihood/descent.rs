@@ -30,7 +30,7 @@ const FACTOR: f64 = 10.0;
 const FIRST: f64 = 1e-3;
 /// Factor of the damping with each new sample: what has failed once is tried again after 22 of them.
 const EASES: f64 = 0.9;
-/// Work of a solution in samples of a pair: two fits of 14 each, and a profile of 2, as measured (`timing`). Counted
+/// Work of a solution in samples of a pair: two fits of 14 each, and a profile of 2, as measured (75 ns a sample). Counted
 /// in products a fit is some two samples, but each sum of a factor waits for the one before.
 const SOLUTION: usize = 30;
 

@@ -28,8 +28,6 @@ mod fit;
 mod grid;
 mod pair;
 mod search;
-#[cfg(test)]
-mod timing;
 
 use quell_shapers::Mode;
 
@@ -44,7 +42,7 @@ pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair};
 pub(super) use self::pair::Pair;
 
 /// Share of the time between two samples that replays may take, so that all else that a tick does fits beside
-/// them, and what one sample of them may take, s: at best it takes 75 ns (`timing`), the rest is for slower processors.
+/// them, and what one sample of them may take, s: at best it takes 75 ns (one core at 2026-11-22), the rest is for slower processors.
 /// All work is counted in such samples.
 const REPLAY_SHARE: f64 = 0.05;
 const REPLAY_TIME: f64 = 200e-9;
