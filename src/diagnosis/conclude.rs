@@ -74,7 +74,7 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     }
     // What is left in plain sight is not explained, however much more there was.
     let seen = !search.below(&found.best, PLAIN);
-    let noise = search.at_noise(&found.best) && search.held_at_floor(&found.best);
+    let noise = search.at_noise(&found.best) && search.is_held_noise(&found.best);
     // A second law takes up what the shape of the first one leaves: beside it nothing else may be left.
     let one = found.best.effects().len() == 1 || stands_for_one(found);
     let shape = one

@@ -14,10 +14,15 @@ const CERTAIN: f64 = 1.5;
 impl Search<'_> {
     /// Whether nothing but noise is left, on what was fitted and on what was held out.
     pub(super) fn is_quiet(&self, explanation: &Explanation, located: &Located) -> bool {
-        let held = self.held_at_floor(explanation) || self.is_foreseen(explanation);
+        let held = self.is_held_noise(explanation);
         // A little above the floor may be noise of another colour, unless it has a place in the chain.
         let little = self.below(explanation, CERTAIN) && located.location.place.is_none();
         self.at_floor(explanation) && held || little
+    }
+
+    /// Whether what was held out is nothing but noise and what the errors of the fit make there.
+    pub(super) fn is_held_noise(&self, explanation: &Explanation) -> bool {
+        self.held_at_floor(explanation) || self.is_foreseen(explanation)
     }
 
     /// Whether what was held out is missed by no more than noise, rounding at rest, and the errors of what was

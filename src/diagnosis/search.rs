@@ -185,11 +185,12 @@ impl Search<'_> {
         self.at_noise(explanation) || left < SHAPE * mismatch
     }
 
-    /// Whether what was held out, too, is nothing but noise, or the hundredth part of the mismatch.
+    /// Whether what was held out, too, is nothing but noise and what the errors of the fit make there, or the
+    /// hundredth part of the mismatch.
     pub fn predicts(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
         let rows = self.judge.held_out_rows as f64;
         let (left, mismatch) = (explanation.held_out - rows, baseline.held_out - rows);
-        self.held_at_floor(explanation) || left < SHAPE * mismatch
+        left < SHAPE * mismatch || self.is_held_noise(explanation)
     }
 
     /// Whether nothing but noise is left, on what was fitted or on all: what holds on moves that were never seen
