@@ -142,14 +142,8 @@ impl Adaptation {
         mut excess: impl FnMut(Mode) -> f64,
     ) -> Decision {
         let mode = estimate.mode;
-        let tolerance = self.settings.tolerance;
-        // The bound costs little, and is enough for an estimate that is known well.
-        let certain = most_within_two_sigma(estimate, next) <= tolerance;
-        if !certain {
-            let doubt = worst_within_two_sigma(estimate, next) - residual(next, mode);
-            if doubt > tolerance {
-                return Decision::Keep(Reason::Uncertain(doubt));
-            }
+        if let Err(reason) = self.certain(estimate, next) {
+            return Decision::Keep(reason);
         }
         let at_estimate = excess(mode);
         if at_estimate < self.settings.dead_band {
@@ -164,8 +158,37 @@ impl Adaptation {
         if let Some(step) = self.unconfirmed_jump(mode, estimate.time) {
             return Decision::Keep(Reason::Unconfirmed(step));
         }
+        self.accept(mode)
+    }
+
+    /// Whether the command under way may be corrected for an estimate that was [screened](Adaptation::screen):
+    /// it is certain enough for `next`, the train designed for it, and no jump that is yet to be confirmed.
+    pub fn may_correct(&mut self, estimate: &Estimate, next: &GridTrain) -> bool {
+        let certain = self.certain(estimate, next).is_ok();
+        certain
+            && self
+                .unconfirmed_jump(estimate.mode, estimate.time)
+                .is_none()
+    }
+
+    /// The command was corrected for a mode.
+    pub fn accept(&mut self, mode: Mode) -> Decision {
         self.learned = Some(mode);
         Decision::Accept(mode)
+    }
+
+    /// Whether the train designed for an estimate holds its tolerance two standard deviations away.
+    fn certain(&self, estimate: &Estimate, next: &GridTrain) -> Result<(), Reason> {
+        let tolerance = self.settings.tolerance;
+        // The bound costs little, and is enough for an estimate that is known well.
+        if most_within_two_sigma(estimate, next) <= tolerance {
+            return Ok(());
+        }
+        let doubt = worst_within_two_sigma(estimate, next) - residual(next, estimate.mode);
+        match doubt > tolerance {
+            true => Err(Reason::Uncertain(doubt)),
+            false => Ok(()),
+        }
     }
 
     fn plausible(&self, mode: Mode) -> bool {

@@ -28,8 +28,7 @@ impl<S: Buffer<Setpoint>> Ahead<'_, S> {
         let Some(future) = future.get_mut(..needed) else {
             return Err(Refusal::Horizon { needed, horizon });
         };
-        let at_rest = |last: &Setpoint| Setpoint::at_rest(last.position);
-        let goal = self.planned.last().map_or_else(|| self.line.at(0), at_rest);
+        let goal = self.goal();
         let alone = trains.single().filter(|_| schedule.adds_nothing());
         for (ahead, slot) in future.iter_mut().enumerate() {
             let input = |age: usize| self.input(ahead + 1, age, goal);
@@ -43,6 +42,18 @@ impl<S: Buffer<Setpoint>> Ahead<'_, S> {
             };
         }
         Ok(needed)
+    }
+
+    /// Where the input stays after the last that is planned.
+    pub fn goal(&self) -> Setpoint {
+        let at_rest = |last: &Setpoint| Setpoint::at_rest(last.position);
+        self.planned.last().map_or_else(|| self.line.at(0), at_rest)
+    }
+
+    /// The acceleration of the output `ahead` ticks from now that comes from that of the input.
+    pub fn planned_acceleration(&self, trains: Trains<'_>, ahead: usize) -> f64 {
+        let (tick, goal) = (self.tick + ahead as u64, self.goal());
+        trains.planned_acceleration(tick, self.sample_time, |age| self.input(ahead, age, goal))
     }
 
     /// The input of an age, seen `ahead` ticks from now: an age of `ahead` is the newest of the line.

@@ -49,6 +49,12 @@ impl Complex {
         Self::new(self.re * factor, self.im * factor)
     }
 
+    /// `1 / self`.
+    #[inline]
+    pub fn inverse(self) -> Self {
+        Self::new(self.re, -self.im).scale(1.0 / self.norm_squared())
+    }
+
     /// Real part of `conj(self) other`.
     #[inline]
     pub fn dot(self, other: Self) -> f64 {

@@ -16,6 +16,14 @@ struct Layer {
     ticks: usize,
 }
 
+impl Layer {
+    /// Share that the train has in the output.
+    fn share(&self, tick: u64, sample_time: f64) -> Setpoint {
+        let elapsed = tick.saturating_sub(self.start) as f64;
+        step_at(elapsed, self.ticks, sample_time)
+    }
+}
+
 /// The train in force and those that fade in over it.
 ///
 /// With `b` the smooth step of a layer, `y <- (1 - b) y + b y_layer`; velocity and acceleration
@@ -95,13 +103,18 @@ impl CrossFade {
         sample_time: f64,
         input: impl Fn(usize) -> Setpoint,
     ) -> Setpoint {
-        let mut output = shape(&self.base, &input);
-        for layer in &self.layers {
-            let elapsed = tick.saturating_sub(layer.start) as f64;
-            let b = step_at(elapsed, layer.ticks, sample_time);
-            output = mix(output, shape(&layer.train, &input), b);
-        }
-        output
+        self.mixed(&input, |layer| layer.share(tick, sample_time))
+    }
+
+    fn mixed(
+        &self,
+        input: impl Fn(usize) -> Setpoint,
+        share: impl Fn(&Layer) -> Setpoint,
+    ) -> Setpoint {
+        let alone = shape(&self.base, &input);
+        self.layers.iter().fold(alone, |output, layer| {
+            mix(output, shape(&layer.train, &input), share(layer))
+        })
     }
 }
 
@@ -152,6 +165,44 @@ impl<'a> Trains<'a> {
                 mix(present.output(tick, sample_time, input), faded, b)
             }
             Self::Switched(next) => shape(next, input),
+        }
+    }
+
+    /// The acceleration of the output that comes from that of the inputs, and not from the fading.
+    pub fn planned_acceleration(
+        &self,
+        tick: u64,
+        sample_time: f64,
+        input: impl Fn(usize) -> Setpoint,
+    ) -> f64 {
+        let constant = |share: Setpoint| Setpoint::at_rest(share.position);
+        let present = |present: &CrossFade| {
+            present.mixed(&input, |layer| constant(layer.share(tick, sample_time)))
+        };
+        let output = match *self {
+            Self::AsTheyAre(trains) => present(trains),
+            Self::Fading(trains, next, start, ticks) => {
+                let b = step_at(tick.saturating_sub(start) as f64, ticks, sample_time);
+                mix(present(trains), shape(next, &input), constant(b))
+            }
+            Self::Switched(next) => shape(next, &input),
+        };
+        output.acceleration
+    }
+
+    /// The last tick at which a train fades; none where none does.
+    pub fn fades_until(&self) -> Option<u64> {
+        let last = |trains: &CrossFade| {
+            let ends = trains
+                .layers
+                .iter()
+                .map(|layer| layer.start + layer.ticks as u64);
+            ends.max()
+        };
+        match *self {
+            Self::AsTheyAre(trains) => last(trains),
+            Self::Fading(trains, _, start, ticks) => last(trains).max(Some(start + ticks as u64)),
+            Self::Switched(_) => None,
         }
     }
 }

@@ -136,14 +136,18 @@ impl<E: Buffer<Entry>> History<E> {
         Some(left)
     }
 
-    /// The modal state at the newest tick of everything sent; `None` as for [`History::left`].
-    pub fn sent(&self, pole: Complex) -> Option<ModalState> {
+    /// The modal states at the newest tick of everything planned and of everything sent; `None` as for
+    /// [`History::left`].
+    pub fn states(&self, pole: Complex) -> Option<[ModalState; 2]> {
         let mut weight = Weight::new(pole);
-        let mut state = ModalState::default();
-        self.increments(remembered(pole, SLOPE), |age, [_, sent]| {
-            state.add(weight.at(age).scale(sent), age as f64);
+        let mut states = [ModalState::default(); 2];
+        self.increments(remembered(pole, SLOPE), |age, increments| {
+            let weight = weight.at(age);
+            for (state, increment) in states.iter_mut().zip(increments) {
+                state.add(weight.scale(increment), age as f64);
+            }
         })?;
-        Some(state)
+        Some(states)
     }
 
     /// Ages and increments of what was planned and sent, from the newest on, as far back as it matters. At rest

@@ -59,6 +59,7 @@ mod three_hump_ei;
 mod two_hump_ei;
 mod um_zv;
 mod uncertain_mode;
+mod vibration;
 mod zv;
 mod zvd;
 mod zvdd;
@@ -81,7 +82,6 @@ pub use path::{align_delays, common_train};
 pub use recommend::{
     Candidate, Criterion, Reason, Recommendation, Requirements, Standing, recommend,
 };
-pub use replay::CORRECTION_OVERSHOOT;
 pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
 pub use retune_outcome::{Correction, Refusal, Retune, RetuneOutcome};
 pub use three_hump_ei::ThreeHumpEi;

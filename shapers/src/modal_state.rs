@@ -1,7 +1,7 @@
 //! What increments of a command leave of a mode, and how that changes with the mode.
 
 use crate::complex::Complex;
-use crate::{Mode, Setpoint};
+use crate::{GridTrain, Mode, UncertainMode};
 
 /// `value = sum du_k exp(lambda tau_k)` and its derivative by `lambda`, times in ticks:
 /// `slope = sum tau_k du_k exp(lambda tau_k)`, where `tau_k` is the age of the increment and
@@ -37,23 +37,6 @@ impl ModalState {
         self.slope = self.slope + term.scale(age);
     }
 
-    /// `value` alone of [`ModalState::of_future`].
-    pub fn value_of_future(
-        pole: Complex,
-        now: f64,
-        positions: impl Iterator<Item = f64>,
-    ) -> Complex {
-        let turn = pole.scale(-1.0).exp();
-        let (mut before, mut weight) = (now, Complex::ONE);
-        let mut value = Complex::default();
-        for position in positions {
-            weight = weight * turn;
-            value = value + weight.scale(position - before);
-            before = position;
-        }
-        value
-    }
-
     /// State left, referred to now, by positions at the ticks after now.
     pub fn of_future(pole: Complex, now: f64, positions: impl Iterator<Item = f64>) -> Self {
         let turn = pole.scale(-1.0).exp();
@@ -70,6 +53,31 @@ impl ModalState {
         state
     }
 
+    /// What a train makes of increments that leave this: the product with `sum A_i exp(-lambda d_i)`, `d_i` in ticks.
+    pub fn shaped(self, train: &GridTrain, pole: Complex) -> Self {
+        let mut factor = Self::default();
+        for tap in train.taps() {
+            let delay = -f64::from(tap.delay);
+            factor.add(pole.scale(delay).exp().scale(tap.amplitude), delay);
+        }
+        Self {
+            value: self.value * factor.value,
+            slope: self.value * factor.slope + self.slope * factor.value,
+        }
+    }
+
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            value: self.value.scale(factor),
+            slope: self.slope.scale(factor),
+        }
+    }
+
+    pub fn less(self, other: Self) -> Self {
+        self.sum(other.scaled(-1.0))
+    }
+
+    #[inline]
     pub fn sum(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
@@ -83,7 +91,11 @@ pub(crate) fn pole(mode: Mode, sample_time: f64) -> Complex {
     Complex::new(-mode.decay_rate(), mode.damped_frequency()).scale(sample_time)
 }
 
-/// [`ModalState::of_future`] of setpoints.
-pub(crate) fn of_future(pole: Complex, now: f64, future: &[Setpoint]) -> ModalState {
-    ModalState::of_future(pole, now, future.iter().map(|setpoint| setpoint.position))
+/// Variance of [`pole`]: `|d lambda / d omega| = 1`, `|d lambda / d xi| = omega / sqrt(1 - xi^2)`, times `T_s`.
+pub(crate) fn pole_variance(known: &UncertainMode, sample_time: f64) -> f64 {
+    let mode = known.mode;
+    let root = mode.damped_frequency() / mode.natural_frequency();
+    let along = mode.natural_frequency() * known.damping_ratio_std / root;
+    let across = known.natural_frequency_std;
+    (across * across + along * along) * sample_time * sample_time
 }

@@ -1,14 +1,13 @@
-//! The search for a correction that keeps the limits.
+//! The search for a correction: within the limits, and of the least vibration over the rest of the move.
 
+use crate::ahead::Ahead;
 use crate::complex::Complex;
-use crate::correction::{CORRECTED_MODES, CORRECTION_STEPS, Comb, Order, sum};
+use crate::correction::{CORRECTED_MODES, CORRECTION_STEPS, Comb, Order, Schedule, sum};
+use crate::cross_fade::Trains;
 use crate::modal_state::ModalState;
-use crate::{MotionLimits, PeakRatios, Setpoint};
+use crate::vibration::{BINS, Meter, Profile, Sent, stays_below};
+use crate::{Buffer, MotionLimits, PeakRatios, Setpoint};
 use arrayvec::ArrayVec;
-use num_traits::Float;
-
-/// A correction may exceed the limits of the move by 5 %.
-pub const CORRECTION_OVERSHOOT: f64 = 1.05;
 
 /// Steps of a correction, and their width in quarter periods, by growing length: more and wider
 /// steps have lower peaks.
@@ -25,9 +24,14 @@ const COMBS: [(usize, usize); 10] = [
     (CORRECTION_STEPS, 4),
 ];
 
-/// Periods that a correction may last longer if it cancels the slope too. Without that 1 % of
-/// frequency error leaves 1 to 5 % of the vibration, which then rings for many periods.
-const ROBUSTNESS_WORTH: f64 = 2.0;
+/// Quarter periods of the longest correction.
+const LONGEST: usize = CORRECTION_STEPS + 3;
+
+/// Rounding of a setpoint at a limit, relative.
+const ROUNDING: f64 = 1e-9;
+
+/// A number or profile for each mode.
+pub(crate) type Each<T> = ArrayVec<T, CORRECTED_MODES>;
 
 /// A correction that keeps the limits.
 #[derive(Clone, Copy)]
@@ -35,117 +39,176 @@ pub(crate) struct Plan {
     pub comb: Comb,
     pub amplitudes: [f64; CORRECTION_STEPS],
     pub order: Order,
-    /// Ticks from now to the end of the command.
-    pub end: usize,
-    /// `end`, and [`ROBUSTNESS_WORTH`] more where the slope is not cancelled.
-    pub cost: usize,
 }
 
-impl Plan {
-    pub fn is_robust(&self) -> bool {
-        self.order == Order::Slope
-    }
+/// How a command goes on.
+#[derive(Clone, Copy)]
+pub(crate) struct Choice {
+    /// None where nothing is to be corrected.
+    pub plan: Option<Plan>,
+    /// Length of the cross-fade, ticks.
+    pub fade: usize,
+    /// Whether steps of earlier corrections that have not begun are dropped.
+    pub superseded: bool,
+    /// The vibration over the rest of the move, `sum int |psi|^2 dt` over the modes, in ticks.
+    pub energy: f64,
 }
 
-/// The future without a new correction.
-pub(crate) struct Forecast<'a> {
-    pub now: u64,
-    pub sample_time: f64,
+/// The command as it goes on without a new correction, and what becomes of the modes.
+pub(crate) struct Forecast<'a, S> {
+    pub ahead: Ahead<'a, S>,
+    pub trains: Trains<'a>,
     pub sent: Setpoint,
     pub future: &'a [Setpoint],
+    /// Earlier corrections that are part of it.
+    pub schedule: &'a Schedule,
+    /// The last tick at which a train fades.
+    pub fades_until: Option<u64>,
     pub limits: MotionLimits,
-    /// Poles and states of the modes, referred to now, of everything sent and to be sent.
-    pub modes: ArrayVec<(Complex, ModalState), CORRECTED_MODES>,
     /// What the new steps must add up to.
     pub total: f64,
+    pub meters: &'a [Meter],
+    /// What everything sent up to now has left of each mode.
+    pub past: Each<ModalState>,
+    /// The vibration of the command as it is, which no other may exceed by more than a slack.
+    pub present: &'a [Profile],
+    /// Amplitude by which no vibration may exceed that of the present command.
+    pub slack: f64,
 }
 
-impl Forecast<'_> {
-    /// The correction of least cost below `below`.
-    pub fn search(&self, period: f64, below: usize) -> Option<Plan> {
-        let penalty = Float::ceil(ROBUSTNESS_WORTH * period) as usize;
-        let robust = self.search_order(Order::Slope, period, 0, below);
-        let below = robust.as_ref().map_or(below, |plan| plan.cost);
-        self.search_order(Order::Value, period, penalty, below)
-            .or(robust)
+impl<S: Buffer<Setpoint>> Forecast<'_, S> {
+    /// What the command leaves of each mode, referred to now.
+    pub fn left(&self) -> Each<ModalState> {
+        let of_future = |meter: &Meter| {
+            let positions = self.future.iter().map(|setpoint| setpoint.position);
+            ModalState::of_future(meter.pole, self.sent.position, positions)
+        };
+        let states = self.meters.iter().zip(&self.past);
+        states
+            .map(|(meter, past)| past.sum(of_future(meter)))
+            .collect()
     }
 
-    /// The correction that is over first: by completion in quarter periods, then by length.
-    fn search_order(
+    /// The vibration from now on, less a state that is taken away now.
+    pub fn profiles(&self, taken: Option<&[ModalState]>) -> Each<Profile> {
+        let each = self.meters.iter().zip(&self.past).enumerate();
+        each.map(|(index, (meter, past))| {
+            let taken = taken.map_or_else(ModalState::default, |taken| taken[index]);
+            let mut profile = Profile::from(past.less(taken), self.sent);
+            // What rings on is followed as long as any correction lasts.
+            let until = self.future.len().max(LONGEST * meter.quarter);
+            meter.follow(&mut profile, until, f64::INFINITY, |k| self.command(k));
+            profile.energy += meter.decay(&profile);
+            profile
+        })
+        .collect()
+    }
+
+    /// Looks for a way of less vibration than `best`: with no correction, and with each that takes `wanted` away.
+    /// Whether there is one that keeps the limits, however much it vibrates.
+    pub fn improve(
         &self,
-        order: Order,
-        period: f64,
-        penalty: usize,
-        below: usize,
-    ) -> Option<Plan> {
+        best: &mut Option<Choice>,
+        as_is: Choice,
+        wanted: &[&[ModalState]],
+    ) -> bool {
         let excess = self.excess();
-        let quarter = (Float::round(0.25 * period) as usize).max(1);
-        let rest = self.future.len();
-        let longest = COMBS
-            .iter()
-            .map(|(count, width)| count - 1 + width)
-            .max()
-            .unwrap_or(0);
-        for completion in 1..=rest.div_ceil(quarter) + longest {
-            let end = rest.max(completion * quarter);
-            if end + penalty >= below {
-                return None;
-            }
-            for (count, width) in COMBS {
-                let Some(delay) = completion.checked_sub(count - 1 + width) else {
-                    continue;
-                };
-                let start = self.now + (delay * quarter) as u64;
-                let comb = Comb {
-                    start,
-                    count,
-                    spacing: quarter,
-                    ticks: width * quarter,
-                };
-                if let Some(amplitudes) = self.attempt(&comb, order, excess) {
-                    return Some(Plan {
-                        comb,
-                        amplitudes,
-                        order,
-                        end,
-                        cost: end + penalty,
-                    });
+        let mut possible = self.total == 0.0 && excess.is_none();
+        let alone = self.profiles(None);
+        let energy: f64 = alone.iter().map(|profile| profile.energy).sum();
+        // Where steps are dropped, the sum of those that have begun must be undone.
+        if possible && stays_below(&alone, self.present, 0..BINS, self.slack) {
+            take(best, Choice { energy, ..as_is });
+        }
+        for wanted in wanted {
+            let after = self.profiles(Some(wanted));
+            let quarter = self.meters[0].quarter;
+            for order in [Order::Value, Order::Slope] {
+                for (count, width) in COMBS {
+                    let comb = Comb {
+                        start: self.ahead.tick,
+                        count,
+                        spacing: quarter,
+                        ticks: width * quarter,
+                    };
+                    let most = best.map_or(f64::INFINITY, |best| best.energy);
+                    let found = self
+                        .attempt(&comb, (order, wanted), excess)
+                        .and_then(|plan| {
+                            possible = true;
+                            let energy = self.energy(&plan, &after, most)?;
+                            let plan = Some(plan);
+                            Some(Choice {
+                                plan,
+                                energy,
+                                ..as_is
+                            })
+                        });
+                    if let Some(choice) = found {
+                        take(best, choice);
+                    }
                 }
             }
         }
-        None
+        possible
     }
 
-    /// The amplitudes of a comb, if it solves the conditions and keeps the limits.
+    /// The vibration with a correction, if it is below `most`, and nowhere above that of the present command.
+    fn energy(&self, plan: &Plan, after: &[Profile], most: f64) -> Option<f64> {
+        let span = (plan.comb.end() - self.ahead.tick) as usize;
+        let bins = span.div_ceil(self.meters[0].quarter);
+        let mut energy = 0.0;
+        let mut during: Each<Profile> = Each::new();
+        for ((meter, past), after) in self.meters.iter().zip(&self.past).zip(after) {
+            let rest = after.energy_after(span.div_ceil(meter.quarter));
+            let mut profile = Profile::from(*past, self.sent);
+            meter.follow(&mut profile, span, most - energy - rest, |k| {
+                let (base, planned) = self.command(k);
+                let added =
+                    plan.comb
+                        .output(self.tick(k), self.ahead.sample_time, &plan.amplitudes);
+                (sum(base, added), planned)
+            });
+            energy += profile.energy + rest;
+            if energy >= most {
+                return None;
+            }
+            during.push(profile);
+        }
+        let below =
+            |profiles: &[Profile], bins| stays_below(profiles, self.present, bins, self.slack);
+        (below(&during, 0..bins) && below(after, bins..BINS)).then_some(energy)
+    }
+
+    /// The correction of a comb, if it solves the conditions and keeps the limits.
     fn attempt(
         &self,
         comb: &Comb,
-        order: Order,
-        excess: Option<(usize, usize)>,
-    ) -> Option<[f64; CORRECTION_STEPS]> {
-        let from = (comb.start - self.now) as usize;
-        let to = from + comb.span();
-        let outside = excess.is_some_and(|(first, last)| first <= from || last > to);
-        if outside || comb.count < order.fewest_steps(self.modes.len()) {
+        (order, wanted): (Order, &[ModalState]),
+        excess: Option<usize>,
+    ) -> Option<Plan> {
+        let to = (comb.end() - self.ahead.tick) as usize;
+        let outside = excess.is_some_and(|last| last > to);
+        if outside || comb.count < order.fewest_steps(wanted.len()) {
             return None;
         }
-        let amplitudes = comb.amplitudes(self.now, &self.modes, order, self.total)?;
+        let poles = self.meters.iter().map(|meter| meter.pole);
+        let modes: Each<(Complex, ModalState)> = poles.zip(wanted.iter().copied()).collect();
+        let amplitudes = comb.amplitudes(self.ahead.tick, &modes, order, self.total)?;
         // A coarse pass discards most: the mean jerk over several ticks is at most the largest.
         let coarse = (comb.spacing / 8).max(1);
-        let keeps = |stride| self.keeps(comb, &amplitudes, (from, to), stride);
-        (keeps(coarse) && (coarse == 1 || keeps(1))).then_some(amplitudes)
+        let keeps = |stride| self.keeps(comb, &amplitudes, to, stride);
+        (keeps(coarse) && (coarse == 1 || keeps(1))).then_some(Plan {
+            comb: *comb,
+            amplitudes,
+            order,
+        })
     }
 
     /// Whether the future with a correction keeps the limits at every `stride`-th tick.
-    fn keeps(
-        &self,
-        comb: &Comb,
-        amplitudes: &[f64],
-        (from, to): (usize, usize),
-        stride: usize,
-    ) -> bool {
-        let mut before = self.base(from);
-        (from + stride..=to).step_by(stride).all(|k| {
+    fn keeps(&self, comb: &Comb, amplitudes: &[f64], to: usize, stride: usize) -> bool {
+        let mut before = self.sent;
+        (stride..=to).step_by(stride).all(|k| {
             let now = self.corrected(comb, amplitudes, k);
             let held = self.holds(before, now, stride);
             before = now;
@@ -153,26 +216,39 @@ impl Forecast<'_> {
         })
     }
 
-    /// Peaks of the future with the correction of a plan.
-    pub fn peaks(&self, plan: &Plan) -> PeakRatios {
+    /// Peaks of the future with the correction of a plan, until `end`.
+    pub fn peaks(&self, plan: Option<&Plan>, end: usize) -> PeakRatios {
         let mut before = self.sent;
         let mut peaks = PeakRatios::default();
-        for k in 1..=plan.end {
-            let now = self.corrected(&plan.comb, &plan.amplitudes, k);
-            peaks = peaks.max(PeakRatios::of_tick(
-                before,
-                now,
-                &self.limits,
-                self.sample_time,
-            ));
+        for k in 1..=end {
+            let now = match plan {
+                Some(plan) => self.corrected(&plan.comb, &plan.amplitudes, k),
+                None => self.base(k),
+            };
+            let tick = PeakRatios::of_tick(before, now, &self.limits, self.ahead.sample_time);
+            peaks = peaks.max(tick);
             before = now;
         }
         peaks
     }
 
     fn corrected(&self, comb: &Comb, amplitudes: &[f64], ahead: usize) -> Setpoint {
-        let added = comb.output(self.now + ahead as u64, self.sample_time, amplitudes);
+        let added = comb.output(self.tick(ahead), self.ahead.sample_time, amplitudes);
         sum(self.base(ahead), added)
+    }
+
+    /// What is sent at a tick from now, and how much of its acceleration is planned.
+    fn command(&self, ahead: usize) -> Sent {
+        let (base, tick) = (self.base(ahead), self.tick(ahead));
+        let plain = self.schedule.end() <= tick && self.fades_until.is_none_or(|end| end <= tick);
+        match plain {
+            true => (base, base.acceleration),
+            false => (base, self.ahead.planned_acceleration(self.trains, ahead)),
+        }
+    }
+
+    fn tick(&self, ahead: usize) -> u64 {
+        self.ahead.tick + ahead as u64
     }
 
     /// The setpoint `ahead` ticks after the one just sent; at rest after the last.
@@ -185,19 +261,22 @@ impl Forecast<'_> {
     }
 
     fn holds(&self, before: Setpoint, now: Setpoint, ticks: usize) -> bool {
-        let time = self.sample_time * ticks as f64;
-        let keeps = |peaks: PeakRatios| peaks.worst() <= CORRECTION_OVERSHOOT;
+        let time = self.ahead.sample_time * ticks as f64;
+        let keeps = |peaks: PeakRatios| peaks.worst() <= 1.0 + ROUNDING;
         keeps(PeakRatios::of_tick(before, now, &self.limits, time))
             && keeps(PeakRatios::between(before, now, &self.limits, time))
     }
 
-    /// First and last tick at which the future exceeds the limits without a correction.
-    fn excess(&self) -> Option<(usize, usize)> {
+    /// Last tick at which the future exceeds the limits without a correction.
+    fn excess(&self) -> Option<usize> {
         let exceeds = |&k: &usize| !self.holds(self.base(k - 1), self.base(k), 1);
-        let first = (1..=self.future.len()).find(exceeds)?;
-        (1..=self.future.len())
-            .rev()
-            .find(exceeds)
-            .map(|last| (first, last))
+        (1..=self.future.len()).rev().find(exceeds)
+    }
+}
+
+/// Takes a choice of less vibration.
+fn take(best: &mut Option<Choice>, choice: Choice) {
+    if best.is_none_or(|best| choice.energy < best.energy) {
+        *best = Some(choice);
     }
 }

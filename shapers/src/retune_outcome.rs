@@ -1,16 +1,21 @@
 //! What a retune is asked for, and what it answers.
 
-use crate::{GridTrain, Mode, MotionLimits, PeakRatios, ShaperError};
+use crate::{GridTrain, MotionLimits, PeakRatios, ShaperError, UncertainMode};
 
 /// What a retune is to reach.
 #[derive(Clone, Copy, Debug)]
 pub struct Retune<'a> {
     /// The train to go over to.
     pub train: &'a GridTrain,
-    /// The modes whose vibration is cancelled, 1 to 3; the first sets the pace.
-    pub modes: &'a [Mode],
-    /// The limits of the move.
+    /// The modes whose vibration is cancelled, 1 to 3, and how well they are known; the first sets the pace.
+    pub modes: &'a [UncertainMode],
+    /// Limits that nothing sent exceeds.
     pub limits: MotionLimits,
+    /// Gain below which nothing is changed: the vibration taken away, as a fraction (RMS over the rest of the move
+    /// and its decay) of that of the planned input.
+    pub dead_band: f64,
+    /// Amplitude of a vibration that cannot be told from none, in units of the position.
+    pub resolution: f64,
 }
 
 /// What a retune did.
@@ -18,7 +23,7 @@ pub struct Retune<'a> {
 pub enum RetuneOutcome {
     /// Nothing had moved: the train is in force, or will be at rest.
     Installed,
-    /// The command goes on as described; nothing of the modes will be left after it.
+    /// The command goes on as described.
     Corrected(Correction),
     /// Nothing was changed.
     Refused(Refusal),
@@ -30,11 +35,9 @@ pub struct Correction {
     /// Length of the cross-fade, s; 0 where the old train is kept to the end of the move and the
     /// new one takes over at rest.
     pub cross_fade: f64,
-    /// From now to the start of the correction, s.
-    pub delay: f64,
-    /// Length of the correction, s.
+    /// Length of the correction, s; 0 where there is none.
     pub duration: f64,
-    /// Number of its smooth steps.
+    /// Number of its smooth steps; 0 where there is none.
     pub steps: usize,
     /// From now to the end of the whole command, s.
     pub until_rest: f64,
@@ -64,9 +67,12 @@ pub enum Refusal {
     /// The start of the move has been overwritten.
     #[error("the start of the move is older than the filter remembers")]
     HistoryLost,
-    /// No correction keeps the limits, however long or late.
-    #[error("no correction keeps the limits")]
+    /// No correction that begins now keeps the limits.
+    #[error("no correction that begins now keeps the limits")]
     Limits,
+    /// The best correction gains too little: the vibration taken away, as a fraction of the unshaped.
+    #[error("the best correction takes away {0} of the unshaped vibration: too little")]
+    NotWorth(f64),
     /// Too many steps of earlier corrections are under way.
     #[error("too many steps of earlier corrections are under way")]
     Busy,

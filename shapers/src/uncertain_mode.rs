@@ -30,4 +30,11 @@ impl UncertainMode {
             damping_ratio_std: damping_spread / WITHIN * mode.damping_ratio(),
         }
     }
+
+    /// Whether another mode is within a standard deviation of this one, in frequency and in damping.
+    pub fn is_near(&self, other: Mode) -> bool {
+        let across = other.natural_frequency() - self.mode.natural_frequency();
+        let along = other.damping_ratio() - self.mode.damping_ratio();
+        across.abs() <= self.natural_frequency_std && along.abs() <= self.damping_ratio_std
+    }
 }

@@ -4,8 +4,8 @@ mod common;
 
 use common::{Joint, Move};
 use quell_shapers::{
-    AdaptiveFilter, CORRECTION_OVERSHOOT, Correction, GridTrain, Mode, MotionLimits, PeakRatios,
-    Retune, RetuneOutcome, Setpoint, peak_ratios, shaper_by_name,
+    AdaptiveFilter, Correction, GridTrain, Mode, MotionLimits, PeakRatios, Refusal, Retune,
+    RetuneOutcome, Setpoint, UncertainMode, peak_ratios, shaper_by_name,
 };
 
 const XI: f64 = 0.084;
@@ -32,9 +32,43 @@ struct Scenario<'a> {
     retunes: &'a [(usize, Mode)],
     shaper: &'a str,
     limits: MotionLimits,
+    /// Relative standard deviation of the modes.
+    spread: f64,
+}
+
+/// A mode of a relative standard deviation.
+fn known(mode: Mode, spread: f64) -> UncertainMode {
+    UncertainMode {
+        mode,
+        natural_frequency_std: spread * mode.natural_frequency(),
+        damping_ratio_std: spread,
+    }
+}
+
+/// A retune with the dead band of the adaptation.
+fn request<'a>(
+    train: &'a GridTrain,
+    modes: &'a [UncertainMode],
+    limits: MotionLimits,
+) -> Retune<'a> {
+    Retune {
+        train,
+        modes,
+        limits,
+        dead_band: 0.01,
+        resolution: 0.0,
+    }
 }
 
 impl Scenario<'_> {
+    /// The mode for which the filter is retuned at a tick: when it is learned, and each quarter period from then on
+    /// at which no correction is under way.
+    fn due(&self, k: usize, correcting: bool) -> Option<Mode> {
+        let &(when, mode) = self.retunes.iter().rfind(|(when, _)| *when <= k)?;
+        let quarter = (0.25 * mode.damped_period() / self.tick) as usize;
+        (k == when || (k - when) % quarter == 0 && !correcting).then_some(mode)
+    }
+
     fn run(&self) -> Run {
         let mut filter = AdaptiveFilter::new(self.tick, 4000, 20000);
         filter.install(&self.belief).unwrap();
@@ -47,19 +81,17 @@ impl Scenario<'_> {
         let moving = self.command.ticks(self.tick);
         let last = self.retunes.last().map_or(0, |retune| retune.0);
         let mut k = 0;
-        while k < moving.max(last + 2) || !filter.is_settled() {
-            for (_, mode) in self.retunes.iter().filter(|(when, _)| *when == k) {
+        let ringing = (4.0 * self.truth.damped_period() / self.tick) as usize;
+        while k < moving.max(last) + ringing || !filter.is_settled() {
+            if let Some(mode) = self.due(k, filter.is_correcting()) {
                 let shaper = shaper_by_name(self.shaper).unwrap();
-                let train = shaper.on_grid(*mode, self.tick).unwrap();
-                let modes = [*mode];
-                let request = Retune {
-                    train: &train,
-                    modes: &modes,
-                    limits: self.limits,
-                };
+                let train = shaper.on_grid(mode, self.tick).unwrap();
+                let modes = [known(mode, self.spread)];
+                let request = request(&train, &modes, self.limits);
                 let remaining = moving.saturating_sub(k);
                 match filter.retune(&request, remaining, |ahead| input(k + ahead)) {
                     RetuneOutcome::Corrected(correction) => corrections.push(correction),
+                    RetuneOutcome::Refused(Refusal::Limits | Refusal::NotWorth(_)) => {}
                     other => panic!("{other:?}"),
                 }
             }
@@ -105,6 +137,7 @@ fn scenario<'a>(
         retunes,
         shaper,
         limits: command.limits(),
+        spread: 0.0,
     }
 }
 
@@ -116,7 +149,7 @@ fn assert_consistent(run: &Run, limits: &MotionLimits, tick: f64) {
         // The error of the trapezoidal rule over a tick with jerk j is j h^3 / 12 for the position
         // and j h^2 / 2 for the velocity; twice that, because the jerk of a fade and of a step is
         // bounded only as sampled.
-        let bound = 2.0 * CORRECTION_OVERSHOOT * limits.jerk * tick * tick;
+        let bound = 2.0 * limits.jerk * tick * tick;
         let position = b.position - a.position - 0.5 * tick * (a.velocity + b.velocity);
         assert!(position.abs() < bound * tick / 6.0, "position {position:e}");
         let velocity = b.velocity - a.velocity - 0.5 * tick * (a.acceleration + b.acceleration);
@@ -140,18 +173,15 @@ fn val_retune_in_motion_leaves_nothing() {
                     let retunes = [((when / tick) as usize, truth)];
                     let scenario = scenario(wrong, shaper, tick, &retunes);
                     let run = scenario.run();
-                    let rest = when + run.corrections[0].until_rest;
-                    let kind = if run.corrections[0].robust {
-                        "robust"
-                    } else {
-                        "plain"
-                    };
+                    let still = run.sent.iter().rposition(|sent| sent.velocity != 0.0);
+                    let rest = (still.unwrap() + 1) as f64 * tick;
+                    let count = run.corrections.len();
                     print!(
-                        " at {when}: {:.0e} ({kind}), rest at {rest:.3} s;",
+                        " at {when}: {:.0e}, {count} corrections, rest at {rest:.3} s;",
                         run.left
                     );
-                    assert!(run.left < 1e-9, "{}", run.left);
-                    assert!(run.peaks.worst() <= CORRECTION_OVERSHOOT + 1e-9);
+                    assert!(run.left < 0.01, "{}", run.left);
+                    assert!(run.peaks.worst() <= 1.0 + 1e-9);
                     assert_consistent(&run, &scenario.limits, tick);
                     assert_eq!(run.sent.last().unwrap().position, scenario.command.distance);
                 }
@@ -161,32 +191,35 @@ fn val_retune_in_motion_leaves_nothing() {
     }
 }
 
-/// The damping ratio exact, the frequency off by 1, 2 and 5 %. Published, of the unshaped vibration:
-/// .2 to .5, .4 to 1.2, 2.2 to 5.7 %. ZVD stays below; ZV has no slope of its own to rely on.
+/// The damping ratio exact, the frequency off by 1, 2 and 5 %, and known to be: what is left grows with the error, and
+/// where it is too large for a correction that comes so late, none is made.
 #[test]
 fn val_retune_with_a_frequency_error() {
     let tick = 0.001;
-    let bounds = [("zvd", [0.005, 0.012, 0.057]), ("zv", [0.005, 0.016, 0.12])];
-    for (shaper, bounds) in bounds {
-        for (error, bound) in [0.01, 0.02, 0.05].into_iter().zip(bounds) {
+    for (shaper, share) in [("zvd", 0.5), ("zv", 1.0)] {
+        for error in [0.01, 0.02, 0.05] {
             let mut left = Vec::new();
             for (sign, wrong) in [(-1.0, 0.75), (-1.0, 1.25), (1.0, 0.75), (1.0, 1.25)] {
                 let estimate = Mode::from_hertz(8.12 * (1.0 + sign * error), XI).unwrap();
+                let kept = scenario(wrong, shaper, tick, &[]).run().left;
                 for when in [100, 200, 300] {
-                    left.push(
-                        scenario(wrong, shaper, tick, &[(when, estimate)])
-                            .run()
-                            .left,
-                    );
+                    let retunes = [(when, estimate)];
+                    let scenario = Scenario {
+                        spread: error,
+                        ..scenario(wrong, shaper, tick, &retunes)
+                    };
+                    left.push(scenario.run().left / kept);
                 }
             }
             left.sort_unstable_by(f64::total_cmp);
-            let [least, most] = [left[0], left[left.len() - 1]].map(|left| 100.0 * left);
+            let [least, middle, most] = [left[0], left[left.len() / 2], left[left.len() - 1]];
             println!(
-                "{shaper}, off by {:.0} %: {least:.2} to {most:.2} % left",
+                "{shaper}, off by {:.0} %: {least:.3}, {middle:.3}, {most:.3} of what is left without",
                 100.0 * error
             );
-            assert!(most < 100.0 * bound, "{shaper}: {most} %");
+            // Without a correction the same is left, to the decay of half a period.
+            assert!(most < 1.02, "{shaper}: {most}");
+            assert!(error > 0.02 || middle < share, "{shaper}: {middle}");
         }
     }
 }
@@ -211,16 +244,11 @@ fn val_later_estimates_supersede_earlier_ones() {
         ];
         let scenario = scenario(0.75, shaper, tick, &retunes);
         let run = scenario.run();
-        assert_eq!(run.corrections.len(), 5);
         println!("{shaper}: {:.1e}, peaks {:?}", run.left, run.peaks);
         // The extra-insensitive shapers leave their 5 % where nothing corrects them: the last
         // correction leaves nothing here as well.
-        assert!(run.left < 1e-9, "{shaper}: {}", run.left);
-        assert!(
-            run.peaks.worst() <= CORRECTION_OVERSHOOT + 1e-9,
-            "{:?}",
-            run.peaks
-        );
+        assert!(run.left < 0.01, "{shaper}: {}", run.left);
+        assert!(run.peaks.worst() <= 1.0 + 1e-9, "{:?}", run.peaks);
         assert_consistent(&run, &scenario.limits, tick);
     }
 }
@@ -238,22 +266,15 @@ fn val_two_modes_are_cancelled_at_once() {
     let command = PUBLISHED;
     let mut filter = AdaptiveFilter::new(tick, 500, 3000);
     let mut joints = modes.map(|mode| (Joint::new(mode, tick), Joint::new(mode, tick)));
+    let exact = modes.map(|mode| known(mode, 0.0));
     let mut k = 0;
-    while k < 500 || !filter.is_settled() {
-        if k == 200 {
-            let request = Retune {
-                train: &train,
-                modes: &modes,
-                limits: command.limits(),
-            };
-            let remaining = command.ticks(tick) - k;
-            let outcome = filter.retune(&request, remaining, |ahead| {
+    while k < 1200 || !filter.is_settled() {
+        if k >= 200 && k % 30 == 0 && !filter.is_correcting() {
+            let request = request(&train, &exact, command.limits());
+            let remaining = command.ticks(tick).saturating_sub(k);
+            filter.retune(&request, remaining, |ahead| {
                 command.at((k + ahead) as f64 * tick)
             });
-            assert!(
-                matches!(outcome, RetuneOutcome::Corrected(_)),
-                "{outcome:?}"
-            );
         }
         k += 1;
         let input = command.at(k as f64 * tick);
@@ -274,7 +295,7 @@ fn val_two_modes_are_cancelled_at_once() {
 
 /// The filter's own account of the vibration agrees with the simulated joint.
 #[test]
-fn val_forecast_and_residual_agree_with_the_joint() {
+fn val_residual_agrees_with_the_joint() {
     let tick = 0.002;
     let truth = Mode::from_hertz(8.12, XI).unwrap();
     let command = PUBLISHED;
@@ -283,23 +304,16 @@ fn val_forecast_and_residual_agree_with_the_joint() {
     let mut filter = AdaptiveFilter::new(tick, 100, 1000);
     filter.install(&train).unwrap();
     let mut joints = (Joint::new(truth, tick), Joint::new(truth, tick));
-    let mut forecast = None;
     for k in 1..=400 {
         let input = command.at(k as f64 * tick);
         let out = filter.step(input);
         joints.0.step(out.position);
         joints.1.step(input.position);
-        if k == 100 {
-            let remaining = command.ticks(tick) - k;
-            let ahead = |ahead: usize| command.at((k + ahead) as f64 * tick);
-            forecast = Some(filter.forecast(truth, remaining, ahead).unwrap());
-        }
     }
     let simulated = joints.0.amplitude() / joints.1.amplitude();
     let sent = filter.residual(truth).unwrap().ratio();
     // Rounding of positions near 1 rad against a residual of 1e-3 rad: 1e-13 a tick.
     assert!((sent / simulated - 1.0).abs() < 1e-10, "{sent} {simulated}");
-    assert!((forecast.unwrap().ratio() / simulated - 1.0).abs() < 1e-10);
 }
 
 #[test]
@@ -310,12 +324,8 @@ fn val_what_a_retune_refuses_changes_nothing() {
     let train = shaper_by_name("zv").unwrap().on_grid(mode, tick).unwrap();
     let mut filter = AdaptiveFilter::new(tick, 200, 300);
     let limits = command.limits();
-    let modes = [mode];
-    let request = Retune {
-        train: &train,
-        modes: &modes,
-        limits,
-    };
+    let exact = [known(mode, 0.0)];
+    let request = request(&train, &exact, limits);
     // At rest and never moved: the train is in force at once.
     assert_eq!(
         filter.retune(&request, 0, |_| Setpoint::default()),
@@ -403,12 +413,8 @@ fn val_vibration_of_an_earlier_move_is_cancelled_too() {
         let end = second + PUBLISHED.ticks(tick);
         for k in 1..=1200 {
             if k == second + 100 {
-                let modes = [truth];
-                let request = Retune {
-                    train: &right,
-                    modes: &modes,
-                    limits,
-                };
+                let exact = [known(truth, 0.0)];
+                let request = request(&right, &exact, limits);
                 let outcome = filter.retune(&request, end + 1 - k, |ahead| input(k - 1 + ahead));
                 assert!(
                     matches!(outcome, RetuneOutcome::Corrected(_)),

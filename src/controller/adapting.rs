@@ -1,15 +1,12 @@
 //! From an estimate to a train, at rest or in motion.
 
-use quell_shapers::{GridTrain, Mode, Refusal, Retune, RetuneOutcome, Setpoint, UncertainMode};
+use quell_shapers::{GridTrain, Mode, Refusal, Retune, RetuneOutcome, UncertainMode};
 
 use super::ahead::Ahead;
 use super::axis::{Axis, waiting};
 use super::settings::{RetunePolicy, motion_limits};
 use crate::adaptation::{Decision, Reason, residual};
 use crate::estimators::Estimate;
-
-/// Length of the shortest correction, periods: five smooth steps of a quarter period.
-const SHORTEST_CORRECTION: f64 = 1.25;
 
 impl Axis {
     /// Acts on the present estimate, if it is worth it.
@@ -60,20 +57,20 @@ impl Axis {
         next: &GridTrain,
         ahead: &Ahead<'_>,
     ) -> Decision {
-        let decision = match self.settings.retune {
-            RetunePolicy::InMotion if self.lane.is_none() && self.is_ringing(estimate.mode) => {
-                self.consider_in_motion(estimate, known, next, ahead)
-            }
-            _ => self.consider_at_rest(estimate, known, next),
-        };
-        match decision {
+        let in_motion = self.settings.retune == RetunePolicy::InMotion
+            && self.lane.is_none()
+            && self.is_ringing(estimate.mode);
+        if in_motion && let Some(decision) = self.correct(estimate, known, next, ahead) {
+            return decision;
+        }
+        match self.consider_at_rest(estimate, known, next) {
             // What is left is no reason for another train, but the delay is.
             Decision::Keep(Reason::DeadBand(_))
                 if self.is_much_shorter(next, known.mode) && self.install(next, known) =>
             {
                 Decision::Accept(known.mode)
             }
-            _ => decision,
+            decision => decision,
         }
     }
 
@@ -112,103 +109,69 @@ impl Axis {
         decision
     }
 
-    fn consider_in_motion(
+    /// Corrects the command under way, where that takes more vibration away over the rest of the move than it brings.
+    /// Goes over to a train for the mode if the one in force is worse by more than the dead band.
+    fn correct(
         &mut self,
         estimate: &Estimate,
         known: &UncertainMode,
         next: &GridTrain,
         ahead: &Ahead<'_>,
-    ) -> Decision {
-        let (remaining, planned) = (ahead.remaining(), |k: usize| ahead.setpoint(k - 1));
-        let tick = self.settings.sample_time;
-        let train = self.filter.train().duration();
-        let since_end = match remaining {
-            0 => self.since_plan_end,
-            ticks => -(ticks as f64) * tick,
-        };
-        // Rounding of the encoder: a vibration below it cannot be told from none.
-        let rounding = self.settings.rest.quantisation / 12f64.sqrt();
-        let filter = &mut self.filter;
-        // A correction can leave nothing, but not before it is over: what is left is seen there.
-        let excess = |mode: Mode| match filter.forecast(mode, remaining, planned) {
-            Ok(residual) => {
-                let soonest = since_end + SHORTEST_CORRECTION * mode.damped_period();
-                let seen = train.max(soonest);
-                let decayed = |time: f64| (-mode.decay_rate() * time).exp();
-                match residual.shaped * decayed(seen - since_end) > rounding {
-                    true => residual.ratio() * decayed(seen),
-                    false => 0.0,
-                }
-            }
-            Err(_) => f64::INFINITY,
-        };
-        let decision = self.adaptation.consider(estimate, next, excess);
-        if let Decision::Accept(_) = decision {
-            self.correct(next, known, remaining, planned);
+    ) -> Option<Decision> {
+        let known_better = || !self.corrected.is_near(estimate.mode);
+        if self.filter.is_correcting() && !known_better() {
+            return None;
         }
-        decision
-    }
-
-    /// Cancels what the present command would leave, and goes over to a train for the mode if the
-    /// one in force is worse by more than the dead band. Where no correction keeps the limits, the
-    /// train waits for rest.
-    fn correct(
-        &mut self,
-        next: &GridTrain,
-        known: &UncertainMode,
-        remaining: usize,
-        planned: impl Fn(usize) -> Setpoint,
-    ) {
-        let (present, mode) = (self.next_train(), known.mode);
-        let excess = residual(present, mode) - residual(next, mode);
+        if !self.adaptation.may_correct(estimate, next) {
+            return None;
+        }
+        let present = self.next_train();
+        let excess = residual(present, known.mode) - residual(next, known.mode);
         let changes = excess >= self.settings.adaptation.dead_band;
         let train = if changes { next } else { present }.clone();
-        match self.cancel(&train, mode, remaining, planned) {
-            Ok(()) if changes => self.changed(known),
-            Err(_) if changes => {
-                self.install(&train, known);
-            }
-            _ => {}
-        }
-    }
-
-    /// Cancels what the present command would leave of a mode.
-    fn cancel(
-        &mut self,
-        train: &GridTrain,
-        mode: Mode,
-        remaining: usize,
-        planned: impl Fn(usize) -> Setpoint,
-    ) -> Result<(), Refusal> {
-        let request = Retune {
-            train,
-            modes: &[mode],
-            limits: motion_limits(self.settings.limits),
-        };
-        match self.filter.retune(&request, remaining, planned) {
-            RetuneOutcome::Refused(refusal) => {
+        let modes = [*known];
+        let request = self.request(&train, &modes);
+        let planned = |k: usize| ahead.setpoint(k - 1);
+        match self.filter.retune(&request, ahead.remaining(), planned) {
+            RetuneOutcome::Refused(Refusal::NotWorth(_)) => return None,
+            RetuneOutcome::Refused(_) => {
                 self.status.refused += 1;
-                return Err(refusal);
+                return None;
             }
             RetuneOutcome::Corrected(correction) => {
                 self.status.correction = Some(correction);
                 self.status.corrections += 1;
-                self.corrected = mode;
+                self.corrected = *known;
             }
             RetuneOutcome::Installed => {}
         }
-        Ok(())
+        if changes {
+            self.changed(known);
+        }
+        Some(self.adaptation.accept(known.mode))
     }
 
-    /// A correction was made for another plan: with the new one it would leave the wrong vibration,
-    /// and could exceed the limits. Where no other keeps them either, nothing is changed.
+    fn request<'a>(&self, train: &'a GridTrain, modes: &'a [UncertainMode]) -> Retune<'a> {
+        Retune {
+            train,
+            modes,
+            limits: motion_limits(self.settings.limits),
+            dead_band: self.settings.adaptation.dead_band,
+            // Rounding of the encoder: a vibration below it cannot be told from none.
+            resolution: self.settings.rest.quantisation / 12f64.sqrt(),
+        }
+    }
+
+    /// A correction was made for another plan: with the new one it could leave another vibration, and exceed the
+    /// limits. Where none keeps them, nothing is changed.
     pub(super) fn follow(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {
         if !self.filter.is_correcting() {
             return Ok(());
         }
-        let train = self.next_train().clone();
+        let (train, modes) = (self.next_train().clone(), [self.corrected]);
+        let request = self.request(&train, &modes);
         let planned = |k: usize| ahead.setpoint(k - 1);
-        self.cancel(&train, self.corrected, ahead.remaining(), planned)
+        self.filter.replan(&request, ahead.remaining(), planned)
     }
 
     /// Whether the train is taken: it then takes over once the command stands still.

@@ -1,7 +1,7 @@
 //! One axis at the tick: measurements to estimate, estimate to train, plan to setpoint.
 
 use quell_shapers::{
-    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Mode, Setpoint, Shaper, ShaperError,
+    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Setpoint, Shaper, ShaperError,
     UncertainMode,
 };
 
@@ -47,8 +47,8 @@ pub struct Axis {
     pub(super) time: f64,
     pub(super) since_plan_end: f64,
     pub(super) last_considered: f64,
-    /// The mode that the last correction was for.
-    pub(super) corrected: Mode,
+    /// The mode that the last correction was for, and how well it was known.
+    pub(super) corrected: UncertainMode,
     pub(super) status: AxisStatus,
     fresh: bool,
 }
@@ -73,7 +73,7 @@ impl Axis {
             adaptation: Adaptation::new(settings.adaptation),
             filter,
             lane: None,
-            corrected: settings.belief,
+            corrected: belief,
             time: 0.0,
             since_plan_end: f64::INFINITY,
             last_considered: f64::NEG_INFINITY,

@@ -42,8 +42,9 @@ enum {
     QUELL_TRAIN = 11,           /* too many taps, not in order, or amplitudes that do not add up to 1 */
     QUELL_RANGE = 12,           /* a number or a length is out of its range */
     QUELL_HISTORY = 13,         /* the start of the move is older than the filter remembers */
-    QUELL_LIMITS = 14,          /* no correction keeps the limits, however long or late */
-    QUELL_BUSY = 15             /* too many steps of earlier corrections are under way */
+    QUELL_LIMITS = 14,          /* no correction that begins now keeps the limits */
+    QUELL_BUSY = 15,            /* too many steps of earlier corrections are under way */
+    QUELL_NOT_WORTH = 16        /* no correction leaves less vibration than the present command */
 };
 
 /* The code in a sentence; never null. */
@@ -123,16 +124,17 @@ typedef struct {
     int32_t installed;   /* 1: nothing had moved, the train is in force or will be at rest; the rest is 0 */
     int32_t robust;      /* 1: the slope over frequency and damping is cancelled too */
     double cross_fade;   /* length of the cross-fade; 0 where the old train is kept to the end of the move */
-    double delay;        /* to the start of the correction */
     double duration;     /* of the correction */
     double until_rest;   /* to the end of the whole command */
-    double peak;         /* largest of velocity, acceleration and jerk from now on over its limit, up to 1.05 */
+    double peak;         /* largest of velocity, acceleration and jerk from now on over its limit, up to 1 */
 } quell_correction;
 
-/* Goes over to another train in motion so that nothing of the given modes (1 to 3, the first sets the pace)
- * is left. `planned` are the setpoints of the `remaining` ticks to come, after which the plan stays where it
- * is. Takes 0.3 ms (at 250 Hz) to 2 ms (at 4 kHz) on a desktop processor: between two ticks, or while no
- * step is taken. Where it is refused nothing is changed. `correction` may be null. */
+/* Goes over to another train in motion, and takes away what the wrong one has left of the given modes (1 to 3, the
+ * first sets the pace). Of all ways that begin now and keep the limits, the one of least vibration over the rest of
+ * the move is taken; where none is better than the present command, nothing is changed (QUELL_NOT_WORTH). A mode
+ * counts as known to 5 % (one standard deviation). `planned` are the setpoints of the `remaining` ticks to come,
+ * after which the plan stays where it is. Call it between two ticks, or while no step is taken. Where it is refused
+ * nothing is changed: call it again a quarter period later. `correction` may be null. */
 quell_status quell_filter_retune(quell_filter *filter, const quell_train *train, const quell_mode *modes,
                                  size_t count, quell_limits limits, const quell_setpoint *planned,
                                  size_t remaining, quell_correction *correction);

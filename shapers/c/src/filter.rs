@@ -4,7 +4,7 @@ use crate::data::{Correction, PlainMode, PlainResidual, PlainSetpoint, PlainTrai
 use crate::memory::{Filter, filter, look_at, make, slice, write};
 use crate::status::{Status, code};
 use core::ffi::c_void;
-use quell_shapers::{CORRECTED_MODES, Mode, Retune, Setpoint};
+use quell_shapers::{CORRECTED_MODES, Mode, Retune, Setpoint, UncertainMode};
 
 /// `quell_filter_init` of the header.
 ///
@@ -131,10 +131,16 @@ fn retuned(
     limits: PlainSetpoint,
     planned: &[PlainSetpoint],
 ) -> quell_shapers::RetuneOutcome {
+    let mut known = [UncertainMode::believed(modes[0]); CORRECTED_MODES];
+    for (known, mode) in known.iter_mut().zip(modes) {
+        *known = UncertainMode::believed(*mode);
+    }
     let request = Retune {
         train,
-        modes,
+        modes: &known[..modes.len()],
         limits: limits.into(),
+        dead_band: 0.0,
+        resolution: 0.0,
     };
     let input = |k: usize| {
         planned

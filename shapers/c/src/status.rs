@@ -23,9 +23,10 @@ pub(crate) enum Status {
     History,
     Limits,
     Busy,
+    NotWorth,
 }
 
-const TEXTS: [&CStr; 16] = [
+const TEXTS: [&CStr; 17] = [
     c"ok",
     c"a pointer is null",
     c"a pointer is not aligned",
@@ -40,8 +41,9 @@ const TEXTS: [&CStr; 16] = [
     c"too many taps, not in order, or amplitudes that do not add up to 1",
     c"a number or a length is out of its range",
     c"the start of the move is older than the filter remembers",
-    c"no correction keeps the limits, however long or late",
+    c"no correction that begins now keeps the limits",
     c"too many steps of earlier corrections are under way",
+    c"no correction leaves less vibration than the present command",
 ];
 
 /// `quell_text` of the header.
@@ -80,6 +82,7 @@ impl From<Refusal> for Status {
             Refusal::HistoryLost => Self::History,
             Refusal::Limits => Self::Limits,
             Refusal::Busy => Self::Busy,
+            Refusal::NotWorth(_) => Self::NotWorth,
         }
     }
 }

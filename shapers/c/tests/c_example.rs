@@ -1,7 +1,7 @@
 //! The example in C, built without std and without a heap, beside the filter in Rust.
 
 use quell_shapers::{
-    AdaptiveFilter, GridTrain, Mode, MotionLimits, Retune, RetuneOutcome, Setpoint,
+    AdaptiveFilter, GridTrain, Mode, MotionLimits, Retune, RetuneOutcome, Setpoint, UncertainMode,
 };
 use quell_shapers::{Shaper, Tap, Zvd};
 use std::path::{Path, PathBuf};
@@ -93,7 +93,9 @@ fn retune(filter: &mut AdaptiveFilter) {
     let identified = Mode::from_hertz(9.0, 0.04).unwrap();
     let request = Retune {
         train: &Zvd.on_grid(identified, TICK).unwrap(),
-        modes: &[identified],
+        modes: &[UncertainMode::believed(identified)],
+        dead_band: 0.0,
+        resolution: 0.0,
         limits: MotionLimits {
             velocity: 10.0,
             acceleration: 100.0,

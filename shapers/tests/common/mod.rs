@@ -79,7 +79,7 @@ impl Move {
 pub struct Joint {
     mode: Mode,
     tick: f64,
-    delta: f64,
+    pub delta: f64,
     rate: f64,
     position: f64,
     slope: f64,
