@@ -140,6 +140,7 @@ impl Cell {
             });
         }
         let sampled = slowed.plan;
+        let before_it = train.duration();
         let planned_end = (sampled.samples() - 1) as f64 * sampled.period();
         let before = *self.controller.axes()[0].status();
         self.controller.load(sampled).map_err(|(_, error)| error)?;
@@ -156,6 +157,7 @@ impl Cell {
             arc: *self.arm.arc(),
             registration: self.registration.clone(),
             train: axis.train(),
+            longest_train: axis.next_train().duration().max(before_it),
             slowed_to: (slowed.speed < 1.0).then_some(slowed.speed),
             shaped_for: after.shaped_for,
             retunes: after.retunes - before.retunes,
@@ -202,6 +204,7 @@ impl Cell {
         Tick {
             time,
             planned: self.controller.planned()[0].position,
+            planned_acceleration: self.controller.planned()[0].acceleration,
             position: setpoint.position,
             velocity: setpoint.velocity,
             acceleration: setpoint.acceleration,

@@ -94,6 +94,11 @@ impl Comparison {
     pub fn ratio(&self, kind: MoveKind) -> f64 {
         self.trace(kind).residual() / self.trace(MoveKind::Unshaped).residual()
     }
+
+    /// The same of the whole move, in cruise and at the end.
+    pub fn whole_ratio(&self, kind: MoveKind) -> f64 {
+        self.trace(kind).vibration() / self.trace(MoveKind::Unshaped).vibration()
+    }
 }
 
 impl Scenario {

@@ -15,6 +15,8 @@ pub struct Tick {
     pub time: f64,
     /// Planned, unshaped position, rad.
     pub planned: f64,
+    /// Planned, unshaped acceleration, rad/s^2.
+    pub planned_acceleration: f64,
     /// Commanded position, rad.
     pub position: f64,
     /// Commanded velocity, rad/s.
@@ -55,6 +57,8 @@ pub struct MoveTrace {
     pub recording: Recording,
     /// Train in force when the move ended.
     pub train: ImpulseTrain,
+    /// Length of the longest train that was in force during the move, s.
+    pub longest_train: f64,
     /// Mode that it was designed for, as well as it was known.
     pub shaped_for: UncertainMode,
     /// Speed to which the move was slowed so that the shaped command keeps its limits, 0 to 1.
@@ -76,6 +80,30 @@ impl MoveTrace {
             .iter()
             .filter(|tick| tick.time >= self.motor_end)
             .fold(0.0, |peak, tick| peak.max(tick.tip_deformation.abs()))
+    }
+
+    /// Peak of the true deformation at the tip beside the planned acceleration, m: in cruise and at the end.
+    ///
+    /// A phase of planned acceleration lasts as long as the longest train draws it out, and until the motor side has
+    /// followed as it does at the end of the command: until then the deformation is forced.
+    pub fn vibration(&self) -> f64 {
+        let quiet = self.quiet();
+        let seen = self.ticks.iter().zip(quiet).filter(|(_, quiet)| *quiet);
+        seen.fold(0.0, |peak, (tick, _)| peak.max(tick.tip_deformation.abs()))
+    }
+
+    /// For each tick, whether the plan neither accelerates nor has done so shortly before, as
+    /// [`MoveTrace::vibration`] says.
+    pub fn quiet(&self) -> Vec<bool> {
+        let follows = self.longest_train + (self.motor_end - self.command_end).max(0.0);
+        let mut until = f64::NEG_INFINITY;
+        let quiet = |tick: &Tick| {
+            if tick.planned_acceleration != 0.0 {
+                until = tick.time + follows;
+            }
+            tick.time > until
+        };
+        self.ticks.iter().map(quiet).collect()
     }
 
     /// Time from the start of the move until the tip stays within `tolerance` (m) of its target, s;
