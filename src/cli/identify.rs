@@ -4,6 +4,7 @@ mod document;
 mod page;
 mod words;
 
+use super::out::{Force, Out};
 use super::{CliError, output};
 use crate::estimators::ESTIMATORS;
 use crate::identification::{
@@ -44,7 +45,12 @@ pub struct Args {
     /// The folder for the report, identify.html.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
+
+/// The file that is written.
+const REPORT: &str = "identify.html";
 
 /// All that is told.
 struct Findings {
@@ -70,6 +76,7 @@ impl From<IdentificationError> for CliError {
 /// # Errors
 /// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
 pub fn run(args: Args) -> Result<(), CliError> {
+    let out = Out::open(&args.out, ("identify", args.force), &[], [REPORT])?;
     let recording = Recording::from_path(&args.recording)?;
     let model = args
         .model
@@ -88,11 +95,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
         series,
         found,
     };
-    output::folder(&args.out)?;
-    let report = args.out.join("identify.html");
-    page::page(&findings)
-        .write(&report)
-        .map_err(CliError::failure)?;
+    let stage = out.stage()?;
+    stage.file(REPORT, page::page(&findings).render())?;
+    stage.put()?;
+    let report = args.out.join(REPORT);
     if args.json {
         output::json(&document::document(&findings))
     } else {
