@@ -7,8 +7,8 @@ mod page;
 mod print;
 mod trial;
 
-use super::robot_args::{RobotArgs, robot};
 use super::out::{Force, Out};
+use super::robot_args::{RobotArgs, robot};
 use super::{CliError, output, shaping, values};
 use crate::plant::Robot;
 use crate::report::number;

@@ -18,7 +18,7 @@ mod words;
 use super::out::{Force, Out};
 use super::{CliError, output};
 use crate::batch::Shard;
-use crate::diagnosis::{Options, Outcome, diagnose};
+use crate::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
 use crate::model::Model;
 use crate::recording::Recording;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -54,7 +54,8 @@ recordings below it; what has its result already is not done again. --queue only
 `quell work` does them, `quell results` shows what came out.
 
 Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
-partly_explained, unexplained. The folder of --out gets report.html, diagnosis.json and model.toml
+partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code is
+2, and what to record is told). The folder of --out gets report.html, diagnosis.json and model.toml
 with the physics in it, which `quell simulate` and `quell score` run.")]
 pub struct Args {
     /// What is believed of the machine.
@@ -131,13 +132,29 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let names: Vec<_> = recordings.map(|one| one.name.clone()).collect();
     let files = write(&args, &out, &outcome, &names)?;
     if args.json {
-        return output::json(&outcome.diagnosis);
+        output::json(&outcome.diagnosis)?;
+        return told(&outcome.diagnosis);
     }
     let case = page::Case {
         diagnosis: &outcome.diagnosis,
         traces: &outcome.traces,
     };
-    output::text(&text::text(&case, &files))
+    output::text(&text::text(&case, &files))?;
+    told(&outcome.diagnosis)
+}
+
+/// Refuses a recording that says nothing of the model: a script that asks for health must not take it for that.
+fn told(diagnosis: &Diagnosis) -> Result<(), CliError> {
+    match diagnosis.verdict {
+        Verdict::NotExcited => {
+            let text = format!(
+                "{}: the recording says nothing of the model",
+                diagnosis.verdict.name()
+            );
+            Err(CliError::input(text))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Drawn on stderr where that is a terminal.

@@ -12,6 +12,7 @@ use crate::identification::{
     prepare,
 };
 use crate::recording::Recording;
+use crate::report::fixed;
 use std::path::PathBuf;
 
 /// Identifies the vibratory mode of a recording, on-line by every estimator and off-line.
@@ -128,7 +129,7 @@ fn on_line(found: &Identification) -> String {
     let figure = |value: Option<f64>, digits: usize| {
         value
             .filter(|v| v.is_finite())
-            .map_or("-".into(), |v| format!("{v:.digits$}"))
+            .map_or("-".into(), |v| fixed(v, digits))
     };
     let rows = ESTIMATORS.iter().enumerate().map(|(index, line)| {
         let run = found.quoted(index);
@@ -166,8 +167,8 @@ fn off_line(run: &Run) -> String {
     let rows = run.off_line.iter().map(|line| {
         [
             line.method.to_string(),
-            format!("{:.3}", line.mode.hertz()),
-            format!("{:.4}", line.mode.damping_ratio()),
+            fixed(line.mode.hertz(), 3),
+            fixed(line.mode.damping_ratio(), 4),
             words::used(run),
         ]
     });

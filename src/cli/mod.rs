@@ -41,7 +41,7 @@ use std::process::ExitCode;
     version,
     propagate_version = true,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 done, 1 failed, 2 bad input. Every verb's --help shows an example."
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad input (refused, or it says nothing). Every verb's --help shows an example."
 )]
 struct Cli {
     /// Tells more on stderr: -v what is done, -vv the details (or set QUELL_LOG).

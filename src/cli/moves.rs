@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use quell_shapers::{Mode, Shaper};
 
-use super::robot_args::{RobotArgs, SimulationArgs};
 use super::out::Force;
+use super::robot_args::{RobotArgs, SimulationArgs};
 use super::{CliError, choices, output, values};
 use crate::closed_loop::{ClosedLoopError, Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::EstimatorEntry;

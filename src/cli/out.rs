@@ -90,7 +90,10 @@ impl Out {
             .prefix(".quell-")
             .tempdir_in(&self.folder);
         let refused = |error| {
-            CliError::input(format!("cannot write into {}: {error}", self.folder.display()))
+            CliError::input(format!(
+                "cannot write into {}: {error}",
+                self.folder.display()
+            ))
         };
         Ok(Stage {
             out: self,

@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 
 use quell_shapers::{Mode, Shaper};
 
-use super::robot_args::{RobotArgs, SimulationArgs};
 use super::out::{Force, Out, recording_files};
+use super::robot_args::{RobotArgs, SimulationArgs};
 use super::{CliError, choices, output, values};
 use crate::model::believed;
 use crate::plant::ArmSimulation;
@@ -122,7 +122,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if let Some(file) = &args.command {
         apart(file, &args.out)?;
     }
-    let out = folder(&args)?;
+    let out = folder(&args, &setup)?;
     let mut motion = match &args.command {
         Some(file) => recorded::read(file, &args, &setup)?,
         None => planned::plan(&args, &setup)?,
@@ -168,10 +168,10 @@ fn apart(command: &Path, out: &Path) -> Result<(), CliError> {
 }
 
 /// The folder, where recording and model may be written.
-fn folder(args: &Args) -> Result<Out, CliError> {
+fn folder(args: &Args, setup: &Setup) -> Result<Out, CliError> {
     let reads = [args.command.as_deref(), args.robot.robot.as_deref()];
     let reads: Vec<&Path> = reads.into_iter().flatten().collect();
-    let names = recording_files("").chain([MODEL.into()]);
+    let names = recording_files("").chain(setup.belief.first().map(|_| MODEL.into()));
     Out::open(&args.out, ("simulate", args.force), &reads, names)
 }
 

@@ -13,6 +13,7 @@ mod displacement;
 mod document;
 mod draw;
 mod events;
+mod excitation;
 mod explanation;
 mod extend;
 mod fit;

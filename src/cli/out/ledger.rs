@@ -52,7 +52,10 @@ impl Ledger {
             return Some("it is not known to be Quell's".into());
         };
         if entry.verb != verb {
-            return Some(format!("`quell {}` wrote it, not `quell {verb}`", entry.verb));
+            return Some(format!(
+                "`quell {}` wrote it, not `quell {verb}`",
+                entry.verb
+            ));
         }
         (entry.sha256 != hash(bytes)).then(|| "it was changed since Quell wrote it".into())
     }

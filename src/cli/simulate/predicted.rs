@@ -7,7 +7,7 @@ use crate::cli::out::Out;
 use crate::cli::{CliError, output, score};
 use crate::diagnosis::{Predicted, predict};
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{Recording, plain};
 
 /// Predicts a recording and writes each output at its own stamps: the first one into `out`, each
 /// further one beside it, with its role in the name. A folder gets `prediction.csv`.
@@ -72,7 +72,7 @@ fn csv(predicted: &Predicted) -> Result<Vec<u8>, CliError> {
     writer.write_record(header).map_err(CliError::failure)?;
     let values = predicted.recorded.iter().zip(&predicted.predicted);
     for (time, (recorded, predicted)) in predicted.time.iter().zip(values) {
-        let row = [time, recorded, predicted].map(f64::to_string);
+        let row = [time, recorded, predicted].map(|value| plain(*value));
         writer.write_record(row).map_err(CliError::failure)?;
     }
     writer
