@@ -249,6 +249,22 @@ fn a_link_is_not_followed() {
     assert!(report.is_file());
 }
 
+/// What is refused makes no folder either.
+#[test]
+fn nothing_is_written_before_the_work_is_done() {
+    let place = workplace();
+    let here = place.path();
+    small::poison(&here.join("fleet"));
+    for command in [
+        "diagnose --model model.toml fleet/poison",
+        "identify fleet/poison",
+        "simulate --joint 9",
+    ] {
+        refused(here, command);
+        assert!(!here.join("out").exists(), "{command}");
+    }
+}
+
 /// A folder of a result's name that holds something else is not touched by a batch.
 #[test]
 fn a_batch_replaces_nothing() {

@@ -57,8 +57,8 @@ fn noise(sample: usize, seed: u64) -> f64 {
         state ^= state << 17;
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    (0..8).for_each(|_| drop(uniform()));
-    6e-6 * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)
+    // The first numbers of neighbouring seeds are alike.
+    6e-6 * ((0..20).map(|_| uniform()).skip(8).sum::<f64>() - 6.0)
 }
 
 fn write(folder: &Path, rows: &[Row]) {
@@ -282,6 +282,7 @@ fn a_fleet_tells_who_says_nothing() {
         &with(|k, r| [r[0], 0.3, noise(k, 2)]),
     );
     write(&here.join("fleet/off"), &with(|_, r| [r[0], 0.0, 0.0]));
+    small::poison(&here.join("fleet"));
     let ran = quell(
         here,
         "diagnose --batch --model model.toml fleet --out results",
@@ -302,8 +303,8 @@ fn a_fleet_tells_who_says_nothing() {
         assert_eq!(cells, [name, "not_excited", "-", "-", "-"]);
     }
     for words in [
-        "no diagnosis of 1 of 4 recordings",
-        "2 of 4 recordings say nothing of the model (not_excited)",
+        "no diagnosis of 2 of 5 recordings",
+        "2 of 5 recordings say nothing of the model (not_excited)",
     ] {
         assert!(ran.stderr.contains(words), "{}", ran.stderr);
     }

@@ -1,6 +1,6 @@
 //! What a diagnosis says: the content of `diagnosis.json`.
 
-use super::baseline::DiagnosisError;
+use super::error::DiagnosisError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -93,7 +93,7 @@ pub struct Quality {
     pub held_out_over_noise: f64,
 }
 
-/// Fit before and after.
+/// Fit before and after; all numbers are 0 where nothing varied and nothing was fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Standard deviation of the noise of the first output.

@@ -1,6 +1,7 @@
 //! How well a model predicts a recording that it has never seen.
 
-use super::baseline::{DiagnosisError, problem};
+use super::baseline::problem;
+use super::error::DiagnosisError;
 use super::excitation::{Carried, carried};
 use super::fit::Projector;
 use super::split;

@@ -125,12 +125,10 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
         .collect();
     let (settings, fit) = whole_fit::trusted_memory(part, settings);
     let (fitted, fit) = whole_fit::follow(samples, part, &settings, fit);
-    let evidence = fit.as_ref().map(|fit| Evidence::of(fitted, fit));
-    let fit = fit.filter(|_| evidence.is_some_and(|evidence| evidence.tells()));
     let (free_decays, known_input_holds) = free_decays(samples, &decays, &settings, fit.as_ref());
     let best_decay = strongest(&free_decays);
-    if fit.is_none() && best_decay.is_none() {
-        return Err(untold(samples, evidence));
+    if best_decay.is_none() {
+        Evidence::of_all(fitted, fit.as_ref()).strong()?;
     }
     let best = best_decay.map(|k| &free_decays[k]);
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
@@ -150,18 +148,6 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
     })
 }
 
-/// The refusal of a recording in which nothing tells a mode.
-fn untold(samples: &[Sample], evidence: Option<Evidence>) -> IdentificationError {
-    match evidence {
-        Some(Evidence { found, needed }) => IdentificationError::NotExcited {
-            found,
-            needed,
-            samples: samples.len(),
-        },
-        None => IdentificationError::Still,
-    }
-}
-
 /// The runs of all free decays, and whether the known input holds. Where it does what is left of the motor side's
 /// motion in them, its settling, is known, too; else it counts as standing still.
 fn free_decays(
@@ -172,7 +158,7 @@ fn free_decays(
 ) -> (Vec<Run>, Option<bool>) {
     let fits = |input: Input| -> Vec<Option<BatchFit>> {
         let tells = |decay: &FreeDecay, fit: &BatchFit| {
-            Evidence::of(decay.stretch.of(samples), fit).tells()
+            Evidence::of_decay(decay.stretch.of(samples), fit).tells()
         };
         let fit = |decay| run::fit(samples, decay, settings, input).filter(|fit| tells(decay, fit));
         decays.iter().map(fit).collect()

@@ -76,7 +76,7 @@ pub struct Run {
     pub counted_from: f64,
     /// Whether it is a free decay; else the motor side is a known input.
     pub is_free_decay: bool,
-    /// The estimators that can take this stretch, in the order of their table; none where it tells no mode.
+    /// The estimators that can take this stretch, in the order of their table.
     pub on_line: Vec<OnLine>,
     /// The references.
     pub off_line: Vec<OffLine>,
@@ -106,9 +106,7 @@ impl Run {
             fitted: Stretch::all(fitted),
             counted_from,
             is_free_decay: false,
-            // What tells no mode by all its samples tells none to any estimator.
             on_line: estimators
-                .filter(|_| fit.is_some())
                 .map(|line| on_line(line, part, settings, counted_from))
                 .collect(),
             off_line: fit.into_iter().map(batch_reference).collect(),

@@ -1,7 +1,7 @@
 //! What the channels of a recording carry, before any model is fitted to them.
 
 use super::words::{figure, still};
-use crate::diagnosis::baseline::DiagnosisError;
+use crate::diagnosis::error::DiagnosisError;
 use crate::model::Model;
 use crate::recording::{Channel, Recording, Role};
 

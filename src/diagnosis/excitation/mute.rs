@@ -1,7 +1,7 @@
 //! Sensors that show noise alone while the machine moves.
 
 use super::words::figure;
-use crate::diagnosis::baseline::DiagnosisError;
+use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::fit::orthonormal;
 use crate::diagnosis::units::of_values;
 use crate::model::{Experiment, Model, Output, predict_windows};

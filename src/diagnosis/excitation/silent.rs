@@ -1,8 +1,8 @@
 //! The diagnosis of recordings in which nothing varies.
 
 use super::words::nothing_moved;
-use crate::diagnosis::baseline::DiagnosisError;
 use crate::diagnosis::document::{Diagnosis, Fit, Location, Quality, Verdict};
+use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::remarks::recorded;
 use crate::diagnosis::run::Outcome;
 use crate::diagnosis::traces::Traces;

@@ -88,8 +88,8 @@ fn believed(model: &Model) -> (&'static str, String) {
     })
 }
 
-/// What data alone say of the keys of a model's kind and of the effects in it, all free and none believed, and
-/// by how much each of them is commonly wrong.
+/// What data alone say of the keys of a model's kind, all free and none believed, and by how much each of them is
+/// commonly wrong.
 fn information(
     model: &Model,
     problem: &Problem,

@@ -57,7 +57,8 @@ pub fn advice(model: &Model, experiment: &Experiment, noise: f64) -> String {
         experiment.input,
         Role::MotorPosition | Role::CommandPosition
     );
-    match (model.mode(), kinematic && output.role.is_position()) {
+    let seen = output.role.is_position() || output.role == Role::Deformation;
+    match (model.mode(), kinematic && seen) {
         // A move by D within a period has a peak acceleration of at least 2 pi D / T^2, which bends the joint by
         // that over the square of its frequency: D / (2 pi).
         (Some((frequency, _)), true) => format!(
