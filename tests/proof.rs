@@ -286,3 +286,14 @@ fn a_run_asks_the_diagnosis_and_then_breaks_the_seal() {
         );
     }
 }
+
+/// Who says that a recording tells nothing neither found what was hidden nor raised a false alarm.
+#[test]
+fn a_recording_that_excites_nothing_is_neither_found_nor_alarmed_at() {
+    let silent = || verdict("not_excited", &[]);
+    let hidden = judged(&["backlash"], true, silent()).judgement;
+    assert!(!hidden.detected && !hidden.is_right(), "{hidden:?}");
+    assert_eq!(hidden.confusion[1], "not_excited");
+    let clean = judged(&[], true, silent()).judgement;
+    assert!(!clean.false_alarm, "{clean:?}");
+}

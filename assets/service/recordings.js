@@ -56,7 +56,7 @@ function verdict(kind, text) {
   $("verdict").hidden = false;
 }
 
-const KINDS = { no_mismatch: "good", named: "plain", ambiguous: "plain", partly_explained: "bad", unexplained: "bad" };
+const KINDS = { no_mismatch: "good", named: "plain", ambiguous: "plain", partly_explained: "bad", unexplained: "bad", not_excited: "bad" };
 let followed = 0;
 
 /** Shows a job until it is done. */

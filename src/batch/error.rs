@@ -20,6 +20,18 @@ pub enum BatchError {
         /// What the system says.
         source: io::Error,
     },
+    /// Something that is no result has the name of a result's folder.
+    #[error(
+        "{}: it is there already and holds no result: it is not written over; remove it, or give another \
+         folder ({source})",
+        path.display()
+    )]
+    InTheWay {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
     /// The files of a recording are more than is sent about.
     #[error(
         "{}: the recording's files have {bytes} bytes; at most {MOST_BYTES} are taken into a batch",

@@ -1,8 +1,9 @@
 //! Answers on disk: a folder for each.
 //!
 //! `<name>-<first 16 digits of the key>/` has `diagnosis.json` and `model.toml` as `quell diagnose` writes
-//! them, and `result.json`, which says what they are of, or why they are not there. `result.json` is written
-//! last: a folder without it is that of a job that was not finished, and is written again.
+//! them, and `result.json`, which says what they are of, or why they are not there. It is written under a
+//! hidden name and moved to its own when it is whole. A folder of that name without `result.json` is not
+//! ours, and is left alone.
 
 use std::collections::HashMap;
 use std::fs;
@@ -18,6 +19,8 @@ use super::error::BatchError;
 const RESULT: &str = "result.json";
 const DIAGNOSIS: &str = "diagnosis.json";
 const MODEL: &str = "model.toml";
+/// How the name of a folder begins that is not whole.
+const UNFINISHED: &str = ".unfinished-";
 /// Digits of a key in the name of a folder: among a million jobs two share 64 bits once in 4e7 batches.
 const DIGITS: usize = 16;
 /// The longest name before the digits, characters: file systems take 255 bytes.
@@ -41,6 +44,9 @@ impl Folder {
         for entry in fs::read_dir(path).map_err(BatchError::disk(path))? {
             let folder = entry.map_err(BatchError::disk(path))?.path();
             let name = folder.file_name().unwrap_or_default().to_string_lossy();
+            if name.starts_with(UNFINISHED) {
+                continue;
+            }
             if let Some((_, digits)) = name.rsplit_once('-')
                 && folder.join(RESULT).is_file()
             {
@@ -61,25 +67,39 @@ impl Folder {
     /// Writes an answer, and says whether it is the first to its job.
     ///
     /// # Errors
-    /// [`BatchError::Disk`] where it cannot be written.
+    /// [`BatchError::Disk`] where it cannot be written, [`BatchError::InTheWay`] where something else has
+    /// its name.
     pub fn store(&self, answer: &Answer) -> Result<bool, BatchError> {
         let about = &answer.about;
         if self.has(&about.key) {
             return Ok(false);
         }
         let folder = self.path.join(folder_of(about));
-        fs::create_dir_all(&folder).map_err(BatchError::disk(&folder))?;
+        let (key, process) = (digits(&about.key), std::process::id());
+        let unfinished = self.path.join(format!("{UNFINISHED}{key}-{process}"));
+        fs::create_dir_all(&unfinished).map_err(BatchError::disk(&unfinished))?;
         if let Some(diagnosis) = &answer.diagnosis {
-            write(&folder.join(DIAGNOSIS), json(diagnosis).as_bytes())?;
+            write(&unfinished.join(DIAGNOSIS), json(diagnosis).as_bytes())?;
         }
         if let Some(model) = &answer.model {
-            write(&folder.join(MODEL), model.as_bytes())?;
+            write(&unfinished.join(MODEL), model.as_bytes())?;
         }
-        let (path, unfinished) = (folder.join(RESULT), folder.join(".result.json"));
-        write(&unfinished, json(about).as_bytes())?;
-        fs::rename(&unfinished, &path).map_err(BatchError::disk(&path))?;
-        self.known().insert(digits(&about.key).into(), folder);
-        Ok(true)
+        write(&unfinished.join(RESULT), json(about).as_bytes())?;
+        // A folder that holds anything is not replaced by the system.
+        let moved = fs::rename(&unfinished, &folder);
+        let is_first = moved.is_ok();
+        if let Err(error) = moved {
+            fs::remove_dir_all(&unfinished).map_err(BatchError::disk(&unfinished))?;
+            // Another process may have had the same job, and was quicker.
+            if !folder.join(RESULT).is_file() {
+                return Err(BatchError::InTheWay {
+                    path: folder,
+                    source: error,
+                });
+            }
+        }
+        self.known().insert(key.into(), folder);
+        Ok(is_first)
     }
 
     /// The answer to a job, if it is there.

@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::{CliError, output};
 use crate::batch::{Answer, BatchError};
+use crate::diagnosis::Verdict;
 use crate::report::number;
 
 /// One answer in a table.
@@ -11,6 +12,8 @@ pub struct Row {
     cells: [String; 5],
     /// Why there is no diagnosis.
     error: Option<String>,
+    /// Whether the recording says nothing of the model.
+    silent: bool,
 }
 
 impl Row {
@@ -18,13 +21,14 @@ impl Row {
     pub fn of(answer: &Answer) -> Self {
         let about = &answer.about;
         let diagnosis = answer.diagnosis.as_ref();
+        let verdict = answer.said("verdict").unwrap_or("set aside");
+        let silent = verdict == Verdict::NotExcited.name();
         let over_noise = |which: &str| {
             let path = format!("/fit/{which}/held_out_over_noise");
             let value = diagnosis.and_then(|one| one.pointer(&path)?.as_f64());
-            value.map_or("-".into(), number)
+            value.filter(|_| !silent).map_or("-".into(), number)
         };
         let missing = diagnosis.map_or_else(String::new, effects);
-        let verdict = answer.said("verdict").unwrap_or("set aside");
         Self {
             cells: [
                 about.name.clone(),
@@ -38,6 +42,7 @@ impl Row {
                 over_noise("after"),
             ],
             error: about.error.clone(),
+            silent,
         }
     }
 
@@ -59,6 +64,11 @@ pub fn table(rows: &[Row]) -> String {
 /// How many were set aside.
 pub fn set_aside(rows: &[Row]) -> usize {
     rows.iter().filter(|row| row.error.is_some()).count()
+}
+
+/// How many say nothing of the model: neither healthy nor ill.
+pub fn silent(rows: &[Row]) -> usize {
+    rows.iter().filter(|row| row.silent).count()
 }
 
 /// The physics that is missing, as one word.

@@ -7,6 +7,7 @@ mod page;
 mod print;
 mod trial;
 
+use super::out::{Force, Out};
 use super::robot_args::{RobotArgs, robot};
 use super::{CliError, output, shaping, values};
 use crate::plant::Robot;
@@ -16,11 +17,13 @@ use choice::{Advice, Choice, Wish};
 use indicatif::ProgressBar;
 use quell_shapers::{GridTrain, Mode, Shaper};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trial::{Simulated, Trial};
 
 /// Frequency errors of the table.
 const ERRORS: [f64; 5] = [-0.25, -0.10, 0.0, 0.10, 0.25];
+/// The file that is written.
+const REPORT: &str = "compare.html";
 /// Points of a curve on either side of no error.
 const POINTS: usize = 60;
 
@@ -78,9 +81,18 @@ pub struct Args {
     /// The folder for the report.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Prints JSON instead of tables.
     #[arg(long)]
     json: bool,
+}
+
+impl Args {
+    /// The robot's description, where one is given.
+    fn robot_file(&self) -> Option<&Path> {
+        self.file.as_deref().or(self.robot.robot.as_deref())
+    }
 }
 
 /// Two standard deviations below the frequency there must be a frequency left.
@@ -139,10 +151,14 @@ const NO_CHOICE: &str = "none; no shaper fits into the delay that is allowed.";
 /// # Errors
 /// [`CliError::Input`] where the robot is refused, or has no mode at that joint.
 pub fn run(args: Args) -> Result<(), CliError> {
+    let robot = args.robot_file();
+    let reads: Vec<&Path> = robot.into_iter().collect();
+    let out = Out::open(&args.out, ("compare", args.force), &reads, [REPORT])?;
     let comparison = compare(&args)?;
-    let report = args.out.join("compare.html");
-    output::folder(&args.out)?;
-    output::file(&report, page::page(&comparison).render())?;
+    let stage = out.stage()?;
+    stage.file(REPORT, page::page(&comparison).render())?;
+    stage.put()?;
+    let report = args.out.join(REPORT);
     if args.json {
         let mut document = print::document(&comparison);
         document["report"] = json!(report);
@@ -156,7 +172,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 fn compare(args: &Args) -> Result<Comparison, CliError> {
-    let mut robot = robot(args.file.as_deref().or(args.robot.robot.as_deref()))?;
+    let mut robot = robot(args.robot_file())?;
     let (joint, modes) = modes(args, &robot)?;
     robot.control_rate = args.rate.unwrap_or(robot.control_rate);
     let rate = robot.control_rate;

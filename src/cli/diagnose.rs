@@ -15,16 +15,17 @@ pub(super) mod shown;
 mod text;
 mod words;
 
+use super::out::{Force, Out};
 use super::{CliError, output};
 use crate::batch::Shard;
-use crate::diagnosis::{Options, Outcome, diagnose};
+use crate::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
 use crate::model::Model;
 use crate::recording::Recording;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// The model with the physics in it.
-const MODEL: &str = "model.toml";
+/// The files that are written; the last has the physics in it.
+const FILES: [&str; 3] = ["report.html", "diagnosis.json", "model.toml"];
 /// Steps of the progress bar.
 const STEPS: f64 = 1000.0;
 
@@ -53,7 +54,8 @@ recordings below it; what has its result already is not done again. --queue only
 `quell work` does them, `quell results` shows what came out.
 
 Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
-partly_explained, unexplained. The folder of --out gets report.html, diagnosis.json and model.toml
+partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code is
+2, and what to record is told). The folder of --out gets report.html, diagnosis.json and model.toml
 with the physics in it, which `quell simulate` and `quell score` run.")]
 pub struct Args {
     /// What is believed of the machine.
@@ -68,6 +70,8 @@ pub struct Args {
     /// The folder for report, diagnosis and model.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Prints diagnosis.json instead of text.
     #[arg(long)]
     pub json: bool,
@@ -93,6 +97,10 @@ pub struct Args {
 /// # Errors
 /// [`CliError::Input`] where model or recordings are refused.
 pub fn run(args: Args) -> Result<(), CliError> {
+    if args.force.force && (args.batch || args.queue.is_some()) {
+        let error = CliError::input("--force: a batch replaces nothing");
+        return Err(error.with_help("remove the folder of a result to have it again"));
+    }
     if let Some(queue) = &args.queue {
         return batch::submit(queue, &args);
     }
@@ -103,7 +111,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
         let error = CliError::input("--shard: there is no batch of which this could be a share");
         return Err(error.with_help("add --batch, or --queue URL submit"));
     }
-    apart(&args.model, &args.out)?;
+    let out = Out::open(&args.out, ("diagnose", args.force), &[&args.model], FILES)?;
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>, CliError> {
         let all = paths.iter().map(|path| Ok(Recording::from_path(path)?));
@@ -122,27 +130,28 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let outcome = outcome?.map_err(CliError::input)?;
     let recordings = train.iter().chain(&held_out);
     let names: Vec<_> = recordings.map(|one| one.name.clone()).collect();
-    let files = write(&args, &outcome, &names)?;
+    let files = write(&args, &out, &outcome, &names)?;
     if args.json {
-        return output::json(&outcome.diagnosis);
+        output::json(&outcome.diagnosis)?;
+        return told(&outcome.diagnosis);
     }
     let case = page::Case {
         diagnosis: &outcome.diagnosis,
         traces: &outcome.traces,
     };
-    output::text(&text::text(&case, &files))
+    output::text(&text::text(&case, &files))?;
+    told(&outcome.diagnosis)
 }
 
-/// Refuses to write over the model that is read.
-fn apart(model: &Path, out: &Path) -> Result<(), CliError> {
-    let real = |path: &Path| path.canonicalize().ok();
-    match (real(model), real(&out.join(MODEL))) {
-        (Some(read), Some(written)) if read == written => {
+/// Refuses a recording that says nothing of the model: a script that asks for health must not take it for that.
+fn told(diagnosis: &Diagnosis) -> Result<(), CliError> {
+    match diagnosis.verdict {
+        Verdict::NotExcited => {
             let text = format!(
-                "--out {}: the model that is given would be written over",
-                out.display()
+                "{}: the recording says nothing of the model",
+                diagnosis.verdict.name()
             );
-            Err(CliError::input(text).with_help("give another folder, --out DIR"))
+            Err(CliError::input(text))
         }
         _ => Ok(()),
     }
@@ -167,8 +176,12 @@ fn on_threads<T: Send>(jobs: Option<u16>, work: impl FnOnce() -> T + Send) -> Re
 }
 
 /// Writes the three files, and returns them, the report first.
-fn write(args: &Args, outcome: &Outcome, names: &[String]) -> Result<Vec<PathBuf>, CliError> {
-    output::folder(&args.out)?;
+fn write(
+    args: &Args,
+    out: &Out,
+    outcome: &Outcome,
+    names: &[String],
+) -> Result<Vec<PathBuf>, CliError> {
     let model = args.model.display().to_string();
     let page = page::page(&outcome.diagnosis, &outcome.traces, &model, names).footnote(format!(
         "quell diagnose --model {model}, seed {}",
@@ -177,15 +190,11 @@ fn write(args: &Args, outcome: &Outcome, names: &[String]) -> Result<Vec<PathBuf
     let mut document =
         serde_json::to_string_pretty(&outcome.diagnosis).map_err(CliError::failure)?;
     document.push('\n');
-    let files = [
-        ("report.html", page.render()),
-        ("diagnosis.json", document),
-        (MODEL, outcome.model.to_toml()),
-    ];
-    let mut written = Vec::new();
-    for (name, content) in files {
-        written.push(args.out.join(name));
-        output::file(&args.out.join(name), content)?;
+    let stage = out.stage()?;
+    let contents = [page.render(), document, outcome.model.to_toml()];
+    for (name, content) in FILES.iter().zip(contents) {
+        stage.file(name, content)?;
     }
-    Ok(written)
+    stage.put()?;
+    Ok(FILES.map(|name| args.out.join(name)).into())
 }

@@ -4,6 +4,7 @@ mod document;
 mod page;
 mod words;
 
+use super::out::{Force, Out};
 use super::{CliError, output};
 use crate::estimators::ESTIMATORS;
 use crate::identification::{
@@ -11,6 +12,7 @@ use crate::identification::{
     prepare,
 };
 use crate::recording::Recording;
+use crate::report::fixed;
 use std::path::PathBuf;
 
 /// Identifies the vibratory mode of a recording, on-line by every estimator and off-line.
@@ -44,7 +46,12 @@ pub struct Args {
     /// The folder for the report, identify.html.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
+
+/// The file that is written.
+const REPORT: &str = "identify.html";
 
 /// All that is told.
 struct Findings {
@@ -70,6 +77,7 @@ impl From<IdentificationError> for CliError {
 /// # Errors
 /// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
 pub fn run(args: Args) -> Result<(), CliError> {
+    let out = Out::open(&args.out, ("identify", args.force), &[], [REPORT])?;
     let recording = Recording::from_path(&args.recording)?;
     let model = args
         .model
@@ -88,11 +96,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
         series,
         found,
     };
-    output::folder(&args.out)?;
-    let report = args.out.join("identify.html");
-    page::page(&findings)
-        .write(&report)
-        .map_err(CliError::failure)?;
+    let stage = out.stage()?;
+    stage.file(REPORT, page::page(&findings).render())?;
+    stage.put()?;
+    let report = args.out.join(REPORT);
     if args.json {
         output::json(&document::document(&findings))
     } else {
@@ -122,7 +129,7 @@ fn on_line(found: &Identification) -> String {
     let figure = |value: Option<f64>, digits: usize| {
         value
             .filter(|v| v.is_finite())
-            .map_or("-".into(), |v| format!("{v:.digits$}"))
+            .map_or("-".into(), |v| fixed(v, digits))
     };
     let rows = ESTIMATORS.iter().enumerate().map(|(index, line)| {
         let run = found.quoted(index);
@@ -160,8 +167,8 @@ fn off_line(run: &Run) -> String {
     let rows = run.off_line.iter().map(|line| {
         [
             line.method.to_string(),
-            format!("{:.3}", line.mode.hertz()),
-            format!("{:.4}", line.mode.damping_ratio()),
+            fixed(line.mode.hertz(), 3),
+            fixed(line.mode.damping_ratio(), 4),
             words::used(run),
         ]
     });

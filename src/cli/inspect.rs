@@ -4,7 +4,8 @@ mod topics;
 
 use super::{CliError, output};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
-use crate::recording::{Channel, McapFile, Recording, mcap_and_joint};
+use crate::recording::{Channel, McapFile, Recording, mcap_and_joint, plain as short};
+use crate::report::fixed;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -105,7 +106,7 @@ fn clock_row(channel: &Channel, health: &Health) -> [String; 7] {
     [
         channel.role.to_string(),
         clock.samples.to_string(),
-        clock.rate().map_or("-".into(), |rate| format!("{rate:.2}")),
+        clock.rate().map_or("-".into(), |rate| fixed(rate, 2)),
         plain(clock.start),
         plain(clock.duration),
         clock.missing.to_string(),
@@ -161,7 +162,11 @@ fn overlap(recording: &Recording) -> Option<String> {
     let start = starts.copied().fold(f64::NEG_INFINITY, f64::max);
     let end = ends.copied().fold(f64::INFINITY, f64::min);
     (end < start).then(|| {
-        format!("the channels have no time in common: one begins at {start} s, one ends at {end} s")
+        format!(
+            "the channels have no time in common: one begins at {} s, one ends at {} s",
+            short(start),
+            short(end)
+        )
     })
 }
 

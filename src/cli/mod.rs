@@ -2,7 +2,8 @@
 //!
 //! A verb is a file with `#[derive(clap::Args)] pub struct Args` and
 //! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of `Verb` and
-//! `Verb::run`. What it prints goes through [`output`], so that a closed pipe ends it quietly.
+//! `Verb::run`. What it prints goes through [`output`], so that a closed pipe ends it quietly;
+//! what it writes goes through [`out`], so that nothing of a user's is written over.
 
 pub mod answers;
 pub mod choices;
@@ -14,6 +15,7 @@ pub mod identify;
 pub mod inspect;
 pub mod log;
 pub mod moves;
+pub mod out;
 pub mod output;
 pub mod prove;
 pub mod results;
@@ -39,7 +41,7 @@ use std::process::ExitCode;
     version,
     propagate_version = true,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 done, 1 failed, 2 bad input. Every verb's --help shows an example."
+    after_help = "Exit codes: 0 done, 1 failed, 2 bad input (refused, or it says nothing). Every verb's --help shows an example."
 )]
 struct Cli {
     /// Tells more on stderr: -v what is done, -vv the details (or set QUELL_LOG).

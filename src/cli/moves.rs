@@ -5,11 +5,12 @@ mod files;
 mod page;
 mod scenario;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use quell_shapers::{Mode, Shaper};
 
+use super::out::Force;
 use super::robot_args::{RobotArgs, SimulationArgs};
 use super::{CliError, choices, output, values};
 use crate::closed_loop::{ClosedLoopError, Comparison, MoveKind, MoveTrace, Scenario};
@@ -77,6 +78,8 @@ pub struct Args {
     /// The folder for report and recordings.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Prints JSON instead of a table.
     #[arg(long)]
     pub json: bool,
@@ -87,9 +90,12 @@ pub struct Args {
 /// # Errors
 /// [`CliError::Input`] where the robot, the belief or the move is refused.
 pub fn run(args: Args) -> Result<(), CliError> {
+    let reads: Vec<&Path> = args.robot.robot.as_deref().into_iter().collect();
+    let out = files::open(&args.out, args.force, &reads)?;
     let scenario = scenario::from(&args)?;
     let comparison = side_by_side(&scenario)?;
-    let report = files::write(&args.out, &scenario, &comparison)?;
+    files::write(&out, &scenario, &comparison)?;
+    let report = args.out.join(files::REPORT);
     if args.json {
         return output::json(&document::document(&comparison));
     }

@@ -1,15 +1,21 @@
 //! `quell prove`: the diagnosis on recordings in which something was hidden.
 
+use super::out::{Force, Out, Stage};
 use super::{CliError, output};
 use crate::diagnosis::{Diagnosis, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
     FindingSummary, ParameterSummary, ProofError, Source, Verdict, read_cases, run as run_cases,
 };
-use crate::recording::Recording;
+use crate::recording::{MANIFEST, Recording};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// The files that --out gets.
+const PAGE: &str = "proof.html";
+/// The same for programs.
+const DOCUMENT: &str = "proof.json";
 
 /// Diagnoses concealed cases, then breaks the seal and prints the score.
 #[derive(clap::Args)]
@@ -39,6 +45,8 @@ pub struct Args {
     /// Writes proof.html and proof.json into this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Prints the score as JSON.
     #[arg(long)]
     json: bool,
@@ -49,20 +57,27 @@ pub struct Args {
 /// # Errors
 /// [`CliError`] where cases cannot be made, read or written.
 pub fn run(args: Args) -> Result<(), CliError> {
-    let (source, count, subtitle) = source(&args)?;
+    let verb = ("prove", args.force);
+    let out = args.out.as_deref();
+    let out = out.map(|folder| Out::open(folder, verb, &[], [PAGE, DOCUMENT]));
+    let out = out.transpose()?;
+    let keep = args.keep.as_deref();
+    let keep = keep.map(|folder| Out::open(folder, verb, &[], kept(args.cases)));
+    let keep = keep.transpose()?;
+    let keep = keep.as_ref().map(Out::stage).transpose()?;
+    let (source, count, subtitle) = source(&args, keep.as_ref())?;
     let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
     let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
     let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
     progress.finish_and_clear();
-    if let Some(folder) = &args.out {
-        output::folder(folder)?;
-        let page = score.page(&subtitle);
-        page.write(folder.join("proof.html"))
-            .map_err(CliError::failure)?;
-        let path = folder.join("proof.json");
-        let text = format!("{:#}\n", score.to_json());
-        std::fs::write(&path, text)
-            .map_err(|error| CliError::failure(format!("{}: {error}", path.display())))?;
+    if let Some(cases) = keep {
+        cases.put()?;
+    }
+    if let Some(out) = &out {
+        let stage = out.stage()?;
+        stage.file(PAGE, score.page(&subtitle).render())?;
+        stage.file(DOCUMENT, format!("{:#}\n", score.to_json()))?;
+        stage.put()?;
     }
     if args.json {
         return output::json(&score.to_json());
@@ -70,8 +85,19 @@ pub fn run(args: Args) -> Result<(), CliError> {
     output::text(&format!("{subtitle}\n\n{}", score.to_text()))
 }
 
+/// Files of so many cases, but for the channels of their recordings.
+fn kept(cases: u64) -> impl Iterator<Item = PathBuf> {
+    let of = |number: u64| {
+        let case = PathBuf::from(format!("case-{number:02}"));
+        let recording = |part: &str| case.join(part).join(MANIFEST);
+        let recordings = ["train", "test"].map(recording);
+        std::iter::once(case.join("model.toml")).chain(recordings)
+    };
+    std::iter::once(PathBuf::from("truth.json")).chain((0..cases).flat_map(of))
+}
+
 /// Where the cases come from, how many they are, and a line that says so.
-fn source(args: &Args) -> Result<(Source, u64, String), CliError> {
+fn source(args: &Args, keep: Option<&Stage>) -> Result<(Source, u64, String), CliError> {
     if let Some(folder) = &args.from {
         let count = read_cases(folder).map_err(CliError::input)?.len() as u64;
         let line = format!("{count} cases of {}", folder.display());
@@ -79,7 +105,7 @@ fn source(args: &Args) -> Result<(Source, u64, String), CliError> {
     }
     let &Args { cases, seed, .. } = args;
     let line = format!("{cases} cases of seed {seed}");
-    let keep = args.keep.clone();
+    let keep = keep.map(|stage| stage.path().into());
     Ok((Source::Generated { cases, seed, keep }, cases, line))
 }
 

@@ -55,8 +55,9 @@ pub fn run(args: Args) -> Result<(), CliError> {
         return Ok(());
     }
     let (done, aside) = (rows.len(), answers::set_aside(&rows));
+    let silent = answers::silent(&rows);
     output::text(&format!(
-        "{}\n{done} done, {aside} of them set aside, {left} left\n",
+        "{}\n{done} done, {aside} of them set aside, {silent} not excited, {left} left\n",
         answers::table(&rows)
     ))
 }

@@ -5,6 +5,7 @@ use super::{CliError, output};
 use crate::diagnosis::{Score, predict};
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::report::fixed;
 use std::path::PathBuf;
 
 /// Scores a model on a recording: its error over the noise.
@@ -46,8 +47,9 @@ pub fn text(score: &Score) -> String {
     let unit = &shown.unit;
     let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));
     format!(
-        "rms {rms} {unit}, {:.3} times the noise of {noise} {unit}; fit {:.2} %\n",
-        score.rms_over_noise, score.fit_percent
+        "rms {rms} {unit}, {} times the noise of {noise} {unit}; fit {} %\n",
+        fixed(score.rms_over_noise, 3),
+        fixed(score.fit_percent, 2)
     )
 }
 

@@ -2,6 +2,7 @@
 
 mod command_file;
 
+use super::out::Force;
 use super::{CliError, choices, output, shaping, values};
 use quell_shapers::{
     Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, insensitivity,
@@ -57,6 +58,8 @@ pub struct Args {
     /// The folder for the shaped file.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Prints JSON instead of tables.
     #[arg(long)]
     pub json: bool,

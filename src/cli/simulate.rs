@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use quell_shapers::{Mode, Shaper};
 
+use super::out::{Force, Out, recording_files};
 use super::robot_args::{RobotArgs, SimulationArgs};
 use super::{CliError, choices, output, values};
 use crate::model::believed;
@@ -102,6 +103,8 @@ pub struct Args {
     /// The folder for the recording, or the file for the prediction.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Prints JSON instead of a table.
     #[arg(long)]
     pub json: bool,
@@ -113,12 +116,13 @@ pub struct Args {
 /// [`CliError::Input`] where the robot, the move or the command is refused.
 pub fn run(args: Args) -> Result<(), CliError> {
     if let (Some(model), Some(recording)) = (&args.model, &args.recording) {
-        return predicted::run(model, recording, &args.out, args.json);
+        return predicted::run(model, recording, &args);
     }
     let mut setup = Setup::from(&args)?;
     if let Some(file) = &args.command {
         apart(file, &args.out)?;
     }
+    let out = folder(&args, &setup)?;
     let mut motion = match &args.command {
         Some(file) => recorded::read(file, &args, &setup)?,
         None => planned::plan(&args, &setup)?,
@@ -129,7 +133,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
         ArmSimulation::new(&setup.robot, setup.joint, &setup.options).map_err(CliError::input)?;
     motion.remarks.extend(limits::exceeded(&motion, &setup));
     let trace = Trace::run(&mut arm, &motion);
-    let files = write(&args, &setup, &arm, &trace)?;
+    let files = write((&args, &out), &setup, &arm, &trace)?;
     let run = document::Run {
         args: &args,
         setup: &setup,
@@ -163,23 +167,34 @@ fn apart(command: &Path, out: &Path) -> Result<(), CliError> {
     }
 }
 
+/// The folder, where recording and model may be written.
+fn folder(args: &Args, setup: &Setup) -> Result<Out, CliError> {
+    let reads = [args.command.as_deref(), args.robot.robot.as_deref()];
+    let reads: Vec<&Path> = reads.into_iter().flatten().collect();
+    let names = recording_files("").chain(setup.belief.first().map(|_| MODEL.into()));
+    Out::open(&args.out, ("simulate", args.force), &reads, names)
+}
+
+/// What is believed of the joint.
+const MODEL: &str = "model.toml";
+
 /// Writes recording and model; returns the files.
 fn write(
-    args: &Args,
+    (args, out): (&Args, &Out),
     setup: &Setup,
     arm: &ArmSimulation,
     trace: &Trace,
 ) -> Result<Vec<PathBuf>, CliError> {
-    output::folder(&args.out)?;
+    let stage = out.stage()?;
     trace
         .recording
-        .write(&args.out, true)
+        .write(stage.path(), true)
         .map_err(CliError::failure)?;
     let mut files = vec![args.out.join(crate::recording::MANIFEST)];
     if let Some(&belief) = setup.belief.first() {
-        let file = args.out.join("model.toml");
-        output::file(&file, believed::flexible_joint(belief, Some(arm.arc())))?;
-        files.push(file);
+        stage.file(MODEL, believed::flexible_joint(belief, Some(arm.arc())))?;
+        files.push(args.out.join(MODEL));
     }
+    stage.put()?;
     Ok(files)
 }

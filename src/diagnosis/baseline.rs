@@ -1,6 +1,7 @@
 //! The given model, refitted: problem, noise floor, held-out part.
 
 use super::fit::{Fitted, Projector};
+use super::noise::rounding;
 use super::point::Point;
 use super::problem::{Problem, Rows};
 use super::search::LONG;
@@ -9,7 +10,7 @@ use super::start::{departure_scale, departures};
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
-use crate::model::{Experiment, ExperimentError, Kind, Model, Trace, see_motion};
+use crate::model::{Experiment, Kind, Model, Trace, see_motion};
 use crate::recording::Role;
 use std::f64::consts::TAU;
 
@@ -145,7 +146,7 @@ fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
         // A recording without any noise: the rounding of a number written with nine digits.
         let least = (1e-9 * size).max(f64::MIN_POSITIVE);
         let level = output.noise_witness.unwrap_or(floor);
-        Whitening::white(level.max(least))
+        Whitening::white(level.max(least).max(rounding(&output.values)))
     };
     experiment.outputs.iter().map(guess).collect()
 }
@@ -304,23 +305,4 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     problem.fit(&costs[0].1, projector, LONG)
-}
-
-/// Why a diagnosis cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum DiagnosisError {
-    /// No recording was given.
-    #[error("no recording was given")]
-    NoRecording,
-    /// A recording does not suit the model.
-    #[error(transparent)]
-    Experiment(#[from] ExperimentError),
-    /// The model runs away on its own recording.
-    #[error(
-        "the model's simulation of \"{recording}\" is not finite: check its parameters and units"
-    )]
-    RunsAway {
-        /// Name of the recording.
-        recording: String,
-    },
 }

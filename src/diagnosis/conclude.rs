@@ -8,6 +8,7 @@ use super::locate::Located;
 use super::point::Global;
 use super::quality::{level, quality};
 use super::search::{EQUAL, Search};
+use super::summary::{times, whole};
 use crate::effects::{Place, parts};
 use crate::model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
@@ -25,7 +26,7 @@ pub fn conclude(
 ) -> Diagnosis {
     let verdict = verdict(search, found, located);
     let findings = match verdict {
-        Verdict::NoMismatch | Verdict::Unexplained => Vec::new(),
+        Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
         _ => findings(search, found, &bootstrap(search, &found.best, seed)),
     };
     let fit = Fit {
@@ -58,7 +59,7 @@ pub fn conclude(
 /// The explanation that is offered: never one that was not believed.
 pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
     match verdict {
-        Verdict::NoMismatch | Verdict::Unexplained => &found.baseline,
+        Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => &found.baseline,
         _ => &found.best,
     }
 }
@@ -92,7 +93,8 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
 fn candidate(trial: &Trial) -> Option<Candidate> {
     let effects = trial.explanation.effects();
     let names: Vec<&str> = effects.iter().map(|effect| effect.0).collect();
-    trial.delta_bic.is_finite().then(|| Candidate {
+    let finite = trial.delta_bic.is_finite() && trial.held_out_ratio.is_finite();
+    finite.then(|| Candidate {
         effect: names.join(" + "),
         place: effects
             .last()
@@ -169,11 +171,11 @@ fn finding(
         probability: 1.0 / (1.0 + weight),
         parameters,
         evidence: format!(
-            "Without it the residual on what was held out is {:.2} times the noise, with it {:.2}; the \
-             Bayesian information criterion falls by {:.0}.",
-            noise(without.held_out, rows),
-            noise(best.held_out, rows),
-            (search.criterion(without) - search.criterion(best)) / found.unit,
+            "Without it the residual on what was held out is {} times the noise, with it {}; the \
+             Bayesian information criterion falls by {}.",
+            times(noise(without.held_out, rows)),
+            times(noise(best.held_out, rows)),
+            whole((search.criterion(without) - search.criterion(best)) / found.unit),
         ),
         alternatives: alternatives.into_iter().map(|(name, _)| name).collect(),
     }

@@ -1,5 +1,6 @@
 //! What a diagnosis says: the content of `diagnosis.json`.
 
+use super::error::DiagnosisError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -17,6 +18,8 @@ pub enum Verdict {
     PartlyExplained,
     /// Something is missing that the catalogue does not explain.
     Unexplained,
+    /// The recording cannot contradict the model: nothing moved, or too little to be seen above the noise.
+    NotExcited,
 }
 
 impl Verdict {
@@ -28,6 +31,7 @@ impl Verdict {
             Self::Ambiguous => "ambiguous",
             Self::PartlyExplained => "partly_explained",
             Self::Unexplained => "unexplained",
+            Self::NotExcited => "not_excited",
         }
     }
 }
@@ -89,7 +93,7 @@ pub struct Quality {
     pub held_out_over_noise: f64,
 }
 
-/// Fit before and after.
+/// Fit before and after; all numbers are 0 where nothing varied and nothing was fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Standard deviation of the noise of the first output.
@@ -145,6 +149,20 @@ pub struct Candidate {
     pub delta_bic: f64,
     /// Held-out chi-squared over that of the refitted model.
     pub held_out_ratio: f64,
+}
+
+impl Diagnosis {
+    /// Whether every number is finite: what is written can then be read, and a page shows no number that is none.
+    ///
+    /// # Errors
+    /// [`DiagnosisError::NotFinite`].
+    pub fn check(&self) -> Result<(), DiagnosisError> {
+        let told = |error: serde_json::Error| DiagnosisError::NotFinite(error.to_string());
+        // JSON has no such numbers: they are written as nothing, and nothing is not read back as a number.
+        let written = serde_json::to_string(self).map_err(told)?;
+        serde_json::from_str::<Self>(&written).map_err(told)?;
+        Ok(())
+    }
 }
 
 /// The whole diagnosis.

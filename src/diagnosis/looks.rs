@@ -1,8 +1,9 @@
 //! From a model and recordings to a diagnosis: one look at them, or two, in windows, each with a start of its own,
 //! and in one piece.
 
-use super::baseline::DiagnosisError;
 use super::document::Verdict;
+use super::error::DiagnosisError;
+use super::excitation::{Carried, at_rest, carried, mute, silent};
 use super::extend::Known;
 use super::run::{Options, Outcome, Progress, attempt};
 use super::score::score;
@@ -28,11 +29,16 @@ pub fn diagnose(
     if train.is_empty() {
         return Err(DiagnosisError::NoRecording);
     }
+    carried(model, held_out)?;
+    if let Carried::Nothing(words) = carried(model, train)? {
+        return silent(model, train, &words);
+    }
     let (train, mut left_out) = stretches(train);
     let (held_out, also) = stretches(held_out);
     left_out.extend(also);
     let mut outcome = look(model, &train, &held_out, options, progress)?;
     outcome.diagnosis.remarks.splice(0..0, left_out);
+    outcome.diagnosis.check()?;
     Ok(outcome)
 }
 
@@ -45,6 +51,8 @@ fn look(
     progress: Progress,
 ) -> Result<Outcome, DiagnosisError> {
     let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
+    mute(model, train, &fitted)?;
+    mute(model, held_out, &apart)?;
     let once = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
     if fitted[0].windows.is_empty() {
         return Ok(once((fitted, apart), &Known::default()).0);
@@ -73,8 +81,9 @@ fn look(
 
 /// Whether a diagnosis leaves only noise.
 fn explains(outcome: &Outcome) -> bool {
-    use Verdict::{Ambiguous, Named, NoMismatch};
-    matches!(outcome.diagnosis.verdict, NoMismatch | Named | Ambiguous)
+    use Verdict::{Ambiguous, Named, NoMismatch, NotExcited};
+    let verdict = outcome.diagnosis.verdict;
+    matches!(verdict, NoMismatch | Named | Ambiguous | NotExcited)
 }
 
 /// By how much a model misses recordings, replayed in one piece: the mean square in units of the noise.
@@ -96,7 +105,7 @@ fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
 fn experiments(model: &Model, recordings: &[Recording]) -> Result<Vec<Experiment>, DiagnosisError> {
     let mut all = Vec::new();
     for recording in recordings {
-        all.push(Experiment::new(model, recording)?);
+        all.push(at_rest(Experiment::new(model, recording)?));
     }
     Ok(all)
 }

@@ -12,7 +12,9 @@ mod descent;
 mod displacement;
 mod document;
 mod draw;
+mod error;
 mod events;
+mod excitation;
 mod explanation;
 mod extend;
 mod fit;
@@ -46,11 +48,12 @@ mod walk;
 mod weights;
 mod whitening;
 
-pub use baseline::{DiagnosisError, scales};
+pub use baseline::scales;
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
     Verdict,
 };
+pub use error::DiagnosisError;
 pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;
 pub use run::{Options, Outcome, Progress};

@@ -38,7 +38,9 @@ pub fn noise(
     // Noise is no louder than all that is left.
     let left = residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64;
     let times = left.sqrt() / found.deviation;
-    match times < 1.0 && left > 0.0 {
+    // Of a sensor that shows a few values its steps are all that is known.
+    let coarse = least_increment(&output.values).is_some();
+    match times < 1.0 && left > 0.0 && !coarse {
         true => found.louder(times),
         false => found,
     }
@@ -50,10 +52,8 @@ fn shown(
     residual: &[f64],
     (frequency, decay): (f64, f64),
 ) -> Whitening {
-    let floor = noise_floor(&output.values);
     let white = noise_floor(residual).standard_deviation;
-    let rounding = floor.quantisation.map_or(0.0, |q| q / 12f64.sqrt());
-    let least = rounding.max(f64::MIN_POSITIVE);
+    let least = rounding(&output.values).max(f64::MIN_POSITIVE);
     let quiet = quiet(experiment, output, decay);
     let stretches: Vec<Vec<f64>> = quiet
         .iter()
@@ -87,6 +87,32 @@ fn shown(
         return Whitening::white(white.max(least));
     }
     found
+}
+
+/// What rounding makes of the noise of a sensor: `q / sqrt 12`, with the step that is seen in its changes, or, of
+/// one that shows a few values only, the least distance between these; 0 where there is none.
+pub fn rounding(values: &[f64]) -> f64 {
+    let step = noise_floor(values).quantisation;
+    let step = step.or_else(|| least_increment(values));
+    step.map_or(0.0, |step| step / 12f64.sqrt())
+}
+
+/// Most values of a sensor whose distances are its steps: eight of chance would pass for such with one in 1e5.
+const FEW: usize = 7;
+
+fn least_increment(values: &[f64]) -> Option<f64> {
+    let mut distinct: Vec<f64> = Vec::new();
+    for value in values {
+        if !distinct.contains(value) {
+            distinct.push(*value);
+        }
+        if distinct.len() > FEW {
+            return None;
+        }
+    }
+    distinct.sort_by(f64::total_cmp);
+    let increments = distinct.windows(2).map(|pair| pair[1] - pair[0]);
+    increments.min_by(f64::total_cmp)
 }
 
 /// Noise where the motor side, whose motion is known, hardly rests.

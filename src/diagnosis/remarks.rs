@@ -13,6 +13,12 @@ pub fn recorded(recordings: &[Recording]) -> Vec<String> {
             let (name, of) = (channel.role, &recording.name);
             let health = health(channel);
             let clock = &health.clock;
+            if channel.role.is_input() && !channel.varies() {
+                remarks.push(format!(
+                    "{name} of \"{of}\" stays at one value throughout: if the machine was moved, its sensor is dead \
+                     or the column is wrong."
+                ));
+            }
             if !clock.gaps.is_empty() || clock.jitter > JITTER * clock.period {
                 remarks.push(format!(
                     "{name} of \"{of}\": {} missing samples in {} gap(s), the clock jitters by {:.1} % of its \

@@ -4,6 +4,7 @@ use super::baseline::{Data, problem, refit};
 use super::conclude::{better_model, conclude, reported};
 use super::document::Diagnosis;
 use super::draw::draw;
+use super::excitation::Untold;
 use super::explanation::{Explanation, Judge};
 use super::extend::Known;
 use super::fit::{Fitted, Projector};
@@ -123,6 +124,7 @@ fn investigate(
     let mut problem = problem(model, &data.experiments, data.train.clone());
     let (fitted, mut projector) = baseline(model, &mut problem);
     let judge = Judge::new(model, data, &problem, &fitted.point);
+    let untold = Untold::of(model, &problem, &fitted.point, &judge);
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
@@ -136,6 +138,9 @@ fn investigate(
     }
     remarks.extend(super::remarks::remarks(&problem, &found));
     let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
+    if let Some(untold) = untold {
+        untold.said(&mut diagnosis);
+    }
     let verdict = diagnosis.verdict;
     diagnosis.next_move =
         next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));

@@ -28,7 +28,7 @@ pub fn tell(search: &Search, diagnosis: &mut Diagnosis) {
         .iter()
         .all(|other| other.place != finding.place);
     diagnosis.verdict = match diagnosis.verdict {
-        Verdict::Unexplained => return,
+        Verdict::Unexplained | Verdict::NotExcited => return,
         _ if !elsewhere => return,
         Verdict::PartlyExplained => Verdict::PartlyExplained,
         Verdict::NoMismatch | Verdict::Named if finding.alternatives.is_empty() => Verdict::Named,

@@ -1,6 +1,8 @@
 //! How well a model predicts a recording that it has never seen.
 
-use super::baseline::{DiagnosisError, problem};
+use super::baseline::problem;
+use super::error::DiagnosisError;
+use super::excitation::{Carried, carried};
 use super::fit::Projector;
 use super::split;
 use super::start::ringing;
@@ -50,11 +52,21 @@ pub fn predict(
     model: &Model,
     recording: Recording,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
+    if let Carried::Nothing(words) = carried(model, std::slice::from_ref(&recording))? {
+        let recording = recording.name;
+        return Err(DiagnosisError::Still { recording, words });
+    }
     let name = recording.name.clone();
     let mut experiments = vec![Experiment::of(model, recording)?];
     let (residuals, noise) = left(model, &experiments);
     let score = score_of(&experiments[0], &residuals[0], noise);
-    if !score.rms.is_finite() {
+    let numbers = [
+        score.rms,
+        score.noise_std,
+        score.rms_over_noise,
+        score.fit_percent,
+    ];
+    if numbers.iter().any(|number| !number.is_finite()) {
         return Err(DiagnosisError::RunsAway { recording: name });
     }
     let outputs = experiments.swap_remove(0).outputs;

@@ -7,10 +7,6 @@ use super::split::HeldOut;
 pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
     let held_out = judged_by.words();
     let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
-    let times = |x: f64| match x < 10.0 {
-        true => format!("{x:.2}"),
-        false => format!("{x:.0}"),
-    };
     let change = format!(
         "on {held_out} the residual falls from {} to {} times the noise",
         times(before.held_out_over_noise),
@@ -36,6 +32,8 @@ pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
             "The model lacks something like {}, but that is not all: {change}.",
             names(diagnosis)
         ),
+        // Whoever finds that says it.
+        Verdict::NotExcited => diagnosis.summary.clone(),
         Verdict::Unexplained => format!(
             "Something is missing that the catalogue does not explain{}: the residual is {} times the \
              noise on {}.",
@@ -43,6 +41,22 @@ pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
             times(before.held_out_over_noise),
             held_out.trim_end_matches(',')
         ),
+    }
+}
+
+/// A number without its decimals, in digits that can be read whatever its size.
+pub fn whole(value: f64) -> String {
+    match value.abs() < 1e6 {
+        true => format!("{value:.0}"),
+        false => format!("{value:.1e}"),
+    }
+}
+
+/// A ratio, in digits that can be read whatever its size.
+pub fn times(ratio: f64) -> String {
+    match ratio {
+        ratio if ratio < 10.0 => format!("{ratio:.2}"),
+        ratio => whole(ratio),
     }
 }
 

@@ -4,6 +4,7 @@
 //! [`identify`] is a pure function of an aligned series; [`prepare`] makes one from a recording.
 
 mod amplitude;
+mod evidence;
 mod nominal_model;
 mod prepare;
 mod run;
@@ -17,6 +18,7 @@ pub use prepare::{IdentificationError, Series, prepare};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
 
+use evidence::Evidence;
 use run::Input;
 use stretches::FreeDecay;
 
@@ -105,7 +107,7 @@ impl Identification {
 /// Identifies the mode of an aligned series.
 ///
 /// # Errors
-/// [`IdentificationError`] where there are fewer than 32 samples or nothing vibrates.
+/// [`IdentificationError`] where there are fewer than 32 samples, nothing varies, or no mode stands out of the noise.
 pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, IdentificationError> {
     if samples.len() < 32 {
         return Err(IdentificationError::TooFew {
@@ -125,6 +127,9 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
     let (fitted, fit) = whole_fit::follow(samples, part, &settings, fit);
     let (free_decays, known_input_holds) = free_decays(samples, &decays, &settings, fit.as_ref());
     let best_decay = strongest(&free_decays);
+    if best_decay.is_none() {
+        Evidence::of_all(fitted, fit.as_ref()).strong()?;
+    }
     let best = best_decay.map(|k| &free_decays[k]);
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
     let explained = fit
@@ -152,7 +157,10 @@ fn free_decays(
     whole: Option<&BatchFit>,
 ) -> (Vec<Run>, Option<bool>) {
     let fits = |input: Input| -> Vec<Option<BatchFit>> {
-        let fit = |decay| run::fit(samples, decay, settings, input);
+        let tells = |decay: &FreeDecay, fit: &BatchFit| {
+            Evidence::of_decay(decay.stretch.of(samples), fit).tells()
+        };
+        let fit = |decay| run::fit(samples, decay, settings, input).filter(|fit| tells(decay, fit));
         decays.iter().map(fit).collect()
     };
     let energy = |k: usize, fit| run::energy(decays[k].stretch.of(samples), Some(fit));
@@ -169,9 +177,14 @@ fn free_decays(
     }
     let pairs = decays.iter().zip(&found);
     let run = |(decay, fit): (_, &Option<BatchFit>)| {
-        Run::free_decay(samples, decay, settings, (input, fit.as_ref()))
+        Some(Run::free_decay(
+            samples,
+            decay,
+            settings,
+            (input, Some(fit.as_ref()?)),
+        ))
     };
-    (pairs.map(run).collect(), known_input_holds)
+    (pairs.filter_map(run).collect(), known_input_holds)
 }
 
 /// The free decay with the largest deformation, of those that a batch fit could follow.

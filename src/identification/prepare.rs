@@ -4,7 +4,7 @@ use core::f64::consts::{PI, TAU};
 
 use super::nominal_model::NominalModel;
 use crate::estimators::Sample;
-use crate::recording::{Recording, Role};
+use crate::recording::{Recording, Role, plain};
 use crate::signal::{ArcRegistration, JointArc, SignalError, recorded_deformation};
 
 /// Why a recording cannot be identified.
@@ -20,6 +20,46 @@ pub enum IdentificationError {
         found: usize,
         /// How many are needed.
         needed: usize,
+    },
+    /// A number that no sensor gives.
+    #[error("{channel} holds {value:e} {unit}, which nothing measures: check unit and scale")]
+    NoMeasurement {
+        /// Which channel.
+        channel: Role,
+        /// The value.
+        value: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// A sensor that shows one value while the motor side moves.
+    #[error(
+        "{channel} is {} {unit} throughout, while motor_position changes by {} rad: a dead sensor, a wrong column, or \
+         a resolution that is too coarse",
+        plain(*.value),
+        plain(*.by)
+    )]
+    Dead {
+        /// Which channel.
+        channel: Role,
+        /// At what, in `unit`.
+        value: f64,
+        /// Its unit.
+        unit: String,
+        /// How far the motor side moves, rad.
+        by: f64,
+    },
+    /// What was recorded is no more of a mode than noise is.
+    #[error(
+        "no mode can be told: {found:.0} of a chi-squared of {needed:.0} that would be strong evidence for one in \
+         {samples} samples; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
+    )]
+    NotExcited {
+        /// By how much the best fit lowers the criterion, as a chi-squared.
+        found: f64,
+        /// What a mode would take.
+        needed: f64,
+        /// Number of samples.
+        samples: usize,
     },
     /// The deformation does not vary.
     #[error("the deformation does not vary: nothing vibrates in this recording")]
@@ -54,6 +94,7 @@ pub fn prepare(
             channel.columns.iter_mut().for_each(|column| unwrap(column));
         }
     }
+    carries(&recording)?;
     let lever_arm = model.and_then(|model| model.lever_arm);
     let arc = match (lever_arm, model) {
         (Some(lever_arm), Some(model)) => {
@@ -76,6 +117,37 @@ pub fn prepare(
         registration: deformation.registration,
         lever_arm,
         scale_is_open: recording.channel(Role::Deformation).is_some(),
+    })
+}
+
+/// Whether the sensors that are used show something that can be a motion.
+fn carries(recording: &Recording) -> Result<(), IdentificationError> {
+    let roles = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
+    let sensor = roles.iter().find_map(|role| recording.channel(*role));
+    let Some((motor, sensor)) = recording.channel(Role::MotorPosition).zip(sensor) else {
+        return Ok(());
+    };
+    for channel in [motor, sensor] {
+        if let Some(value) = channel.impossible() {
+            return Err(IdentificationError::NoMeasurement {
+                channel: channel.role,
+                value,
+                unit: channel.unit.clone(),
+            });
+        }
+    }
+    // One sample cannot vary: that there are too few is told by who needs more.
+    if sensor.varies() || sensor.time.len() < 2 {
+        return Ok(());
+    }
+    Err(match motor.varies() {
+        false => IdentificationError::Still,
+        true => IdentificationError::Dead {
+            channel: sensor.role,
+            value: sensor.columns[0][0],
+            unit: sensor.unit.clone(),
+            by: motor.travel(),
+        },
     })
 }
 

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// A diagnosis in a few words.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained`; `failed` where the
-    /// diagnosis came to no end.
+    /// `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained`, `not_excited`;
+    /// `failed` where the diagnosis came to no end.
     pub kind: String,
     /// The best explanation, strongest first.
     pub findings: Vec<FindingSummary>,
@@ -59,7 +59,7 @@ impl Verdict {
 
     /// Whether it says that something is missing.
     pub fn detects(&self) -> bool {
-        !["no_mismatch", "failed"].contains(&self.kind.as_str())
+        !["no_mismatch", "not_excited", "failed"].contains(&self.kind.as_str())
     }
 
     /// Whether it does not put its hand in the fire for a name.

@@ -123,8 +123,9 @@ pub enum Problem {
     },
     /// The time of a row is not above the time of the row before.
     #[error(
-        "time {} (\"{text}\" after {previous} s)",
-        if .repeats == &true { "repeats" } else { "runs backwards" }
+        "time {} (\"{text}\" after {} s)",
+        if .repeats == &true { "repeats" } else { "runs backwards" },
+        super::plain(*.previous)
     )]
     Clock {
         /// The cell.

@@ -31,6 +31,7 @@
 //! unit need not be one that the role usually has: the force of an analogue circuit may be in `V`,
 //! and a quantity of unknown scale in `raw`. It is kept, and remarked upon.
 
+mod carries;
 mod error;
 pub mod health;
 mod manifest;
@@ -42,6 +43,7 @@ mod table;
 mod unit;
 mod write;
 
+pub use carries::plain;
 pub(crate) use error::nearest;
 pub use error::{Place, Problem, RecordingError};
 pub use manifest::MANIFEST;

@@ -68,6 +68,20 @@ pub fn number(value: f64) -> String {
     format!("{rounded}").replace('-', "\u{2212}")
 }
 
+/// `value` with so many decimals as columns show it; as [`number`] where that would fill the line or there is none.
+///
+/// # Example
+/// ```
+/// use quell::report::fixed;
+/// assert_eq!([fixed(8.12, 3), fixed(1e300, 3), fixed(f64::NAN, 3)], ["8.120", "1e300", "–"]);
+/// ```
+pub fn fixed(value: f64, decimals: usize) -> String {
+    match value.abs() < 1e9 {
+        true => format!("{value:.decimals$}"),
+        false => number(value),
+    }
+}
+
 fn round(value: f64, digits: usize) -> f64 {
     // Adding zero turns a negative zero into zero.
     format!("{value:.*e}", digits - 1)

@@ -35,6 +35,6 @@ pub use bars::Bars;
 pub use chain::Chain;
 pub use chart::Chart;
 pub use figure::Figure;
-pub use html::number;
+pub use html::{fixed, number};
 pub use page::{Page, ReportError, Verdict};
 pub use table::{Cell, Table};

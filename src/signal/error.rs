@@ -1,5 +1,6 @@
 //! Why values that enter the signal room are refused.
 
+use crate::recording::plain;
 use std::path::PathBuf;
 
 /// A refusal of the signal room; carries the bad value and where it came from.
@@ -64,7 +65,7 @@ pub enum SignalError {
         right: usize,
     },
     /// A value that is not finite.
-    #[error("{what}: sample {index} is {value}, not a finite number")]
+    #[error("{what}: sample {index} is {}, not a finite number", plain(*.value))]
     NotFinite {
         /// Which series.
         what: &'static str,
@@ -74,7 +75,7 @@ pub enum SignalError {
         value: f64,
     },
     /// A clock that does not advance.
-    #[error("{what}: time {time} s at sample {index} does not advance")]
+    #[error("{what}: time {} s at sample {index} does not advance", plain(*.time))]
     TimeOrder {
         /// Which series.
         what: &'static str,

@@ -299,7 +299,18 @@ pub fn of(verdict: Verdict) -> (Diagnosis, Traces) {
         Verdict::Ambiguous => ambiguous(),
         Verdict::PartlyExplained => partly(),
         Verdict::Unexplained => unexplained(),
+        Verdict::NotExcited => untold(),
     }
+}
+
+/// A rest: what is drawn is noise.
+fn untold() -> (Diagnosis, Traces) {
+    let (mut one, series) = nothing();
+    one.verdict = Verdict::NotExcited;
+    one.summary =
+        "The recording does not excite the model. Record a move of at least 6e-4 rad.".into();
+    one.candidates.clear();
+    (one, series)
 }
 
 fn nothing() -> (Diagnosis, Traces) {

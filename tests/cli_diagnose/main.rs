@@ -61,6 +61,20 @@ const PAGES: &[(Verdict, &str, &[&str], &[&str])] = &[
         ],
         &["after: with", "What the model lacks"],
     ),
+    (
+        Verdict::NotExcited,
+        "not-excited",
+        &[
+            "Record a move",
+            "class=\"verdict bad\"",
+            "Recorded and predicted",
+        ],
+        &[
+            "class=\"verdict good\"",
+            "What was looked for",
+            "The ranking",
+        ],
+    ),
 ];
 
 #[test]

@@ -60,7 +60,7 @@ fn every_example_is_simulated_compared_and_moved() {
             "{robot}: {unshaped} mm"
         );
 
-        let moved = json(&folder, &["move", "--robot", robot]);
+        let moved = json(&folder, &["move", "--robot", robot, "--out", "moved"]);
         let next = moved["moves"][3]["percent_of_unshaped"].as_f64().unwrap();
         assert!(next < 2.0, "{robot}: {next} %");
     }

@@ -13,6 +13,7 @@ use crate::batch::{
 };
 use crate::cli::answers::{self, Row, told};
 use crate::cli::{CliError, output};
+use crate::diagnosis::Verdict;
 use crate::model::Model;
 
 /// The word behind the address of a queue.
@@ -21,7 +22,7 @@ const SUBMIT: &str = "submit";
 /// Diagnoses every recording, and shows what came out.
 ///
 /// # Errors
-/// [`CliError::Input`] where the model is refused, or a recording was set aside.
+/// [`CliError::Input`] where the model is refused, or a recording was set aside or says nothing of it.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let batch = batch(args, &args.recordings)?;
     let bar = bar(batch.recordings.len())?;
@@ -72,7 +73,7 @@ pub fn submit(queue: &str, args: &Args) -> Result<(), CliError> {
              {elsewhere}\n"
         ))?,
     }
-    complete(&submission, 0)
+    complete(&submission, 0, 0)
 }
 
 fn batch(args: &Args, paths: &[PathBuf]) -> Result<Batch, CliError> {
@@ -136,13 +137,17 @@ fn shown(args: &Args, queue: &InProcess, submission: Submission) -> Result<(), C
         true => output::json(&answers)?,
         false => output::text(&answers::table(&rows))?,
     }
-    complete(&submission, answers::set_aside(&rows))
+    complete(
+        &submission,
+        answers::set_aside(&rows),
+        answers::silent(&rows),
+    )
 }
 
-/// Whether nothing was left out.
-fn complete(submission: &Submission, set_aside: usize) -> Result<(), CliError> {
+/// Whether nothing was left out, and every recording said something.
+fn complete(submission: &Submission, set_aside: usize, silent: usize) -> Result<(), CliError> {
     let refused = &submission.refused;
-    if refused.is_empty() && set_aside == 0 {
+    if refused.is_empty() && set_aside == 0 && silent == 0 {
         return Ok(());
     }
     let reasons: String = refused
@@ -151,7 +156,15 @@ fn complete(submission: &Submission, set_aside: usize) -> Result<(), CliError> {
         .collect();
     let not = refused.len() + set_aside;
     let of = submission.keys.len() + refused.len();
-    Err(CliError::input(format!(
-        "no diagnosis of {not} of {of} recordings{reasons}"
-    )))
+    let mut parts = Vec::new();
+    if not > 0 {
+        parts.push(format!("no diagnosis of {not} of {of} recordings{reasons}"));
+    }
+    if silent > 0 {
+        let verdict = Verdict::NotExcited.name();
+        parts.push(format!(
+            "{silent} of {of} recordings say nothing of the model ({verdict})"
+        ));
+    }
+    Err(CliError::input(parts.join("\n")))
 }

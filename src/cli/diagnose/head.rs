@@ -5,7 +5,7 @@ use super::shown::{Shown, digits};
 use super::words;
 use crate::diagnosis::{Finding, Fit, Quality, Verdict};
 use crate::effects::EFFECTS;
-use crate::report::{self, Figure, Page, number};
+use crate::report::{self, Figure, Page, fixed, number};
 
 /// Title, verdict in one sentence, key figures.
 pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
@@ -14,7 +14,9 @@ pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
     let sign = match diagnosis.verdict {
         Verdict::NoMismatch => report::Verdict::Good,
         Verdict::Named | Verdict::Ambiguous => report::Verdict::Plain,
-        Verdict::PartlyExplained | Verdict::Unexplained => report::Verdict::Bad,
+        Verdict::PartlyExplained | Verdict::Unexplained | Verdict::NotExcited => {
+            report::Verdict::Bad
+        }
     };
     let title = match recording_names {
         [] => "Diagnosis".into(),
@@ -30,6 +32,9 @@ pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
 fn figures(case: &Case) -> Vec<Figure> {
     let diagnosis = case.diagnosis;
     let first = diagnosis.findings.first();
+    if diagnosis.verdict == Verdict::NotExcited {
+        return Vec::new();
+    }
     let mut figures = vec![over_noise(case), misfit(case)];
     match diagnosis.verdict {
         Verdict::NoMismatch => figures.push(catalogue("none is needed")),
@@ -83,9 +88,8 @@ fn over_noise(case: &Case) -> Figure {
 /// A ratio with two digits behind the point, one from ten on.
 pub fn times(ratio: f64) -> String {
     match ratio {
-        ratio if !ratio.is_finite() => number(ratio),
-        ratio if ratio < 10.0 => format!("{ratio:.2}"),
-        ratio => format!("{ratio:.1}"),
+        ratio if ratio < 10.0 => fixed(ratio, 2),
+        ratio => fixed(ratio, 1),
     }
 }
 

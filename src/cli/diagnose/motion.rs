@@ -55,7 +55,7 @@ pub fn section(page: Page, case: &Case) -> Page {
     let names = names(case);
     let close = close_look(trace);
     let heading = match case.diagnosis.verdict {
-        Verdict::NoMismatch => "Recorded and predicted",
+        Verdict::NoMismatch | Verdict::NotExcited => "Recorded and predicted",
         Verdict::Unexplained => "What the model misses",
         _ => "What it changes",
     };
@@ -63,6 +63,7 @@ pub fn section(page: Page, case: &Case) -> Page {
     let title = format!("{}, {from:.2} to {to:.2} s: a close look", trace.name);
     let note = match case.diagnosis.verdict {
         Verdict::NoMismatch => "The stretch with the largest misfit of all; it is noise.",
+        Verdict::NotExcited => "The stretch with the largest misfit of all.",
         _ => "The stretch in which the model misses most.",
     };
     let near = curves(case, trace, close, title, &names).note(note);
@@ -112,6 +113,9 @@ fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
         true => over_time(case, chart, trace, &names.after, &trace.after),
         false => chart,
     };
+    if case.diagnosis.verdict == Verdict::NotExcited {
+        return chart;
+    }
     chart
         .note("A model that lacks nothing leaves noise: 95 % of its misfit stays in the grey band.")
 }

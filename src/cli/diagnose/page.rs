@@ -44,6 +44,7 @@ pub fn page(
         Verdict::NoMismatch => clean(page, &case),
         Verdict::Ambiguous => ambiguous(page, &case),
         Verdict::Unexplained => unexplained(page, &case),
+        Verdict::NotExcited => untold(page, &case),
         Verdict::Named | Verdict::PartlyExplained => named(page, &case),
     }
 }
@@ -61,6 +62,12 @@ fn named(page: Page, case: &Case) -> Page {
     let page = place::section(page, case);
     let page = ranking::section(page, case);
     let page = next::section(page, case);
+    record::section(page, case)
+}
+
+/// The fit says nothing: no ranking, and no word on what was looked for.
+fn untold(page: Page, case: &Case) -> Page {
+    let page = motion::section(page, case);
     record::section(page, case)
 }
 

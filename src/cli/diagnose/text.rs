@@ -14,7 +14,9 @@ pub(super) fn text(case: &Case, files: &[PathBuf]) -> String {
     let diagnosis = case.diagnosis;
     let mut parts = vec![format!("{}\n", diagnosis.summary)];
     parts.push(parameters(&diagnosis.findings));
-    parts.push(fit(case));
+    if diagnosis.verdict != Verdict::NotExcited {
+        parts.push(fit(case));
+    }
     let mut lines: Vec<String> = diagnosis.findings.iter().flat_map(what_to_know).collect();
     if diagnosis.verdict == Verdict::Unexplained {
         lines.extend(

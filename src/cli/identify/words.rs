@@ -2,6 +2,7 @@
 
 use super::Findings;
 use crate::identification::{Identification, Run, Stretch};
+use crate::report::fixed;
 
 /// `decay 0.39-2.00s`: what a run's off-line references used.
 pub fn used(run: &Run) -> String {
@@ -20,7 +21,7 @@ fn seconds(run: &Run, Stretch { from, until }: Stretch) -> String {
         (_, true) => "all",
         _ => "part",
     };
-    format!("{kind} {from:.2}-{until:.2}s")
+    format!("{kind} {}-{}s", fixed(from, 2), fixed(until, 2))
 }
 
 /// Everything that a table does not say.
@@ -123,10 +124,10 @@ fn damping(findings: &Findings) -> Option<String> {
         );
     };
     Some(format!(
-        "The damping {word}: {:.4} at an amplitude of {:.3} mrad, {:.4} at {:.3} mrad.",
+        "The damping {word}: {:.4} at an amplitude of {} mrad, {:.4} at {} mrad.",
         first.damping_ratio,
-        1e3 * first.amplitude,
+        fixed(1e3 * first.amplitude, 3),
         last.damping_ratio,
-        1e3 * last.amplitude,
+        fixed(1e3 * last.amplitude, 3),
     ))
 }

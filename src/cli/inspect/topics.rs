@@ -2,6 +2,7 @@
 
 use crate::cli::output;
 use crate::recording::{Cut, Found, McapFile, Topic};
+use crate::report::fixed;
 use serde_json::{Map, Value, json};
 
 /// The topics, the roles of each joint, and what has to be known of the file, as text.
@@ -47,9 +48,7 @@ fn topic_row(topic: &Topic) -> [String; 4] {
         topic.name.clone(),
         topic.kind.clone(),
         topic.messages.to_string(),
-        topic
-            .rate_hz()
-            .map_or("-".into(), |rate| format!("{rate:.2}")),
+        topic.rate_hz().map_or("-".into(), |rate| fixed(rate, 2)),
     ]
 }
 

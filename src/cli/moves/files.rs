@@ -1,32 +1,45 @@
-//! What `quell move` writes: the report, and a recording of each move.
+//! What `quell move` writes: the report, the belief, and a recording of each move.
 
 use std::path::{Path, PathBuf};
 
 use super::page;
-use crate::cli::{CliError, output};
-use crate::closed_loop::{Comparison, Scenario};
+use crate::cli::CliError;
+use crate::cli::out::{Force, Out, recording_files};
+use crate::closed_loop::{Comparison, MoveKind, Scenario};
 use crate::model::believed;
 
-/// Writes `report.html`, `model.toml` with the belief, and one recording a move; returns the
-/// report's path.
-pub fn write(
-    folder: &Path,
-    scenario: &Scenario,
-    comparison: &Comparison,
-) -> Result<PathBuf, CliError> {
-    output::folder(folder)?;
+/// The report.
+pub const REPORT: &str = "report.html";
+/// What is believed of the joint.
+const MODEL: &str = "model.toml";
+
+/// The folder, where all that will be written may be.
+///
+/// # Errors
+/// [`CliError::Input`] where one of the files must not be replaced.
+pub fn open(folder: &Path, force: Force, reads: &[&Path]) -> Result<Out, CliError> {
+    let recordings = MoveKind::ALL.map(|kind| recording_files(kind.name()));
+    let names = [REPORT, MODEL].map(PathBuf::from).into_iter();
+    let names = names.chain(recordings.into_iter().flatten());
+    Out::open(folder, ("move", force), reads, names)
+}
+
+/// Writes `report.html`, `model.toml` with the belief, and one recording a move.
+///
+/// # Errors
+/// [`CliError`] where a file must not be replaced, or the disk refuses.
+pub fn write(out: &Out, scenario: &Scenario, comparison: &Comparison) -> Result<(), CliError> {
+    let stage = out.stage()?;
     for (kind, trace) in &comparison.moves {
-        let folder = folder.join(kind.name());
+        let folder = stage.path().join(kind.name());
         trace
             .recording
             .write(&folder, true)
             .map_err(CliError::failure)?;
     }
     let model = believed::flexible_joint(scenario.belief, Some(&comparison.moves[0].1.arc));
-    output::file(&folder.join("model.toml"), model)?;
-    let report = folder.join("report.html");
-    page::page(scenario, comparison)
-        .write(&report)
-        .map_err(CliError::failure)?;
-    Ok(report)
+    stage.file(MODEL, model)?;
+    stage.file(REPORT, page::page(scenario, comparison).render())?;
+    stage.put()?;
+    Ok(())
 }

@@ -1,7 +1,8 @@
 //! A shaped copy of a command file: every column kept, the named ones shaped.
 
 use super::Args;
-use crate::cli::{CliError, output, time_column::time_column};
+use crate::cli::out::Out;
+use crate::cli::{CliError, time_column::time_column};
 use crate::recording::Table;
 use flate2::{Compression, write::GzEncoder};
 use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
@@ -20,6 +21,8 @@ pub struct ShapedFile {
 
 /// Reads the command, shapes it and writes the copy into the folder of `--out`.
 pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, CliError> {
+    let name = shaped_name(file);
+    let out = Out::open(&args.out, ("shape", args.force), &[file], [&name])?;
     let table = Table::open(file)?;
     let clock = clock(&table, args)?;
     let names: Vec<&str> = args.column.iter().map(String::as_str).collect();
@@ -30,10 +33,11 @@ pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, 
     let columns = table.numbers(&names)?;
     let shaped = convolved(&columns, train)?;
     let (given, rows) = (columns[0].len(), shaped[0].len());
-    let path = args.out.join(shaped_name(file));
+    let path = args.out.join(&name);
     let text = text(&table, &indices, &shaped, &clock)?;
-    output::folder(&args.out)?;
-    output::file(&path, compressed(&path, text)?)?;
+    let stage = out.stage()?;
+    stage.file(&name, compressed(&path, text)?)?;
+    stage.put()?;
     Ok(ShapedFile {
         path,
         rows,

@@ -2,47 +2,51 @@
 
 use std::path::{Path, PathBuf};
 
+use super::Args;
+use crate::cli::out::Out;
 use crate::cli::{CliError, output, score};
 use crate::diagnosis::{Predicted, predict};
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{Recording, plain};
 
 /// Predicts a recording and writes each output at its own stamps: the first one into `out`, each
 /// further one beside it, with its role in the name. A folder gets `prediction.csv`.
 ///
 /// # Errors
 /// [`CliError::Input`] where model or recording is refused.
-pub fn run(model: &Path, recording: &Path, out: &Path, json: bool) -> Result<(), CliError> {
+pub fn run(model: &Path, recording: &Path, args: &Args) -> Result<(), CliError> {
+    let (folder, first) = split(&args.out);
+    let verb = ("simulate", args.force);
+    let out = Out::open(&folder, verb, &[model, recording], [&first])?;
     let model = Model::from_path(model).map_err(CliError::input)?;
     let recording = Recording::from_path(recording)?;
     let (outputs, score) = predict(&model, recording).map_err(CliError::input)?;
-    let first = match out.extension() {
-        Some(_) if !out.is_dir() => out.to_path_buf(),
-        _ => out.join("prediction.csv"),
-    };
-    if let Some(folder) = first
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-    {
-        output::folder(folder)?;
-    }
+    let stage = out.stage()?;
     let mut files = Vec::new();
     for (index, predicted) in outputs.iter().enumerate() {
-        let file = if index == 0 {
-            first.clone()
-        } else {
-            beside(&first, index, predicted.name)
+        let name = match index {
+            0 => first.clone(),
+            _ => beside(&first, index, predicted.name),
         };
-        output::file(&file, csv(predicted)?)?;
-        files.push(file.display().to_string());
+        stage.file(&name, csv(predicted)?)?;
+        files.push(folder.join(name).display().to_string());
     }
-    match json {
+    stage.put()?;
+    match args.json {
         true => output::json(&serde_json::json!({ "files": files, "score": score })),
         false => output::text(&format!(
             "{}Written: {}\n",
             score::text(&score),
             files.join(", ")
         )),
+    }
+}
+
+/// The folder of `--out`, and the name of the first file in it.
+fn split(out: &Path) -> (PathBuf, PathBuf) {
+    match (out.extension(), out.parent(), out.file_name()) {
+        (Some(_), Some(folder), Some(name)) if !out.is_dir() => (folder.into(), name.into()),
+        _ => (out.into(), "prediction.csv".into()),
     }
 }
 
@@ -68,7 +72,7 @@ fn csv(predicted: &Predicted) -> Result<Vec<u8>, CliError> {
     writer.write_record(header).map_err(CliError::failure)?;
     let values = predicted.recorded.iter().zip(&predicted.predicted);
     for (time, (recorded, predicted)) in predicted.time.iter().zip(values) {
-        let row = [time, recorded, predicted].map(f64::to_string);
+        let row = [time, recorded, predicted].map(|value| plain(*value));
         writer.write_record(row).map_err(CliError::failure)?;
     }
     writer

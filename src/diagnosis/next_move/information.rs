@@ -47,6 +47,24 @@ impl Information {
         reduced
     }
 
+    /// The largest value of the form's square part where each unknown is away by no more than its step, these
+    /// taken as the half axes of an ellipsoid: the largest eigenvalue of `S N S`. 0 where that is no number.
+    pub fn largest(&self, steps: &DVector<f64>) -> f64 {
+        let n = steps.len();
+        let scaled = DMatrix::from_fn(n, n, |i, j| self.normal[(i, j)] * steps[i] * steps[j]);
+        if scaled.iter().any(|value| !value.is_finite()) {
+            return 0.0;
+        }
+        let values = scaled.symmetric_eigenvalues();
+        values.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The square part of one unknown, the other shared ones known.
+    pub fn alone(&self, unknown: usize) -> f64 {
+        let value = self.normal[(unknown, unknown)];
+        if value.is_finite() { value } else { 0.0 }
+    }
+
     /// The least value of the form.
     pub fn least(&self) -> f64 {
         let step = solve(&self.normal, &self.gradient, 0.0);

@@ -23,6 +23,7 @@ use advice::advice;
 use contest::Contest;
 use distance::Rival;
 use ideas::Ideas;
+pub use information::Information;
 use payload::Payload;
 use rayon::prelude::*;
 

@@ -22,12 +22,12 @@ pub enum Kind {
 
 /// A diagnosis held against the truth.
 ///
-/// - *detected*: something is hidden and the verdict is not `no_mismatch`.
+/// - *detected*: something is hidden and the verdict is neither `no_mismatch` nor `not_excited`.
 /// - *family*: one effect: the first name is of its family, or one that the truth calls its equivalent;
 ///   two: each has a name of its family.
 /// - *exact*: the same for the names themselves.
 /// - *in set*: each truth is among a finding and its alternatives; for one effect, the first finding.
-/// - *false alarm*: nothing is hidden and the verdict is not `no_mismatch`.
+/// - *false alarm*: nothing is hidden and the verdict is neither `no_mismatch` nor `not_excited`.
 /// - *flagged*: outside the catalogue, and the verdict doubts (`unexplained`, `partly_explained` or
 ///   `ambiguous`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -123,7 +123,7 @@ fn all_in<'a>(wanted: impl Iterator<Item = &'a str>, mut there: Vec<&str>) -> bo
 fn confusion(truth: &Truth, verdict: &Verdict) -> [String; 2] {
     let said = match verdict.first_name() {
         Some(name) if verdict.detects() => family(name),
-        _ if verdict.kind == "failed" => "failed",
+        _ if ["failed", "not_excited"].contains(&verdict.kind.as_str()) => &verdict.kind,
         _ if verdict.detects() => "unexplained",
         _ => NOTHING,
     };

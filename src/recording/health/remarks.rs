@@ -1,7 +1,7 @@
 //! What looks wrong with a channel, in plain words.
 
 use super::{ColumnHealth, Flat, FlatKind, Health};
-use crate::recording::Channel;
+use crate::recording::{Channel, plain};
 
 /// Jitter, as a share of the period, from which it is remarked upon. A stamp that is off by j
 /// shifts a sample by j times the slope; 1 % of a period is 1 % of an increment between samples.
@@ -55,8 +55,8 @@ fn clock(health: &Health, remarks: &mut Vec<String>) {
             "{} missing samples in {} gap(s), the first from {} to {} s",
             clock.missing,
             clock.gaps.len(),
-            first.from,
-            first.until
+            plain(first.from),
+            plain(first.until)
         ));
     }
     if clock.jitter > JITTER * clock.period {
@@ -72,19 +72,24 @@ fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
     let unit = &channel.unit;
     let mut remarks = Vec::new();
     if column.minimum == column.maximum && channel.time.len() > 1 {
-        remarks.push(format!("the value is {} {unit} throughout", column.minimum));
+        remarks.push(format!(
+            "the value is {} {unit} throughout",
+            plain(column.minimum)
+        ));
     }
     flats(channel, column, &mut remarks);
     if let [first, ..] = column.wraps[..] {
         let count = column.wraps.len();
         remarks.push(format!(
-            "jumps by a turn {count} time(s), first at {first} s: unwrap it"
+            "jumps by a turn {count} time(s), first at {} s: unwrap it",
+            plain(first)
         ));
     }
     if let [first, ..] = column.spikes[..] {
         let count = column.spikes.len();
         remarks.push(format!(
-            "{count} lone sample(s) far from both neighbours, first at {first} s"
+            "{count} lone sample(s) far from both neighbours, first at {} s",
+            plain(first)
         ));
     }
     let range = column.maximum - column.minimum;
@@ -118,7 +123,10 @@ fn flats(channel: &Channel, column: &ColumnHealth, remarks: &mut Vec<String>) {
         {
             remarks.push(format!(
                 "{words} {count} time(s), longest {} samples from {} to {} s at {:.6e} {unit}",
-                flat.samples, flat.from, flat.until, flat.value
+                flat.samples,
+                plain(flat.from),
+                plain(flat.until),
+                flat.value
             ));
         }
     }
