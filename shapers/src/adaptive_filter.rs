@@ -25,10 +25,6 @@ pub struct AdaptiveFilter<S = OwnBuffer<Setpoint>, E = OwnBuffer<Entry>> {
     pub(crate) schedule: Schedule,
     pub(crate) history: History<E>,
     pub(crate) sent: Setpoint,
-    /// Largest planned acceleration, absolute, since the last rest.
-    pub(crate) liveliest: f64,
-    /// Whether the output was constant at the last tick.
-    rested: bool,
     /// Scratch of [`AdaptiveFilter::retune`]: the planned input and the output it leads to.
     pub(crate) planned: S,
     pub(crate) future: S,
@@ -120,8 +116,6 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             schedule: Schedule::default(),
             history: History::new(buffers.history),
             sent: Setpoint::default(),
-            liveliest: 0.0,
-            rested: true,
             planned: buffers.planned,
             future: buffers.future,
         }
@@ -143,14 +137,8 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         } else {
             self.blended()
         };
-        let settled = self.is_settled();
         self.history
-            .push(input.position, self.sent.position, settled);
-        self.liveliest = match input.acceleration.abs() {
-            first if self.rested && first > 0.0 => first,
-            other => self.liveliest.max(other),
-        };
-        self.rested = settled;
+            .push(input.position, self.sent.position, self.is_settled());
         self.sent
     }
 

@@ -5,9 +5,10 @@ use crate::complex::Complex;
 use crate::correction::{CORRECTED_MODES, CORRECTION_STEPS, Comb, Order, Schedule, sum};
 use crate::cross_fade::Trains;
 use crate::modal_state::ModalState;
-use crate::vibration::{BINS, Meter, Profile, Sent, stays_below};
+use crate::vibration::{BINS, Meter, Profile, Sent, energy, stays_below};
 use crate::{Buffer, MotionLimits, PeakRatios, Setpoint};
 use arrayvec::ArrayVec;
+use core::ops::Range;
 
 /// Steps of a correction, and their width in quarter periods, by growing length: more and wider
 /// steps have lower peaks.
@@ -23,9 +24,6 @@ const COMBS: [(usize, usize); 10] = [
     (17, 4),
     (CORRECTION_STEPS, 4),
 ];
-
-/// Quarter periods of the longest correction.
-const LONGEST: usize = CORRECTION_STEPS + 3;
 
 /// Rounding of a setpoint at a limit, relative.
 const ROUNDING: f64 = 1e-9;
@@ -54,6 +52,16 @@ pub(crate) struct Choice {
     pub energy: f64,
 }
 
+/// The vibration without any change.
+pub(crate) struct Present {
+    /// Of the command as it goes on now.
+    pub profiles: Each<Profile>,
+    /// Amplitude by which no other way may exceed it.
+    pub slack: f64,
+    /// Energy of that of the planned input as it is.
+    pub unshaped: f64,
+}
+
 /// The command as it goes on without a new correction, and what becomes of the modes.
 pub(crate) struct Forecast<'a, S> {
     pub ahead: Ahead<'a, S>,
@@ -70,10 +78,8 @@ pub(crate) struct Forecast<'a, S> {
     pub meters: &'a [Meter],
     /// What everything sent up to now has left of each mode.
     pub past: Each<ModalState>,
-    /// The vibration of the command as it is, which no other may exceed by more than a slack.
-    pub present: &'a [Profile],
-    /// Amplitude by which no vibration may exceed that of the present command.
-    pub slack: f64,
+    /// What no other way may exceed; none where it does not matter.
+    pub present: Option<&'a Present>,
 }
 
 impl<S: Buffer<Setpoint>> Forecast<'_, S> {
@@ -94,12 +100,8 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         let each = self.meters.iter().zip(&self.past).enumerate();
         each.map(|(index, (meter, past))| {
             let taken = taken.map_or_else(ModalState::default, |taken| taken[index]);
-            let mut profile = Profile::from(past.less(taken), self.sent);
-            // What rings on is followed as long as any correction lasts.
-            let until = self.future.len().max(LONGEST * meter.quarter);
-            meter.follow(&mut profile, until, f64::INFINITY, |k| self.command(k));
-            profile.energy += meter.decay(&profile);
-            profile
+            let state = past.less(taken);
+            meter.profile(state, self.sent, self.future.len(), |k| self.command(k))
         })
         .collect()
     }
@@ -115,9 +117,9 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         let excess = self.excess();
         let mut possible = self.total == 0.0 && excess.is_none();
         let alone = self.profiles(None);
-        let energy: f64 = alone.iter().map(|profile| profile.energy).sum();
+        let energy = energy(&alone);
         // Where steps are dropped, the sum of those that have begun must be undone.
-        if possible && stays_below(&alone, self.present, 0..BINS, self.slack) {
+        if possible && self.is_allowed(&alone, 0..BINS) {
             take(best, Choice { energy, ..as_is });
         }
         for wanted in wanted {
@@ -175,9 +177,13 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
             }
             during.push(profile);
         }
-        let below =
-            |profiles: &[Profile], bins| stays_below(profiles, self.present, bins, self.slack);
-        (below(&during, 0..bins) && below(after, bins..BINS)).then_some(energy)
+        (self.is_allowed(&during, 0..bins) && self.is_allowed(after, bins..BINS)).then_some(energy)
+    }
+
+    /// Whether the vibration in the given quarter periods does not exceed that of the present command.
+    fn is_allowed(&self, profiles: &[Profile], bins: Range<usize>) -> bool {
+        self.present
+            .is_none_or(|present| stays_below(profiles, &present.profiles, bins, present.slack))
     }
 
     /// The correction of a comb, if it solves the conditions and keeps the limits.

@@ -6,8 +6,8 @@ use crate::correction::{CORRECTED_MODES, Order, Schedule};
 use crate::cross_fade::{CrossFade, Trains};
 use crate::history::Entry;
 use crate::modal_state::{ModalState, pole, pole_variance};
-use crate::replay::{Choice, Each, Forecast};
-use crate::vibration::{Meter, Profile, quarter};
+use crate::replay::{Choice, Each, Forecast, Present};
+use crate::vibration::{Meter, Profile, energy, largest, quarter};
 use crate::{Buffer, Correction, GridTrain, Refusal, Retune, RetuneOutcome, Setpoint};
 use num_traits::Float;
 
@@ -67,8 +67,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// dt`, expected over the error of the modes ([`crate::UncertainMode`]; module `vibration` says what `psi` is).
     /// Nothing is changed where that is not less than what the present command makes, by the square of the dead band
     /// of what the planned input would make unshaped; or where the envelope would at any time exceed that of the
-    /// present command, within half a period, by more than the dead band of the deformation at the peak of the
-    /// planned acceleration. Position, velocity and acceleration stay continuous; velocity, acceleration and jerk stay
+    /// present command, within half a period, by more than the dead band of the largest that the planned input leaves. Position, velocity and acceleration stay continuous; velocity, acceleration and jerk stay
     /// within the limits. So a plan that leaves nothing of its limits free is corrected where it does not
     /// need them.
     ///
@@ -140,14 +139,11 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
         self.load(remaining, planned)?;
         let present = self.present(request, remaining, &known)?;
-        if present
-            .iter()
-            .all(|profile| profile.largest() <= request.resolution)
-        {
+        if largest(&present.profiles) <= request.resolution {
             return Err(Refusal::NotWorth(0.0));
         }
-        let before: f64 = present.iter().map(|profile| profile.energy).sum();
-        let unshaped = self.unshaped(remaining, &known);
+        let before = energy(&present.profiles);
+        let unshaped = present.unshaped;
         let gain = |energy: f64| Float::sqrt((before - energy).max(0.0) / unshaped);
         if gain(0.0) <= request.dead_band {
             return Err(Refusal::NotWorth(gain(0.0)));
@@ -184,13 +180,13 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         })
     }
 
-    /// The vibration of the command as it goes on now.
+    /// The vibration of the command as it goes on now, and of the planned input as it is.
     fn present(
         &mut self,
         request: &Retune<'_>,
         remaining: usize,
         known: &Known,
-    ) -> Result<Each<Profile>, Refusal> {
+    ) -> Result<Present, Refusal> {
         let rest = self.simulate(None, remaining)?;
         let exact: Each<Meter> = known.meters.iter().map(Meter::exact).collect();
         let change = Change {
@@ -200,26 +196,28 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         };
         let forecast = Forecast {
             meters: &exact,
-            ..self.forecast_of(request, (remaining, rest), known, (&change, 0.0), &[])
+            ..self.forecast_of(request, (remaining, rest), known, (&change, 0.0), None)
         };
-        Ok(forecast.profiles(None))
+        let unshaped = self.unshaped(remaining, known, &exact);
+        Ok(Present {
+            profiles: forecast.profiles(None),
+            unshaped: energy(&unshaped),
+            slack: request.dead_band * largest(&unshaped),
+        })
     }
 
-    /// Energy of the vibration of the planned input as it is.
-    fn unshaped(&self, remaining: usize, known: &Known) -> f64 {
+    /// The vibration of the planned input as it is.
+    fn unshaped(&self, remaining: usize, known: &Known, meters: &[Meter]) -> Each<Profile> {
         let input = &self.planned[..remaining];
-        let rest = Setpoint::at_rest(input.last().unwrap_or(&self.line.at(0)).position);
-        let each = known.meters.iter().zip(&known.planned);
-        each.map(|(meter, state)| {
-            let meter = meter.exact();
-            let mut profile = Profile::from(*state, self.line.at(0));
-            meter.follow(&mut profile, remaining, f64::INFINITY, |k| {
-                let now = input.get(k - 1).copied().unwrap_or(rest);
-                (now, now.acceleration)
-            });
-            profile.energy + meter.decay(&profile)
-        })
-        .sum()
+        let now = self.line.at(0);
+        let rest = Setpoint::at_rest(input.last().unwrap_or(&now).position);
+        let sent = |k: usize| {
+            let input = input.get(k - 1).copied().unwrap_or(rest);
+            (input, input.acceleration)
+        };
+        let each = meters.iter().zip(&known.planned);
+        each.map(|(meter, state)| meter.profile(*state, now, remaining, sent))
+            .collect()
     }
 
     /// Copies the planned input into the scratch.
@@ -283,7 +281,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         request: &Retune<'_>,
         remaining: usize,
         known: &Known,
-        present: &[Profile],
+        present: &Present,
         superseded: bool,
     ) -> Result<Choice, Refusal> {
         let period = 4 * known.meters[0].quarter;
@@ -309,8 +307,13 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
                     continue;
                 }
             };
-            let forecast =
-                self.forecast_of(request, (remaining, rest), known, (&change, total), present);
+            let forecast = self.forecast_of(
+                request,
+                (remaining, rest),
+                known,
+                (&change, total),
+                Some(present),
+            );
             let left = forecast.left();
             let replayed = self.replayed(request, remaining, known, &left, fade > 0);
             let as_is = Choice {
@@ -362,9 +365,8 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         (remaining, rest): (usize, usize),
         known: &'a Known,
         (change, total): (&Change<'a>, f64),
-        present: &'a [Profile],
+        present: Option<&'a Present>,
     ) -> Forecast<'a, S> {
-        let frequency = request.modes[0].mode.natural_frequency();
         let trains = change.trains(&self.fade, self.can_switch(change.train), self.tick);
         Forecast {
             ahead: Ahead {
@@ -383,7 +385,6 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             meters: &known.meters,
             past: known.sent.clone(),
             present,
-            slack: request.dead_band * self.liveliest / (frequency * frequency),
         }
     }
 
@@ -409,7 +410,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         let rest = self.simulate(Some(change), remaining)?;
         let span = plan.map_or(0, |plan| plan.comb.end() - self.tick) as usize;
         let end = rest.max(span);
-        let forecast = self.forecast_of(request, (remaining, rest), known, (&change, total), &[]);
+        let forecast = self.forecast_of(request, (remaining, rest), known, (&change, total), None);
         let peaks = forecast.peaks(plan.as_ref(), end);
         if let Some(plan) = plan {
             schedule.extend(plan.comb.steps(&plan.amplitudes));

@@ -12,6 +12,7 @@
 
 use crate::Setpoint;
 use crate::complex::Complex;
+use crate::correction::CORRECTION_STEPS;
 use crate::modal_state::ModalState;
 use core::ops::Range;
 use num_traits::Float;
@@ -20,6 +21,8 @@ use num_traits::Float;
 const STRIDES: f64 = 32.0;
 /// Quarter periods that are kept one by one: the longest cross-fade and correction, and some more.
 pub(crate) const BINS: usize = 48;
+/// Quarter periods of the longest correction.
+const LONGEST: usize = CORRECTION_STEPS + 3;
 /// Periods for which a vibration counts at most: one without damping would never end.
 const RINGS: f64 = 20.0;
 
@@ -53,7 +56,8 @@ pub(crate) struct Profile {
     /// The state there.
     pub state: ModalState,
     position: f64,
-    /// Largest amplitude in each quarter period.
+    /// Largest amplitude where no acceleration is planned, of all and of each quarter period.
+    largest: f64,
     amplitude: [f64; BINS],
     /// `int |psi|^2 dt` until the end of each quarter period, and of all.
     until: [f64; BINS],
@@ -67,15 +71,11 @@ impl Profile {
             at: 0,
             state,
             position: now.position,
+            largest: 0.0,
             amplitude: [0.0; BINS],
             until: [0.0; BINS],
             energy: 0.0,
         }
-    }
-
-    /// Largest amplitude, of the quarter periods that are kept.
-    pub fn largest(&self) -> f64 {
-        self.amplitude.iter().copied().fold(0.0, f64::max)
     }
 
     /// Energy after the first `bins` quarter periods.
@@ -87,7 +87,7 @@ impl Profile {
     }
 }
 
-/// Whether the amplitudes of the modes together stay below those of another command in the given quarter periods,
+/// Whether beside the planned acceleration the amplitudes of the modes together stay below those of another command in the given quarter periods,
 /// looked at half a period before and after, and `slack`.
 pub(crate) fn stays_below(
     own: &[Profile],
@@ -104,6 +104,18 @@ pub(crate) fn stays_below(
         let largest = near.map(|near| together(other, near)).fold(0.0, f64::max);
         together(own, bin) <= largest + slack
     })
+}
+
+/// Energy of all modes.
+pub(crate) fn energy(profiles: &[Profile]) -> f64 {
+    profiles.iter().map(|profile| profile.energy).sum()
+}
+
+/// Largest amplitude of a mode where no acceleration is planned.
+pub(crate) fn largest(profiles: &[Profile]) -> f64 {
+    profiles
+        .iter()
+        .fold(0.0, |largest, profile| profile.largest.max(largest))
 }
 
 /// Ticks of a quarter period.
@@ -148,6 +160,22 @@ impl Meter {
         }
     }
 
+    /// Of a command that comes to rest after `rest` ticks, and of its decay. What rings on is followed as long as any
+    /// correction lasts.
+    pub fn profile(
+        &self,
+        state: ModalState,
+        now: Setpoint,
+        rest: usize,
+        sent: impl FnMut(usize) -> Sent,
+    ) -> Profile {
+        let mut profile = Profile::from(state, now);
+        let until = rest.max(LONGEST * self.quarter);
+        self.follow(&mut profile, until, f64::INFINITY, sent);
+        profile.energy += self.decay(profile.state);
+        profile
+    }
+
     /// Goes on to `until` ticks from now, rounded up to whole strides, or to where the energy exceeds `most`.
     /// `sent` tells of a tick, counted from now.
     pub fn follow(
@@ -166,9 +194,15 @@ impl Meter {
             let left = profile.state.turned(self.turn, self.stride as f64);
             profile.state = left.sum(self.ramp.scaled(increment));
             let square = self.ringing(profile.state, now, planned);
-            profile.energy += square * (self.stride * profile.at) as f64;
+            profile.energy += square * self.stride as f64;
+            let free = if planned == 0.0 {
+                Float::sqrt(square)
+            } else {
+                0.0
+            };
+            profile.largest = profile.largest.max(free);
             if bin < BINS {
-                profile.amplitude[bin] = profile.amplitude[bin].max(Float::sqrt(square));
+                profile.amplitude[bin] = profile.amplitude[bin].max(free);
                 profile.until[bin] = profile.energy;
             }
         }
@@ -189,9 +223,8 @@ impl Meter {
     }
 
     /// Energy of the decay of a state after the command has come to rest.
-    pub fn decay(&self, profile: &Profile) -> f64 {
+    pub fn decay(&self, state: ModalState) -> f64 {
         let shortest = self.pole.im / (core::f64::consts::TAU * RINGS);
-        let rate = (-2.0 * self.pole.re).max(shortest);
-        self.expected(profile.state) / rate * (profile.at as f64 + 1.0 / rate)
+        self.expected(state) / (-2.0 * self.pole.re).max(shortest)
     }
 }

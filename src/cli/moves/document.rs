@@ -50,6 +50,8 @@ pub fn document(comparison: &Comparison) -> Value {
                 "name": kind.name(),
                 "residual_mm": trace.residual() * 1e3,
                 "percent_of_unshaped": comparison.ratio(*kind) * 100.0,
+                "whole_move_mm": trace.vibration() * 1e3,
+                "whole_move_percent_of_unshaped": comparison.whole_ratio(*kind) * 100.0,
                 "settling_s": trace.settling_time(SETTLED),
                 "added_delay_s": trace.added_delay(),
                 "final_error_rad": trace.final_error(),
@@ -82,6 +84,8 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
         [
             "move",
             "residual_mm",
+            "of_unshaped",
+            "whole_move_mm",
             "of_unshaped",
             "settling_s",
             "delay_s",
@@ -122,12 +126,14 @@ fn percent(ratio: f64) -> String {
     }
 }
 
-fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 6] {
+fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 8] {
     let settling = trace.settling_time(SETTLED);
     [
         kind.name().to_string(),
         format!("{:.4}", trace.residual() * 1e3),
         percent(comparison.ratio(kind)),
+        format!("{:.4}", trace.vibration() * 1e3),
+        percent(comparison.whole_ratio(kind)),
         settling.map_or("-".to_string(), |time| format!("{time:.3}")),
         format!("{:.3}", trace.added_delay()),
         format!("{:.1e}", trace.final_error()),
