@@ -4,7 +4,7 @@
 use quell::closed_loop::{Comparison, MoveKind, Scenario};
 use quell::estimators::estimator;
 use quell::plant::{Damping, Robot, SimulationOptions};
-use quell_shapers::{CORRECTION_OVERSHOOT, Mode, shaper_by_name};
+use quell_shapers::{Mode, shaper_by_name};
 use quell_trajectories::Limits;
 use rayon::prelude::*;
 
@@ -53,14 +53,10 @@ fn check(scenario: &Scenario, comparison: &Comparison, case: &str) {
     for (kind, trace) in &comparison.moves {
         let name = kind.name();
         assert!(trace.final_error() <= 1e-9, "{case}: {name} misses");
-        let allowed = match trace.retunes {
-            0 => 1.0,
-            _ => CORRECTION_OVERSHOOT,
-        };
         let worst = trace.peak_ratios(scenario.limits).worst();
         assert!(
-            worst <= allowed + ROUNDING,
-            "{case}: {name} reaches {worst} of a limit, {allowed} allowed"
+            worst <= 1.0 + ROUNDING,
+            "{case}: {name} reaches {worst} of a limit"
         );
     }
 }

@@ -8,7 +8,7 @@ use quell::controller::{
     AxisMeasurement, AxisSettings, Controller, LoadError, PathPolicy, Setpoint,
 };
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
-use quell_shapers::{CORRECTION_OVERSHOOT, Mode, shaper_by_name};
+use quell_shapers::{Mode, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
 const PERIOD: f64 = 0.004;
@@ -108,10 +108,7 @@ impl Loop {
 
     /// Continuity and limits of all that was sent.
     fn check(&self) -> Result<(), TestCaseError> {
-        let allowed = match self.controller.axes()[0].status().corrections {
-            0 => 1.0 + ROUNDING,
-            _ => CORRECTION_OVERSHOOT + ROUNDING,
-        };
+        let allowed = 1.0 + ROUNDING;
         for pair in self.sent.windows(2) {
             let [before, now] = [pair[0], pair[1]];
             let jerk = (now.acceleration - before.acceleration) / PERIOD;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use quell::estimators::ESTIMATORS;
 use quell::plant::{Damping, Robot};
 use quell::service::contract::Quantity;
-use quell_shapers::{CORRECTION_OVERSHOOT, Mode, shaper_by_name};
+use quell_shapers::{Mode, shaper_by_name};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -59,14 +59,6 @@ pub fn case(kind: Kind, number: u64) -> Outcome {
             .flat_map(|(a, b)| a.moves.iter().zip(&b.moves))
     };
     let hit = both().filter(|(_, moved)| moved.end > from);
-    let over = |ran: &Ran| {
-        ran.peak
-            / if ran.corrected {
-                CORRECTION_OVERSHOOT
-            } else {
-                1.0
-            }
-    };
     let off = shaped[0].mode.natural_frequency() / cases[0].truth.natural_frequency() - 1.0;
     Outcome {
         kind,

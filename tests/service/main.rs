@@ -21,7 +21,7 @@ use quell::service::contract::{
 };
 use quell::service::tick::pace::bridged;
 use quell::service::{Service, start};
-use quell_shapers::CORRECTION_OVERSHOOT;
+
 use robot::{Received, UdpRobot};
 
 const PERIOD: f64 = 0.001;
@@ -109,7 +109,7 @@ fn result(handle: &Handle, id: u64) -> MoveResult {
 /// time that went by between them.
 fn check(sent: &[Received], snapshot: &Snapshot) {
     let [velocity, acceleration, jerk] = snapshot.joints[0].limits;
-    let allowed = CORRECTION_OVERSHOOT + 1e-9;
+    let allowed = 1.0 + 1e-9;
     for pair in sent
         .windows(2)
         .filter(|pair| pair[1].seq == pair[0].seq + 1)

@@ -10,9 +10,7 @@ use quell::service::link::RobotLink;
 use quell::service::tick::between::between;
 use quell::service::tick::pace::bridged;
 use quell::service::tick::{EngineRings, Plan, Start, Tick, ToTick, Train};
-use quell_shapers::{
-    CORRECTION_OVERSHOOT, GridTrain, Setpoint, Shaper, UncertainMode, shaper_by_name,
-};
+use quell_shapers::{GridTrain, Setpoint, Shaper, UncertainMode, shaper_by_name};
 
 use super::tick::{controller, joint, plan};
 
@@ -126,7 +124,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
 /// What one setpoint may be after the one before it, by the time between them.
 fn check(before: (f64, Setpoint), now: (f64, Setpoint)) -> Result<(), TestCaseError> {
     let limits = Robot::rx170().joints[0].limits;
-    let slack = CORRECTION_OVERSHOOT + 1e-9;
+    let slack = 1.0 + 1e-9;
     let gone = now.0 - before.0;
     let (before, now) = (before.1, now.1);
     prop_assert!(now.velocity.abs() <= limits.velocity * slack);
