@@ -18,8 +18,10 @@ pub mod recorder;
 pub mod ringing;
 mod start;
 pub mod state;
+pub mod station;
 #[cfg(feature = "nats")]
 mod telemetry;
 pub mod tick;
 
-pub use start::{Service, StartError, start};
+pub use start::{Service, start};
+pub use station::StartError;

@@ -115,6 +115,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
         ticket: 1,
         samples: Some(plan(&robot, 0.0, 0.5)),
         start: Start::Rest(Box::new(train)),
+        stops: false,
     };
     let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, mode)));
     for order in [begin, ToTick::Plan(Box::new(move_))] {

@@ -67,12 +67,21 @@ pub enum ServiceError {
         /// The joint.
         joint: String,
     },
+    /// The robot is not heard: a joint is not moved blindly.
+    #[error("{joint} is not heard: it takes no move until it says again where it stands")]
+    NotHeard {
+        /// The joint.
+        joint: String,
+    },
     /// Only the embedded arm can do that.
     #[error("only the embedded arm has {what}")]
     OnlyEmbedded {
         /// What was asked for.
         what: &'static str,
     },
+    /// A stop came before the move could begin.
+    #[error("a stop came before the move could begin")]
+    Stopped,
     /// The service is about to end.
     #[error("the service is stopping")]
     Stopping,
@@ -106,9 +115,11 @@ impl ServiceError {
             | Self::Plan { .. }
             | Self::Train { .. }
             | Self::OnlyEmbedded { .. } => ErrorKind::Input,
-            Self::ShaperInMotion { .. } | Self::NotTaken { .. } | Self::NoMeasurement { .. } => {
-                ErrorKind::Conflict
-            }
+            Self::ShaperInMotion { .. }
+            | Self::NotTaken { .. }
+            | Self::NoMeasurement { .. }
+            | Self::NotHeard { .. }
+            | Self::Stopped => ErrorKind::Conflict,
             Self::Stopping | Self::Busy | Self::Gone => ErrorKind::Unavailable,
         }
     }

@@ -207,7 +207,7 @@ pub struct LinkHealth {
     pub sent: u64,
     /// Setpoints that could not be sent.
     pub send_failures: u64,
-    /// Stamps missing in the sequence of a sensor of regular rate when 64 younger were due.
+    /// Stamps missing in the sequence of a sensor of regular rate when 64 younger have come.
     pub lost: u64,
     /// Datagrams that came later than the watchdog allows.
     pub late: u64,

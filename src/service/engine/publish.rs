@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::Engine;
 use super::joint::{Joint, name_of};
 use crate::adaptation::{Decision, Reason};
-use crate::service::clock::unix_time;
 use crate::service::contract::{EstimateView, JointSnapshot, SensorView, Snapshot, TrainView};
 use crate::service::guard::Fault;
 use crate::service::tick::{AxisReport, WholeReport};
@@ -17,7 +16,7 @@ impl Engine {
         let snapshot = Snapshot {
             version: env!("CARGO_PKG_VERSION"),
             robot: self.config.robot.name(),
-            unix_time_s: unix_time(),
+            unix_time_s: self.clock.unix_time(),
             time_s: whole.time,
             stopping: self.stopping.is_some(),
             payload_kg: self.payload,

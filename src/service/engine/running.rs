@@ -5,13 +5,11 @@ use quell_trajectories::{AxisState, SampledTrajectory};
 
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::ringing;
+use crate::service::tick::FOLLOWED;
 
 /// Periods for which a joint is watched after its command has ended: the amplitude is taken over two,
 /// after the motor side has followed.
 const WATCHED: f64 = 3.0;
-/// Within this time the motor side has followed its command, s: seven time constants of a servo of
-/// 20 Hz, to 1 in 1000.
-const FOLLOWED: f64 = 0.06;
 /// Planned positions of a move that are kept for what it would have left unshaped; at 4 kHz a minute.
 const LONGEST: usize = 240_000;
 

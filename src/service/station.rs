@@ -1,0 +1,309 @@
+//! The service without its threads: links, tick, engine and what is kept, put together.
+//!
+//! [`start`](super::start()) runs a station on threads by the system's clock. A test steps one by hand, by a
+//! simulated clock and over a link of its own.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, channel};
+
+use nalgebra::{Isometry3, Unit, Vector3};
+use quell_shapers::{Mode, ShaperError, UncertainMode};
+use quell_trajectories::{PlanError, Planner};
+use thiserror::Error;
+
+use super::clock::ServiceClock;
+use super::config::{Config, JointConfig};
+use super::contract::{Handle, Snapshot, channels};
+use super::engine::{Engine, EngineParts, Hearing, Joint, Registrar};
+use super::guard::Bounds;
+use super::link::{EmbeddedLink, RobotLink};
+use super::state::{State, StateFile};
+use super::tick::{JointTick, Pulse, Tick, Watchdog};
+use crate::closed_loop::{ClosedLoopError, commission};
+use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
+use crate::signal::{Clock, DeformationSensor, JointArc};
+
+/// Displacement of the embedded arm's commissioning move, rad: as `quell move`, 30 degrees or less.
+const COMMISSIONING: f64 = 0.25;
+
+/// Why the service does not start.
+#[derive(Debug, Error)]
+pub enum StartError {
+    /// A socket, a thread or the data folder.
+    #[error("{what}: {error}")]
+    System {
+        /// What was tried.
+        what: String,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Something is asked for that is not part of this build.
+    #[error("{feature} is not part of this build: cargo build --release --features {feature}")]
+    NotBuilt {
+        /// The feature that has it.
+        feature: &'static str,
+    },
+    /// The embedded arm cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The embedded arm's tracker cannot be registered.
+    #[error(transparent)]
+    Commissioning(#[from] ClosedLoopError),
+    /// There is no planner.
+    #[error(transparent)]
+    Planner(#[from] PlanError),
+    /// A joint's belief cannot be shaped for at this rate.
+    #[error("{joint}: {reason}")]
+    Belief {
+        /// The joint.
+        joint: String,
+        /// Why.
+        reason: ShaperError,
+    },
+}
+
+/// The robot: what it is reached over, and what is known of it where it is simulated.
+pub struct RobotParts {
+    /// The link.
+    pub link: Box<dyn RobotLink>,
+    /// The embedded arm, as it is at the start.
+    arm: Option<ArmSimulation>,
+    /// Its tip's sensor, registered.
+    sensor: Option<DeformationSensor>,
+}
+
+impl RobotParts {
+    /// A robot of which nothing is known but how it is reached.
+    pub fn over(link: Box<dyn RobotLink>) -> Self {
+        let (arm, sensor) = (None, None);
+        Self { link, arm, sensor }
+    }
+
+    /// The arm, its tracker registered by a slow move that takes no time.
+    ///
+    /// # Errors
+    /// [`StartError`] where it cannot be simulated or registered.
+    pub fn embedded(config: &Config) -> Result<Self, StartError> {
+        let joint = &config.joints[0];
+        let options = SimulationOptions {
+            seed: 1,
+            ..SimulationOptions::default()
+        };
+        let mut arm = ArmSimulation::new(&config.description, joint.index, &options)?;
+        let registration = commission(&mut arm, COMMISSIONING, joint.limits)?;
+        let (frame, clock) = (registration.sensor_to_base, registration.clock);
+        Ok(Self {
+            sensor: Some(DeformationSensor::new(*arm.arc(), frame, clock)),
+            link: Box::new(EmbeddedLink::new(arm.clone(), config.period)),
+            arm: Some(arm),
+        })
+    }
+}
+
+/// Everything that runs, not yet running.
+pub struct Station {
+    /// Ticks, by their clock.
+    pub(super) pulse: Pulse,
+    pub(super) engine: Engine,
+    pub(super) keeper: Keeper,
+    handle: Handle,
+}
+
+impl Station {
+    /// Puts everything together over what an earlier life has left in the data folder.
+    ///
+    /// # Errors
+    /// [`StartError`] where something that the configuration asks for is not to be had.
+    pub fn assemble(
+        config: Config,
+        clock: ServiceClock,
+        robot: RobotParts,
+    ) -> Result<Self, StartError> {
+        let file = StateFile::within(&config.data);
+        let file = file.map_err(|error| system(config.data.display(), error))?;
+        let state = taken_up(&file, &config.recording.folder);
+        let joints: Vec<_> = config
+            .joints
+            .iter()
+            .map(|joint| made(joint, &config, &robot, &state, &clock))
+            .collect::<Result<_, _>>()?;
+        let watchdog = Watchdog {
+            timeout: config.watchdog.as_secs_f64(),
+            stops: config.watchdog_stops,
+        };
+        let ticks = joints.iter().enumerate().map(|(index, joint)| {
+            let registered = robot.sensor.is_some();
+            JointTick::new(index, bounds(joint), watchdog, joint.adaptation, registered)
+        });
+        let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
+        let (handle, ends) = channels(Snapshot {
+            version: env!("CARGO_PKG_VERSION"),
+            robot: config.robot.name(),
+            ..Snapshot::default()
+        });
+        let (saver, states) = channel();
+        Ok(Self {
+            pulse: Pulse::new(tick, clock.clone()),
+            engine: Engine::new(EngineParts {
+                config,
+                clock,
+                ends,
+                rings,
+                joints,
+                arm: robot.arm,
+                state,
+                saver,
+                planner: Planner::new(1)?,
+            }),
+            keeper: Keeper { file, states },
+            handle,
+        })
+    }
+
+    /// What the outside holds of it.
+    pub fn handle(&self) -> Handle {
+        self.handle.clone()
+    }
+
+    /// Runs the tick that is due next.
+    pub fn beat(&mut self) {
+        self.pulse.beat();
+    }
+
+    /// Has the engine do what is to be done now, and keeps what it has learned.
+    pub fn work(&mut self) {
+        self.engine.work();
+        self.keeper.keep_newest();
+    }
+
+    /// Has the engine answer what is asked, and nothing else: requests come between its rounds.
+    pub fn answer(&mut self) {
+        self.engine.answer_all();
+    }
+}
+
+/// Writes states down, always the newest.
+pub(super) struct Keeper {
+    file: StateFile,
+    states: Receiver<State>,
+}
+
+impl Keeper {
+    /// Until the engine is gone.
+    pub fn run(&self) {
+        while let Ok(state) = self.states.recv() {
+            self.keep(self.states.try_iter().last().unwrap_or(state));
+        }
+    }
+
+    fn keep_newest(&self) {
+        if let Some(newest) = self.states.try_iter().last() {
+            self.keep(newest);
+        }
+    }
+
+    fn keep(&self, state: State) {
+        if let Err(error) = self.file.save(&state) {
+            tracing::warn!("the state cannot be kept: {error}");
+        }
+    }
+}
+
+/// The state of an earlier life. Where that was killed it may have begun moves whose numbers were not kept;
+/// their recordings are there.
+fn taken_up(file: &StateFile, recordings: &Path) -> State {
+    let mut state = file.load();
+    state.starts += 1;
+    let names = fs::read_dir(recordings).into_iter().flatten().flatten();
+    let numbers = names.filter_map(|entry| number_of(entry.file_name().to_str()?));
+    state.last_move = numbers.fold(state.last_move, u64::max);
+    state
+}
+
+/// Number of the move whose recording has this name, finished or not.
+fn number_of(name: &str) -> Option<u64> {
+    let (_, rest) = name.split_once("move-")?;
+    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    rest[..digits].parse().ok()
+}
+
+fn made(
+    joint: &JointConfig,
+    config: &Config,
+    robot: &RobotParts,
+    state: &State,
+    clock: &ServiceClock,
+) -> Result<Joint, StartError> {
+    let arc = joint.arc.unwrap_or_else(unit_arc);
+    let sensor = robot.sensor.clone();
+    let own = DeformationSensor::new(arc, Isometry3::identity(), Clock::REFERENCE);
+    let remembered = state
+        .joints
+        .get(&joint.name)
+        .and_then(|state| state.with_payload(0.0));
+    let learned = remembered.and_then(|learned| Mode::try_from(learned.mode).ok());
+    let designed = |mode: Mode| {
+        let known = UncertainMode::believed(mode);
+        joint.shaper.on_grid_for(&known, config.period)
+    };
+    let usable = learned.filter(|mode| designed(*mode).is_ok());
+    let mode = usable.unwrap_or(joint.belief);
+    designed(mode).map_err(|reason| StartError::Belief {
+        joint: joint.name.clone(),
+        reason,
+    })?;
+    let since = match (usable, remembered) {
+        (Some(_), Some(remembered)) => remembered.unix_time_s,
+        _ => clock.unix_time(),
+    };
+    Ok(Joint {
+        sensor: sensor.unwrap_or(own),
+        arc_known: joint.arc.is_some(),
+        shaper: joint.shaper,
+        shaping: joint.shaping,
+        adaptation: joint.adaptation,
+        mode,
+        wanted_mode: None,
+        mode_since: since,
+        train_due: false,
+        retunes: 0,
+        before: [0; 3],
+        report: None,
+        position: 0.0,
+        began: false,
+        hearing: Hearing::Heard,
+        stop_due: false,
+        running: None,
+        asked: None,
+        ordered: Vec::new(),
+        standstill: Default::default(),
+        motor: None,
+        registrar: robot.sensor.is_none().then(Registrar::default),
+        config: joint.clone(),
+    })
+}
+
+/// An arc for a joint whose tip is not known: its lengths are never told.
+fn unit_arc() -> JointArc {
+    let axis = Unit::new_unchecked(Vector3::z());
+    JointArc::new(nalgebra::Point3::origin(), axis, Vector3::x())
+}
+
+fn bounds(joint: &Joint) -> Bounds {
+    Bounds {
+        limits: joint.config.limits,
+        radius: joint.config.arc.map_or(f64::INFINITY, |arc| arc.radius()),
+        deformation: joint.config.deformation_range,
+        resolution: joint.config.encoder_resolution,
+    }
+}
+
+/// With what was tried.
+pub(super) fn system(what: impl std::fmt::Display, error: io::Error) -> StartError {
+    StartError::System {
+        what: what.to_string(),
+        error,
+    }
+}
