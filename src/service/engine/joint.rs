@@ -166,12 +166,13 @@ impl Joint {
     ///
     /// # Errors
     /// [`ServiceError::NoMeasurement`] before it is commanded, [`ServiceError::NotHeard`] while it is not
-    /// heard.
+    /// heard, [`ServiceError::Stopped`] until the tick has begun a stop.
     pub fn takes_moves(&self) -> Result<(), ServiceError> {
         let joint = || self.config.name.clone();
         match self.hearing {
             _ if !self.began => Err(ServiceError::NoMeasurement { joint: joint() }),
             Hearing::Lost | Hearing::Back => Err(ServiceError::NotHeard { joint: joint() }),
+            Hearing::Heard if self.stop_due => Err(ServiceError::Stopped),
             Hearing::Heard => Ok(()),
         }
     }

@@ -16,9 +16,6 @@ const BELIEVED: u32 = 8;
 /// Stamps on either side of a gap that it is judged by: at 1 kHz a datagram may be 64 ms late, and a
 /// burst of up to 31 does not change what is usual.
 const HALF: usize = 64;
-/// Gaps before one that is judged from which on their median counts: the median of fewer is itself a gap
-/// with stamps missing too often, were one in five lost.
-const FEWEST: usize = 8;
 /// Share of the usual gap below which one is short: half way to none.
 const SHORT: f64 = 0.5;
 
@@ -129,7 +126,8 @@ impl Sequence {
         let known = self.known();
         let before = median(&known[index.saturating_sub(HALF)..=index]);
         let after = median(&known[index + 1..]);
-        let usual = match index >= FEWEST {
+        // The median of a few gaps may itself be one with stamps missing.
+        let usual = match index >= HALF {
             true => before.max(after),
             false => after,
         };

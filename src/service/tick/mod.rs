@@ -233,7 +233,10 @@ impl Tick {
                 let _ = self.joints[index].setpoint(stride, self.period);
                 self.record_row(index, time);
             }
-            if let Some(event) = self.joints[index].take_settled(time) {
+            // In a slow start the setpoint is still on its way to where the command stands.
+            if stride.behind == 0.0
+                && let Some(event) = self.joints[index].take_settled(time)
+            {
                 self.tell(event);
             }
         }
