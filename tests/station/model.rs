@@ -12,7 +12,7 @@ use quell::service::recorder::{Bounds, Recorder, Shelf};
 use quell::service::state::StateFile;
 use quell_shapers::Setpoint;
 
-use super::world::{Answered, PERIOD, STANDSTILL, Sent, WATCHDOG, World, beyond_limits, config};
+use super::world::{Answered, Asked, PERIOD, STANDSTILL, Sent, WATCHDOG, World, beyond_limits, config};
 
 /// Sequences where nobody asks for more.
 const SEQUENCES: u32 = 400;
@@ -92,6 +92,8 @@ enum Licence {
 /// What a service that does as it is told would do.
 struct Oracle {
     licence: Licence,
+    /// Whether a move was asked for and not answered before the last step.
+    asked: bool,
     /// The last request that was obeyed.
     obeyed: usize,
     seen: usize,
@@ -109,6 +111,7 @@ impl Oracle {
             licence: Licence::None,
             seen: 0,
             last: None,
+            asked: false,
             obeyed: 0,
             silent: false,
             slow_until: 0.0,
@@ -165,9 +168,8 @@ impl Oracle {
             return Ok(());
         }
         prop_assert_eq!(beyond_limits(before, now, self.timed), None);
-        let asked = |asked: &super::world::Asked| matches!(asked.request, Request::Move { .. });
         match self.licence {
-            _ if world.waiting().iter().any(asked) => {}
+            _ if self.asked => {}
             Licence::None => prop_assert!(false, "nobody asked for {before:?} {now:?}"),
             Licence::Move { .. } => {}
             Licence::Stop { until } => {
@@ -300,6 +302,8 @@ impl Lives {
     }
 
     fn step(&mut self) -> Result<(), TestCaseError> {
+        let is_move = |asked: &Asked| matches!(asked.request, Request::Move { .. });
+        self.oracle.asked = self.world.waiting().iter().any(is_move);
         let answered = self.world.step();
         let now = self.world.clock.now();
         self.catch_up();
