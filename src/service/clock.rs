@@ -16,7 +16,9 @@ pub struct ServiceClock(Source);
 #[derive(Clone, Debug)]
 enum Source {
     /// The system's monotonic clock, and its reading at the start, ns.
-    System { start: i128 },
+    System {
+        start: i128,
+    },
     Simulated(Arc<Simulated>),
 }
 

@@ -225,7 +225,9 @@ fn taken_up(file: &StateFile, recordings: &Path) -> State {
 /// Number of the move whose recording has this name, finished or not.
 fn number_of(name: &str) -> Option<u64> {
     let (_, rest) = name.split_once("move-")?;
-    let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let digits = rest
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(rest.len());
     rest[..digits].parse().ok()
 }
 

@@ -74,6 +74,10 @@ impl RobotLink for Listener {
         self.told.lock().expect("no panic").deformation = deformation;
     }
 
+    fn carries_time(&self) -> bool {
+        true
+    }
+
     fn send(&mut self, now: f64, _joint: usize, setpoint: &Setpoint) {
         self.setpoints = [self.setpoints[1], (now, *setpoint)];
         let mut told = self.told.lock().expect("no panic");

@@ -87,7 +87,11 @@ fn a_joint_that_comes_back_elsewhere_is_not_sent_where_it_was() {
     world.steps(3 * STANDSTILL);
     let sent = world.sent().split_off(before);
     assert!(!sent.is_empty());
-    assert!(sent.iter().all(|(_, sent)| sent.position == 0.2), "{:?}", sent[0]);
+    assert!(
+        sent.iter().all(|(_, sent)| sent.position == 0.2),
+        "{:?}",
+        sent[0]
+    );
     world.go(0.4);
     world.steps(200);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.4));

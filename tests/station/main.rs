@@ -2,6 +2,7 @@
 //! quiet.
 
 mod heard;
+mod learning;
 mod model;
 mod sequence;
 mod untimed;

@@ -12,7 +12,9 @@ use quell::service::recorder::{Bounds, Recorder, Shelf};
 use quell::service::state::StateFile;
 use quell_shapers::Setpoint;
 
-use super::world::{Answered, Asked, PERIOD, STANDSTILL, Sent, WATCHDOG, World, beyond_limits, config};
+use super::world::{
+    Answered, Asked, PERIOD, STANDSTILL, Sent, WATCHDOG, World, beyond_limits, config,
+};
 
 /// Sequences where nobody asks for more.
 const SEQUENCES: u32 = 400;
@@ -26,9 +28,15 @@ const JOINT: &str = "joint_1";
 /// What somebody does.
 #[derive(Clone, Debug)]
 enum Op {
-    Move { target: f64, shaper: Option<&'static str> },
+    Move {
+        target: f64,
+        shaper: Option<&'static str>,
+    },
     Stop,
-    Shaping { enabled: Option<bool>, kind: Option<&'static str> },
+    Shaping {
+        enabled: Option<bool>,
+        kind: Option<&'static str>,
+    },
     Payload(f64),
     Nonsense,
     Run(usize),
@@ -98,8 +106,11 @@ struct Oracle {
     obeyed: usize,
     seen: usize,
     last: Option<Sent>,
-    /// Whether the robot was silent for about as long as the watchdog allows: it may stop what runs.
-    silent: bool,
+    /// When the robot was silent last for about as long as the watchdog allows, s: it may have stopped what
+    /// ran.
+    silent: f64,
+    /// When what runs was asked for, s.
+    asked_at: f64,
     /// When a slow start after a gap may still go on, s.
     slow_until: f64,
     timed: bool,
@@ -113,7 +124,8 @@ impl Oracle {
             last: None,
             asked: false,
             obeyed: 0,
-            silent: false,
+            silent: f64::NEG_INFINITY,
+            asked_at: 0.0,
             slow_until: 0.0,
             timed,
         }
@@ -125,7 +137,7 @@ impl Oracle {
                 // One that began is ended by what was asked for later.
                 if answered.number >= self.obeyed {
                     self.licence = Licence::Move { target: *target };
-                    self.silent = false;
+                    self.asked_at = answered.at;
                     self.obeyed = answered.number;
                 }
             }
@@ -133,7 +145,11 @@ impl Oracle {
                 let Ok(Accepted::Stop { duration_s }) = answer else {
                     return Err(TestCaseError::fail(format!("a stop: {answer:?}")));
                 };
-                let slow = if now < self.slow_until { SLOW_START } else { 0.0 };
+                let slow = if now < self.slow_until {
+                    SLOW_START
+                } else {
+                    0.0
+                };
                 let until = now + duration_s + STOP_SLACK + slow;
                 self.licence = Licence::Stop { until };
                 self.obeyed = answered.number;
@@ -156,7 +172,10 @@ impl Oracle {
 
     fn take(&mut self, now: Sent, world: &World) -> Result<(), TestCaseError> {
         let Some(before) = self.last.replace(now) else {
-            prop_assert!(rests(&now.1) && now.1.position == world.robot.position, "{now:?}");
+            prop_assert!(
+                rests(&now.1) && now.1.position == world.robot.position,
+                "{now:?}"
+            );
             return Ok(());
         };
         if now.1.position == before.1.position && rests(&now.1) && rests(&before.1) {
@@ -173,7 +192,10 @@ impl Oracle {
             Licence::None => prop_assert!(false, "nobody asked for {before:?} {now:?}"),
             Licence::Move { .. } => {}
             Licence::Stop { until } => {
-                prop_assert!(now.0 <= until, "it goes on after a stop until {until}: {now:?}");
+                prop_assert!(
+                    now.0 <= until,
+                    "it goes on after a stop until {until}: {now:?}"
+                );
             }
         }
         Ok(())
@@ -185,7 +207,11 @@ impl Oracle {
         let (Some(joint), Some((_, last))) = (snapshot.joints.first(), self.last) else {
             return Ok(());
         };
-        if let Some((_, shown)) = world.sent().iter().rfind(|(time, _)| *time == snapshot.time_s) {
+        if let Some((_, shown)) = world
+            .sent()
+            .iter()
+            .rfind(|(time, _)| *time == snapshot.time_s)
+        {
             prop_assert_eq!(joint.command_rad, shown.position);
             prop_assert_eq!(joint.command_rad_s, shown.velocity);
         }
@@ -196,7 +222,7 @@ impl Oracle {
         }
         if let Licence::Move { target } = &self.licence
             && fresh
-            && !self.silent
+            && self.silent < self.asked_at
             && joint.phase == Phase::Moving
         {
             prop_assert_eq!(joint.target_rad, *target);
@@ -208,11 +234,17 @@ impl Oracle {
     fn watch(&mut self, world: &World) {
         let now = world.clock.now();
         let silence = now - world.heard;
-        self.silent |= silence > WATCHDOG - 2.0 * PERIOD;
+        if silence > WATCHDOG - 2.0 * PERIOD {
+            self.silent = now;
+        }
         let noticed = silence > WATCHDOG + 3.0 * PERIOD && world.engine_sleeps == 0;
         if noticed && let Licence::Move { .. } = self.licence {
             // The longest stop from full speed, within the limits.
-            let slow = if now < self.slow_until { SLOW_START } else { 0.0 };
+            let slow = if now < self.slow_until {
+                SLOW_START
+            } else {
+                0.0
+            };
             let until = now + 0.2 + STOP_SLACK + slow;
             self.licence = Licence::Stop { until };
         }
@@ -232,12 +264,16 @@ impl Oracle {
         };
         prop_assert!(rests(&last), "it does not come to rest: {last:?}");
         if let Licence::Move { target } = self.licence
-            && !self.silent
+            && self.silent < self.asked_at
         {
             prop_assert_eq!(last.position, target);
         }
         let joint = world.joint();
-        prop_assert!(matches!(joint.phase, Phase::Rest | Phase::Waiting), "{:?}", joint.phase);
+        prop_assert!(
+            matches!(joint.phase, Phase::Rest | Phase::Waiting),
+            "{:?}",
+            joint.phase
+        );
         Ok(())
     }
 }
@@ -282,7 +318,9 @@ impl Lives {
 
     fn record(&mut self) {
         if self.records {
-            let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+            let runtime = tokio::runtime::Builder::new_current_thread()
+                .enable_time()
+                .build();
             let runtime = runtime.expect("a runtime");
             let recorder = {
                 let _inside = runtime.enter();
@@ -296,7 +334,10 @@ impl Lives {
     fn catch_up(&self) {
         if let Some((runtime, recorder)) = &self.recorder {
             for _ in 0..3 {
-                assert!(runtime.block_on(recorder.end()).is_err(), "none runs on demand");
+                assert!(
+                    runtime.block_on(recorder.end()).is_err(),
+                    "none runs on demand"
+                );
             }
         }
     }

@@ -27,10 +27,8 @@ pub const LIMITS: Limits = Limits {
 };
 /// A motor side that stands still for so many ticks is commanded.
 pub const STANDSTILL: usize = 80;
-const ROBOT: SocketAddr = SocketAddr::new(
-    std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST),
-    40_000,
-);
+const ROBOT: SocketAddr =
+    SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 40_000);
 
 /// What the robot received, with the time of the tick that it was sent at, s.
 pub type Sent = (f64, Setpoint);
@@ -82,6 +80,8 @@ pub struct Asked {
     pub request: Request,
     /// How many were asked before.
     pub number: usize,
+    /// When, s.
+    pub at: f64,
     answer: Pin<Box<dyn Future<Output = Result<Accepted, ServiceError>>>>,
 }
 
@@ -90,6 +90,8 @@ pub struct Answered {
     pub request: Request,
     /// How many were asked before.
     pub number: usize,
+    /// When it was asked, s.
+    pub at: f64,
     pub answer: Result<Accepted, ServiceError>,
 }
 
@@ -141,6 +143,34 @@ impl World {
         };
         let robot = RobotParts::over(Box::new(wire));
         let station = Station::assemble(config, clock.clone(), robot).expect("a station");
+        Self::over(station, clock, time, (ear, sent), position)
+    }
+
+    /// A service with the embedded arm. What it is sent is not seen.
+    pub fn embedded(config: Config) -> Self {
+        let (clock, time) = ServiceClock::simulated(1e9);
+        let robot = RobotParts::embedded(&config).expect("an arm");
+        let settings = UdpSettings {
+            address: ROBOT,
+            robot: None,
+            joints: Vec::new(),
+            watchdog: config.watchdog,
+            key: None,
+        };
+        let station = Station::assemble(config, clock.clone(), robot).expect("a station");
+        let (ear, _) = Ear::new(settings);
+        let mut world = Self::over(station, clock, time, (ear, Arc::default()), 0.0);
+        world.robot.silent = true;
+        world
+    }
+
+    fn over(
+        station: Station,
+        clock: ServiceClock,
+        time: SimulatedTime,
+        (ear, sent): (Ear, Arc<Mutex<Vec<Sent>>>),
+        position: f64,
+    ) -> Self {
         Self {
             handle: station.handle(),
             station,
@@ -231,6 +261,7 @@ impl World {
         let mut answer: Asked = Asked {
             request,
             number: self.count,
+            at: self.clock.now(),
             answer: Box::pin(async move { handle.ask(own).await }),
         };
         self.count += 1;
@@ -261,6 +292,7 @@ impl World {
                 Poll::Ready(answer) => answered.push(Answered {
                     request: asked.request,
                     number: asked.number,
+                    at: asked.at,
                     answer,
                 }),
             }
@@ -313,7 +345,8 @@ pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
         jerk,
     } = LIMITS;
     let too_much = |what: &str, value: f64, most: f64| {
-        (value.abs() > most).then(|| format!("{what} {value:e}, {most:e} allowed: {before:?} {now:?}"))
+        (value.abs() > most)
+            .then(|| format!("{what} {value:e}, {most:e} allowed: {before:?} {now:?}"))
     };
     too_much("velocity", to.velocity, velocity * allowed)
         .or_else(|| too_much("acceleration", to.acceleration, acceleration * allowed))

@@ -4,10 +4,10 @@
 //! `ordered`, whatever has been asked for since: the tick may have begun it already, and what begins
 //! is what the joint does.
 
+use super::Engine;
 use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
-use super::Engine;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
 
@@ -171,8 +171,7 @@ impl Engine {
     /// Asks for a stop once more, as long as it is due: there is no reason to give it up.
     pub(super) fn insist_on_stop(&mut self, index: usize) {
         let joint = &mut self.joints[index];
-        joint.stop_due &=
-            !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty();
+        joint.stop_due &= !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty();
         if joint.stop_due && joint.asked.is_none() {
             self.ask(index, What::Stop, None);
         }
