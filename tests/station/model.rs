@@ -133,13 +133,13 @@ impl Oracle {
 
     fn hear(&mut self, answered: &Answered, now: f64) -> Result<(), TestCaseError> {
         match (&answered.request, &answered.answer) {
-            (Request::Move { target, .. }, Ok(Accepted::Move { .. })) => {
-                // One that began is ended by what was asked for later.
-                if answered.number >= self.obeyed {
-                    self.licence = Licence::Move { target: *target };
-                    self.asked_at = answered.at;
-                    self.obeyed = answered.number;
-                }
+            // One that began is ended by what was asked for later.
+            (Request::Move { target, .. }, Ok(Accepted::Move { .. }))
+                if answered.number >= self.obeyed =>
+            {
+                self.licence = Licence::Move { target: *target };
+                self.asked_at = answered.at;
+                self.obeyed = answered.number;
             }
             (Request::Stop, answer) => {
                 let Ok(Accepted::Stop { duration_s }) = answer else {

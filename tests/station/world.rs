@@ -300,10 +300,12 @@ impl World {
         answered
     }
 
-    /// Time goes by without a tick.
+    /// Time goes by without a tick; the robot speaks on.
     pub fn miss(&mut self, ticks: usize) {
-        let late = self.clock.now() + ticks as f64 * PERIOD;
-        self.time.advance_to(late);
+        for _ in 0..ticks {
+            self.speak();
+            self.time.advance_to(self.clock.now() + PERIOD);
+        }
     }
 
     pub fn sent(&self) -> Vec<Sent> {

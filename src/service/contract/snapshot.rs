@@ -178,7 +178,7 @@ pub struct TickStatistics {
     /// Ticks that had not ended when the next one was due.
     pub overruns: u64,
     /// Ticks left out because the thread came a whole period late or more; the command makes up for
-    /// them ([`pace`](crate::service::tick::pace)).
+    /// them, or waits where setpoints carry no time ([`pace`](crate::service::tick::pace)).
     pub skipped: u64,
     /// Median lateness of the beginning of a tick, s.
     pub lateness_p50_s: f64,

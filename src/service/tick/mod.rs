@@ -210,10 +210,15 @@ impl Tick {
         }
     }
 
-    /// Looks whether a joint is heard, where there is room left to answer orders as well.
+    /// Looks whether a joint is heard: where nothing that came waits to be taken, as after a long time
+    /// without a tick, and where there is room left to answer orders as well.
     fn look(&mut self, index: usize, now: f64) {
+        let is_behind = self.inbox.len() == self.inbox.capacity();
         let has_room = self.rings.events.slots() > ORDERS * self.joints.len();
-        if has_room && let Some(event) = self.joints[index].look(now) {
+        if has_room
+            && !is_behind
+            && let Some(event) = self.joints[index].look(now)
+        {
             self.tell(event);
         }
     }
