@@ -23,6 +23,8 @@ const SEQUENCES: u32 = 400;
 const STOP_SLACK: f64 = 0.02 + 0.4 + 3.0 * PERIOD;
 /// A slow start after a long gap falls back by so much, s: 1 / k of the limits, rounded up.
 const SLOW_START: f64 = 0.25;
+/// Steps after which what is told of is written down: a quarter of a second, and the engine may sleep.
+const WRITTEN: usize = 120;
 const JOINT: &str = "joint_1";
 
 /// What somebody does.
@@ -288,8 +290,9 @@ struct Lives {
     world: World,
     oracle: Oracle,
     recorder: Option<(tokio::runtime::Runtime, Recorder)>,
-    /// Recordings that some life has told of.
-    told: Vec<String>,
+    /// Recordings that some life has told of, and after how many steps.
+    told: Vec<(String, usize)>,
+    steps: usize,
     records: bool,
 }
 
@@ -302,6 +305,7 @@ impl Lives {
             oracle: Oracle::new(timed),
             recorder: None,
             told: Vec::new(),
+            steps: 0,
             records,
         };
         lives.record();
@@ -347,6 +351,7 @@ impl Lives {
         self.oracle.asked = self.world.waiting().iter().any(is_move);
         let answered = self.world.step();
         let now = self.world.clock.now();
+        self.steps += 1;
         self.catch_up();
         // What is sent before the answer is heard is of the tick before it.
         self.oracle.judge(&self.world)?;
@@ -359,9 +364,10 @@ impl Lives {
         }
         if self.records {
             for result in &self.world.snapshot().moves {
-                self.told.extend(result.recording.clone());
+                let known = |name: &&String| self.told.iter().all(|(told, _)| told != *name);
+                let news = result.recording.as_ref().filter(known).cloned();
+                self.told.extend(news.map(|name| (name, self.steps)));
             }
-            self.told.dedup();
         }
         Ok(())
     }
@@ -375,6 +381,7 @@ impl Lives {
         let left = tempfile::tempdir().expect("a folder");
         copy(self.data.path(), left.path());
         self.recorder = None;
+        self.told.retain(|(_, since)| self.steps - since > WRITTEN);
         let before = &self.world;
         let (unix_time, position) = (before.clock.unix_time(), before.robot.position);
         let (timed, silent) = (self.oracle.timed, before.robot.silent);
@@ -389,7 +396,7 @@ impl Lives {
 
     fn judge_shelf(&self) -> Result<(), TestCaseError> {
         if let Some((_, recorder)) = &self.recorder {
-            for name in &self.told {
+            for (name, _) in &self.told {
                 let folder = recorder.shelf().path(name);
                 let folder = folder.map_err(|error| TestCaseError::fail(error.to_string()))?;
                 let read = Recording::from_path(folder);
