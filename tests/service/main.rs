@@ -223,7 +223,7 @@ fn a_robot_over_udp_is_commanded_without_a_jump() {
         snapshot.joints[0].command_rad_s > 0.5
     });
     let stopped = ask(&handle, Request::Stop).expect("a stop");
-    assert!(matches!(stopped, Accepted::Stop { duration_s } if duration_s > 0.0));
+    assert!(matches!(stopped, Accepted::Stop { duration_s, .. } if duration_s > 0.0));
     let next = result(&handle, next);
     assert!(next.interrupted && next.target_rad != 0.8, "{next:?}");
 

@@ -27,7 +27,7 @@ pub use registration::Registrar;
 
 use super::clock::ServiceClock;
 use super::config::Config;
-use super::contract::{Batch, EngineEnds, MoveResult};
+use super::contract::{Batch, EngineEnds, MoveResult, Stopping};
 use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
@@ -161,12 +161,10 @@ impl Engine {
         self.joints.iter().all(rests)
     }
 
-    fn stop_all(&mut self) -> f64 {
-        let mut longest: f64 = 0.0;
-        for index in 0..self.joints.len() {
-            longest = longest.max(self.stop(index));
-        }
-        longest
+    /// Stops every joint that moves, and names them.
+    fn stop_all(&mut self) -> Vec<Stopping> {
+        let all = 0..self.joints.len();
+        all.filter_map(|index| self.stop(index)).collect()
     }
 
     /// The tick that comes next, as well as it is known.

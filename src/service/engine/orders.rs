@@ -7,7 +7,7 @@ use super::planning::{Moment, Planned, plan, standing_train};
 use super::running::Running;
 use super::{Engine, controller};
 use crate::service::clock::unix_time;
-use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError};
+use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick, TrainOrder};
 
 /// How far ahead a plan in motion begins, s: planning takes a few ms, and the tick takes orders at its
@@ -68,25 +68,38 @@ impl Engine {
         self.order(index, asked, planned);
     }
 
-    /// Brings a joint to rest; says how long the plan of the stop lasts, s.
-    pub(super) fn stop(&mut self, index: usize) -> f64 {
+    /// Brings a joint to rest, if it moves or is about to.
+    pub(super) fn stop(&mut self, index: usize) -> Option<Stopping> {
         let joint = &mut self.joints[index];
         let waits = |asked: &mut Asked| matches!(asked.what, What::Move { .. });
         match joint.asked.take_if(waits) {
             // A plan that waits in the tick for rest is replaced by that of the stop.
             Some(asked) => Self::give_up(asked, ServiceError::Stopping),
-            None if joint.asked.is_some() || joint.is_at_rest() => return 0.0,
+            // It is being stopped already.
+            None if joint.asked.is_some() => return Some(self.stopping(index)),
+            None if joint.is_at_rest() => return None,
             None => {}
         }
         if !joint.began {
-            return 0.0;
+            return None;
         }
         self.joints[index].stop_due = true;
         self.ask(index, What::Stop, None);
-        let asked = self.joints[index].asked.as_ref();
-        asked.map_or(0.0, |asked| {
-            (asked.samples.samples() - 1) as f64 * self.config.period
-        })
+        Some(self.stopping(index))
+    }
+
+    /// A joint whose stop is asked for: it rests when the plan has ended and the train after it.
+    fn stopping(&self, index: usize) -> Stopping {
+        let joint = &self.joints[index];
+        let train = joint.axis().map_or(0.0, |axis| axis.train.duration());
+        let plan = |asked: &Asked| {
+            let ticks = asked.ahead as f64 + (asked.samples.samples() - 1) as f64;
+            ticks * self.config.period
+        };
+        Stopping {
+            joint: joint.config.name.clone(),
+            duration_s: joint.asked.as_ref().map(|asked| plan(asked) + train),
+        }
     }
 
     fn planned(
