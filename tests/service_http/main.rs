@@ -1,7 +1,11 @@
 //! What the service says to the outside, and what it refuses.
 
 mod client;
+mod connections;
+mod jobs;
 mod recordings;
+#[path = "../small/mod.rs"]
+mod small;
 mod stand_in;
 mod streams;
 
@@ -9,7 +13,6 @@ use client::Client;
 use quell::service::http::{Settings, check};
 use rand::{Rng, SeedableRng};
 use stand_in::{outside, settings};
-use std::time::{Duration, Instant};
 
 const MOVE: &str = r#"{"joint": "joint_1", "target_deg": 30}"#;
 
@@ -293,35 +296,6 @@ fn others_need_the_token() {
     assert_eq!(client.get(&format!("/api/state{query}")).status, 200);
     // What commands must not be a link.
     assert_eq!(client.post(&format!("/api/stop{query}"), "").status, 401);
-}
-
-#[test]
-fn connections_that_are_too_many_or_say_nothing_do_no_harm() {
-    let settings = Settings {
-        max_connections: 4,
-        ..settings()
-    };
-    let outside = outside(settings, None);
-    let mut held: Vec<_> = (0..4).map(|_| Client::new(outside.address)).collect();
-    for client in &mut held {
-        assert_eq!(client.get("/metrics").status, 200);
-    }
-    let refused = Client::new(outside.address).read().unwrap();
-    assert_eq!(
-        (refused.status, refused.error().contains("too many")),
-        (503, true)
-    );
-    held.pop();
-    let until = Instant::now() + Duration::from_secs(10);
-    while Instant::now() < until {
-        std::thread::sleep(Duration::from_millis(20));
-        let metrics = held[0].get("/metrics").text();
-        if metrics.contains("quell_http_connections 3\n") {
-            break;
-        }
-    }
-    let mut again = Client::new(outside.address);
-    assert_eq!(again.get("/metrics").status, 200, "a place is free again");
 }
 
 #[test]

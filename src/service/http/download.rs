@@ -1,5 +1,6 @@
 //! One recording to take along, a few at once.
 
+use std::convert::Infallible;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
@@ -36,34 +37,35 @@ pub async fn download(
         (CONTENT_DISPOSITION, disposition),
     ];
     let body = Body::new(Held {
-        body: archive.into(),
+        rest: archive.into(),
         _place: place,
     });
     Ok((headers, body).into_response())
 }
 
+/// Bytes that are handed on at once: what is handed on is no longer held here.
+const PART: usize = 64 * 1024;
+
 /// A body that keeps its place until it is sent.
 struct Held {
-    body: Body,
+    rest: Bytes,
     _place: OwnedSemaphorePermit,
 }
 
 impl hyper::body::Body for Held {
     type Data = Bytes;
-    type Error = axum::Error;
+    type Error = Infallible;
 
     fn poll_frame(
         mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        Pin::new(&mut self.body).poll_frame(context)
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
+        _: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        let length = self.rest.len().min(PART);
+        let part = self.rest.split_to(length);
+        Poll::Ready((length > 0).then(|| Ok(Frame::data(part))))
     }
 
     fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
+        SizeHint::with_exact(self.rest.len() as u64)
     }
 }

@@ -80,7 +80,8 @@ impl Jobs {
         let thread = std::thread::Builder::new().name("quell-diagnosis".into());
         thread.spawn(move || {
             while woken.recv().is_ok() {
-                while let Some(next) = locked(&mine).begin(limit) {
+                let next = || locked(&mine).begin(limit);
+                while let Some(next) = next() {
                     let progress = |done: f64, what: &str| locked(&mine).tell(next.id, done, what);
                     let result = work::diagnosed(&next.order, report, &next.stop, &progress);
                     locked(&mine).end(next.id, result);

@@ -83,7 +83,12 @@ pub fn diagnosed(
     // A robot must not stop because a recording is odd: what goes wrong in here is told, and no more.
     let work = AssertUnwindSafe(|| on_nice_threads(|| work(order, report, stop, progress)));
     let broken = |_| Failure::Told("the diagnosis broke down; the log says where".into());
-    catch_unwind(work).map_err(broken)??
+    let done = catch_unwind(work).map_err(broken)??;
+    // Nobody waits for what was cancelled, also where it was done before it heard of it.
+    match stop.cancelled.load(Relaxed) {
+        true => Err(Failure::Cancelled),
+        false => done,
+    }
 }
 
 fn work(
