@@ -84,9 +84,7 @@ impl DeformationSensor {
                 time: aligned.time,
                 motor_position: u,
                 deformation,
-                tip_deformation: self
-                    .arc
-                    .map_or(f64::NAN, |arc| deformation * arc.radius()),
+                tip_deformation: self.arc.map_or(f64::NAN, |arc| deformation * arc.radius()),
             });
         }
     }

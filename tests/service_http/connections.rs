@@ -2,10 +2,12 @@
 
 use super::client::{Answer, Client};
 use super::stand_in::{BOUNDS, outside, settings};
+use quell::service::contract::{Accepted, Request, ServiceError, Snapshot, channels};
 use quell::service::http::Settings;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
+use tokio::task::{JoinSet, yield_now};
 
 const PLACES: usize = 4;
 /// More than the places, and those that are kept for a stop.
@@ -48,7 +50,11 @@ fn one_beyond_the_places_may_stop_and_do_nothing_else() {
     for client in &mut held {
         assert_eq!(client.get("/metrics").status, 200);
     }
-    for (path, body) in [("/api/move", "{}"), ("/api/shaper", "{}"), ("/api/nothing", "")] {
+    for (path, body) in [
+        ("/api/move", "{}"),
+        ("/api/shaper", "{}"),
+        ("/api/nothing", ""),
+    ] {
         let refused = Client::new(outside.address).post(path, body);
         assert_eq!(refused.status, 503, "{path}");
         assert!(refused.error().contains("only POST /api/stop"), "{path}");
@@ -58,7 +64,10 @@ fn one_beyond_the_places_may_stop_and_do_nothing_else() {
     assert_eq!(stopped.status, 200, "{}", stopped.text());
     assert_eq!(stopped.json()["joints"][0]["joint"], "joint_1");
     let metrics = held[0].get("/metrics").text();
-    assert!(metrics.contains("quell_http_connections_refused_total 4\n"), "{metrics}");
+    assert!(
+        metrics.contains("quell_http_connections_refused_total 4\n"),
+        "{metrics}"
+    );
     // A place that is given back is there for the next one.
     held.pop();
     while Client::new(outside.address).get("/metrics").status != 200 {
@@ -90,7 +99,10 @@ fn what_is_slow_is_told_so_and_cut() {
     for head in ["", "POST /api/stop HTTP/1.1\r\nHost: "] {
         let told = told(says(outside.address, head.as_bytes()));
         assert!(told.starts_with("HTTP/1.1 408 "), "{head}: {told}");
-        assert!(told.ends_with("{\"error\": \"the head of the request was not here within a second\"}"), "{told}");
+        assert!(
+            told.ends_with("{\"error\": \"the head of the request was not here within a second\"}"),
+            "{told}"
+        );
     }
     let head = "POST /api/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n{";
     let mut client = says(outside.address, head.as_bytes());
@@ -98,14 +110,20 @@ fn what_is_slow_is_told_so_and_cut() {
     let length = client.read(&mut answer).unwrap();
     let answer = String::from_utf8_lossy(&answer[..length]);
     assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");
-    assert!(answer.contains("the body was not here within 1 s"), "{answer}");
+    assert!(
+        answer.contains("the body was not here within 1 s"),
+        "{answer}"
+    );
     // One that dribbles is cut as well: it would else go on for ever.
     let mut dribble = says(outside.address, b"GET / HTTP/1.1\r\nX-Slow: ");
     while dribble.write_all(b"a").is_ok() {
         std::thread::sleep(Duration::from_millis(20));
     }
     let metrics = Client::new(outside.address).get("/metrics").text();
-    assert!(metrics.contains("quell_http_refused_total{code=\"408\"} 4\n"), "{metrics}");
+    assert!(
+        metrics.contains("quell_http_refused_total{code=\"408\"} 4\n"),
+        "{metrics}"
+    );
 }
 
 #[test]
@@ -130,8 +148,45 @@ fn recordings_that_nobody_takes_are_sent_to_a_few_at_once() {
     }
     let refused = Client::new(outside.address).get("/api/recordings/r0000");
     assert_eq!(refused.status, 503, "{}", refused.error());
-    assert!(refused.error().contains("too many recordings"), "{}", refused.error());
+    assert!(
+        refused.error().contains("too many recordings"),
+        "{}",
+        refused.error()
+    );
     // All else is answered beside them.
     assert_eq!(stop(outside.address).status, 200);
     drop(sleepers);
+}
+
+#[test]
+fn requests_that_wait_for_the_engine_leave_room_for_a_stop() {
+    let runtime = tokio::runtime::Builder::new_current_thread().build();
+    runtime.unwrap().block_on(async {
+        let (handle, mut ends) = channels(Snapshot::default());
+        let mut waiting = JoinSet::new();
+        for _ in 0..100 {
+            let handle = handle.clone();
+            let request = Request::Payload { mass: 1.0 };
+            waiting.spawn(async move { handle.ask(request).await });
+        }
+        yield_now().await;
+        let mut refused = 0;
+        while let Some(answer) = waiting.try_join_next() {
+            assert_eq!(answer.unwrap(), Err(ServiceError::Busy));
+            refused += 1;
+        }
+        assert!(refused > 0, "more are asked for than may wait");
+        let stop = tokio::spawn(async move { handle.ask(Request::Stop).await });
+        let done = Accepted::Stop {
+            duration_s: 0.0,
+            joints: Vec::new(),
+        };
+        while let Some(envelope) = ends.requests.recv().await {
+            if envelope.request == Request::Stop {
+                envelope.reply.send(Ok(done.clone())).unwrap();
+                break;
+            }
+        }
+        assert_eq!(stop.await.unwrap(), Ok(done));
+    });
 }

@@ -83,20 +83,34 @@ fn a_job_is_cancelled_while_it_waits_and_while_it_runs() {
     assert_eq!(order(&mut client).0, 503, "four wait already");
     // One that waits is cancelled at once, and makes room.
     let (status, job) = cancel(&mut client, 3);
-    assert_eq!((status, &job["status"]), (200, &json!("cancelled")), "{job}");
+    assert_eq!(
+        (status, &job["status"]),
+        (200, &json!("cancelled")),
+        "{job}"
+    );
     assert_eq!(cancel(&mut client, 3).0, 200, "twice is once");
     assert_eq!(order(&mut client).1["id"], 6);
     let (status, job) = cancel(&mut client, 1);
-    assert_eq!((status, &job["doing"]), (200, &json!("being cancelled")), "{job}");
+    assert_eq!(
+        (status, &job["doing"]),
+        (200, &json!("being cancelled")),
+        "{job}"
+    );
     drop(gate);
     let job = until(&mut client, 1, "cancelled");
-    assert!(job["diagnosis"].is_null() && job["error"].is_null(), "{job}");
+    assert!(
+        job["diagnosis"].is_null() && job["error"].is_null(),
+        "{job}"
+    );
     assert_eq!(client.get("/api/diagnose/1/report").status, 409);
     // The others are done, and what is done cannot be cancelled.
     let job = until(&mut client, 6, "done");
     assert_eq!(job["diagnosis"]["verdict"], "no_mismatch", "{job}");
     let (status, refused) = cancel(&mut client, 6);
-    assert_eq!((status, &refused["error"]), (409, &json!("diagnosis 6 has ended: it is done")));
+    assert_eq!(
+        (status, &refused["error"]),
+        (409, &json!("diagnosis 6 has ended: it is done"))
+    );
     assert_eq!(cancel(&mut client, 7).0, 404);
 }
 
@@ -112,7 +126,10 @@ fn a_job_is_given_up_after_its_time_and_says_so() {
     assert_eq!(order(&mut client).0, 202);
     let job = until(&mut client, 1, "failed");
     let error = job["error"].as_str().unwrap();
-    assert!(error.contains("not done within 0 s (diagnosis.time_limit_s"), "{error}");
+    assert!(
+        error.contains("not done within 0 s (diagnosis.time_limit_s"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -141,7 +158,13 @@ fn a_diagnosis_can_be_stopped_before_any_of_its_simulations() {
             stop: Stop::when(move || count.fetch_add(1, Relaxed) >= most),
             ..Options::default()
         };
-        diagnose(&model, std::slice::from_ref(&recording), &[], &options, &|_, _| {})
+        diagnose(
+            &model,
+            std::slice::from_ref(&recording),
+            &[],
+            &options,
+            &|_, _| {},
+        )
     };
     assert!(run(usize::MAX).is_ok());
     let all = asked.load(Relaxed);
@@ -149,6 +172,9 @@ fn a_diagnosis_can_be_stopped_before_any_of_its_simulations() {
     assert!(all > 100, "{all}");
     for part in 0..40 {
         let stopped = run(all * part / 40);
-        assert!(matches!(stopped, Err(DiagnosisError::Stopped)), "part {part}");
+        assert!(
+            matches!(stopped, Err(DiagnosisError::Stopped)),
+            "part {part}"
+        );
     }
 }

@@ -10,6 +10,7 @@ mod stand_in;
 mod streams;
 
 use client::Client;
+use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::http::{Settings, check};
 use rand::{Rng, SeedableRng};
 use stand_in::{outside, settings};
@@ -296,6 +297,53 @@ fn others_need_the_token() {
     assert_eq!(client.get(&format!("/api/state{query}")).status, 200);
     // What commands must not be a link.
     assert_eq!(client.post(&format!("/api/stop{query}"), "").status, 401);
+}
+
+#[test]
+fn udp_beyond_this_machine_needs_a_key_or_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("quell.toml");
+    let load = |robot: &str, address: &str, more: &str| {
+        let udp = format!("[udp]\naddress = \"{address}\"\n{more}\n");
+        std::fs::write(&file, format!("[service]\nrobot = \"{robot}\"\n{udp}")).unwrap();
+        Config::load(Some(&file), &Overrides::default())
+    };
+    for address in [
+        "0.0.0.0:7871",
+        "192.168.1.5:7871",
+        "[::]:7871",
+        "[::ffff:10.0.0.1]:7871",
+    ] {
+        let refused = load("udp", address, "").err().unwrap().to_string();
+        assert!(
+            refused.contains(&format!("udp.address = {address}")),
+            "{refused}"
+        );
+        for words in [
+            "udp.key",
+            "openssl rand -hex 32",
+            "udp.allow_unsigned = true",
+        ] {
+            assert!(refused.contains(words), "{refused}");
+        }
+        let key = "key = \"0123456789abcdef\"";
+        assert!(load("udp", address, key).unwrap().udp_key.is_some());
+        assert!(load("udp", address, "allow_unsigned = true").is_ok());
+        // Without a robot over UDP nothing listens there.
+        assert!(load("embedded", address, "").is_ok());
+    }
+    for address in ["127.0.0.1:7871", "[::1]:7871", "[::ffff:127.0.0.1]:7871"] {
+        assert!(load("udp", address, "").is_ok(), "{address}");
+    }
+    let overrides = Overrides {
+        robot: Some(RobotKind::Udp),
+        udp: Some("0.0.0.0:7871".parse().unwrap()),
+        ..Overrides::default()
+    };
+    assert!(
+        Config::load(None, &overrides).is_err(),
+        "also on the command line"
+    );
 }
 
 #[test]

@@ -90,7 +90,9 @@ impl Browser {
         if let Some(session) = session {
             message["sessionId"] = json!(session);
         }
-        self.socket.send(Message::text(message.to_string())).unwrap();
+        self.socket
+            .send(Message::text(message.to_string()))
+            .unwrap();
         self.last
     }
 
@@ -122,7 +124,11 @@ impl Browser {
     pub fn assert_sound(&mut self) {
         // Errors that came before this answer are noted with it.
         self.value("1");
-        assert!(self.errors.is_empty(), "errors of the page: {:#?}", self.errors);
+        assert!(
+            self.errors.is_empty(),
+            "errors of the page: {:#?}",
+            self.errors
+        );
     }
 
     /// Value of an expression in the page, awaited where it is a promise.
@@ -130,7 +136,10 @@ impl Browser {
         let parameters =
             json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
         let result = self.call("Runtime.evaluate", parameters);
-        assert!(result["exceptionDetails"].is_null(), "{expression}: {result}");
+        assert!(
+            result["exceptionDetails"].is_null(),
+            "{expression}: {result}"
+        );
         result["result"]["value"].clone()
     }
 
@@ -145,10 +154,18 @@ impl Browser {
         let end = Instant::now() + PATIENCE;
         while self.value(expression) != json!(true) {
             let text = "document.querySelector('main')?.innerText";
-            assert!(Instant::now() < end, "{expression} never holds: {}", self.value(text));
+            assert!(
+                Instant::now() < end,
+                "{expression} never holds: {}",
+                self.value(text)
+            );
             std::thread::sleep(Duration::from_millis(50));
         }
-        assert!(self.errors.is_empty(), "errors of the page: {:#?}", self.errors);
+        assert!(
+            self.errors.is_empty(),
+            "errors of the page: {:#?}",
+            self.errors
+        );
     }
 
     /// Shows a page of the service, once it has heard of it.

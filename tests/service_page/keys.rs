@@ -37,7 +37,11 @@ pub fn space_and_escape_stop_and_do_nothing_else(browser: &mut Browser) {
     for selector in FOCUSED {
         browser.value(&format!("document.querySelector('{selector}').focus()"));
         let focused = format!("document.activeElement === document.querySelector('{selector}')");
-        assert_eq!(browser.value(&focused), json!(true), "{selector} takes the focus");
+        assert_eq!(
+            browser.value(&focused),
+            json!(true),
+            "{selector} takes the focus"
+        );
         one_stop(browser, selector);
     }
     // A click puts the focus into the report.
@@ -53,7 +57,12 @@ fn one_stop(browser: &mut Browser, focus: &str) {
         let before = browser.value(SHOWN);
         browser.press(key, 5);
         browser.until(SAID);
-        assert_eq!(browser.commands(), ["POST /api/stop"], "{} on {focus}", key.1);
+        assert_eq!(
+            browser.commands(),
+            ["POST /api/stop"],
+            "{} on {focus}",
+            key.1
+        );
         assert_eq!(browser.value(SHOWN), before, "{} on {focus}", key.1);
     }
 }
@@ -63,7 +72,12 @@ pub fn numbers_are_those_that_people_read(browser: &mut Browser) {
     browser.value("document.querySelector('#target').value = '0.1'");
     browser.click("#move .primary", 1);
     arrived(browser, "0.1");
-    for (step, expected) in [("10", "10.1"), ("10", "20.1"), ("-10", "10.1"), ("-10", "0.1")] {
+    for (step, expected) in [
+        ("10", "10.1"),
+        ("10", "20.1"),
+        ("-10", "10.1"),
+        ("-10", "0.1"),
+    ] {
         silence(browser);
         browser.click(&format!("[data-by=\"{step}\"]"), 1);
         browser.until("document.querySelector('#said').textContent.startsWith('Moving, ')");

@@ -15,7 +15,9 @@ const STATE: &str = "(await (await fetch('/api/state')).json())";
 
 /// Waits until an expression of the service's `state` holds.
 fn until(browser: &mut Browser, holds: &str) {
-    browser.until(&format!("(async () => {{ const state = {STATE}; return {holds}; }})()"));
+    browser.until(&format!(
+        "(async () => {{ const state = {STATE}; return {holds}; }})()"
+    ));
 }
 
 const RESTS: &str = "state.joints[0].phase === 'rest'";
@@ -31,7 +33,11 @@ fn travel(browser: &mut Browser, degrees: i32, moves: usize) {
     silence(browser);
     browser.press(ENTER, 20);
     browser.until("document.querySelector('#said').textContent.startsWith('Moving, ')");
-    assert_eq!(browser.commands(), ["POST /api/move"], "Enter is held, and moves once");
+    assert_eq!(
+        browser.commands(),
+        ["POST /api/move"],
+        "Enter is held, and moves once"
+    );
     browser.until(&format!(
         "document.querySelectorAll('#bars .name').length === {moves}"
     ));
@@ -57,15 +63,30 @@ fn stopped_by_key(browser: &mut Browser) {
     // A double click is one command.
     browser.commands();
     browser.click("#move .primary", 2);
-    until(browser, "state.joints[0].phase === 'moving' && state.joints[0].command_rad < 0.3");
+    until(
+        browser,
+        "state.joints[0].phase === 'moving' && state.joints[0].command_rad < 0.3",
+    );
     assert_eq!(browser.commands(), ["POST /api/move"]);
     browser.press(ESCAPE, 20);
     browser.until("/^joint_1: stopping, at rest in [0-9.]+ s\\.$/.test(document.querySelector('#said').textContent)");
-    assert_eq!(browser.commands(), ["POST /api/stop"], "Escape is held, and stops once");
-    until(browser, "state.joints[0].phase === 'rest' && state.moves.at(-1).interrupted");
+    assert_eq!(
+        browser.commands(),
+        ["POST /api/stop"],
+        "Escape is held, and stops once"
+    );
+    until(
+        browser,
+        "state.joints[0].phase === 'rest' && state.moves.at(-1).interrupted",
+    );
     until(browser, "state.joints[0].command_rad > -2.5");
-    browser.until("document.querySelector('#bars-note').textContent === 'Not shown: 1 that was interrupted.'");
-    assert_eq!(browser.value("document.querySelectorAll('#bars .name').length"), bars);
+    browser.until(
+        "document.querySelector('#bars-note').textContent === 'Not shown: 1 that was interrupted.'",
+    );
+    assert_eq!(
+        browser.value("document.querySelectorAll('#bars .name').length"),
+        bars
+    );
 }
 
 /// One that waits behind others is cancelled from the page.
@@ -77,12 +98,15 @@ fn cancelled(browser: &mut Browser) {
         return (await fetch('/api/diagnose', { method: 'POST', headers, body })).status; }))";
     assert_eq!(browser.value(order), json!([202, 202, 202]));
     browser.click("#recordings tr:last-child button", 1);
-    browser.until("document.querySelector('#doing').textContent.startsWith('Diagnosing move-000001: ')");
+    browser.until(
+        "document.querySelector('#doing').textContent.startsWith('Diagnosing move-000001: ')",
+    );
     browser.click("#cancel", 1);
     browser.until(
         "document.querySelector('#verdict').textContent === 'move-000001: the diagnosis was cancelled.'",
     );
-    let others = "Promise.all([1, 2, 3].map((id) => fetch(`/api/diagnose/${id}`, { method: 'DELETE' })))";
+    let others =
+        "Promise.all([1, 2, 3].map((id) => fetch(`/api/diagnose/${id}`, { method: 'DELETE' })))";
     browser.value(&format!("(async () => {{ await {others}; }})()"));
 }
 
@@ -131,7 +155,10 @@ fn diagnosed(browser: &mut Browser) {
     browser.click("#recordings tr:last-child button", 1);
     browser.until("document.querySelector('#verdict').textContent.includes('Nothing is missing')");
     let verdict = browser.text("#verdict");
-    assert!(verdict.starts_with("move-000001: Nothing is missing"), "{verdict}");
+    assert!(
+        verdict.starts_with("move-000001: Nothing is missing"),
+        "{verdict}"
+    );
     browser.until("document.querySelector('#report').href.endsWith('/report')");
     browser.click("#show-report", 1);
     browser.until("!document.querySelector('#report-frame').hidden");
@@ -139,16 +166,27 @@ fn diagnosed(browser: &mut Browser) {
 
 /// Without the service nothing that is shown is taken for the present, and a stop says that it was none.
 fn gone(browser: &mut Browser) {
-    browser.until("document.querySelector('#connection').textContent.startsWith('connection lost')");
+    browser
+        .until("document.querySelector('#connection').textContent.startsWith('connection lost')");
     browser.until("!document.querySelector('#old').hidden");
     let old = browser.text("#old");
-    assert!(old.starts_with("The service does not answer. What is shown is of "), "{old}");
+    assert!(
+        old.starts_with("The service does not answer. What is shown is of "),
+        "{old}"
+    );
     let grey = "['.views', '#moves', '#tick'].map((of) => getComputedStyle(document.querySelector(of)).filter)";
     let grey: Value = browser.value(grey);
-    assert_eq!(grey, json!(["grayscale(1)", "grayscale(1)", "grayscale(1)"]));
+    assert_eq!(
+        grey,
+        json!(["grayscale(1)", "grayscale(1)", "grayscale(1)"])
+    );
     let disabled = "[...document.querySelectorAll('.controls button')].map((one) => one.disabled)";
     let disabled = browser.value(disabled);
-    assert_eq!(disabled, json!([false, true, true, true, true, true]), "only Stop can be pressed");
+    assert_eq!(
+        disabled,
+        json!([false, true, true, true, true, true]),
+        "only Stop can be pressed"
+    );
     browser.click("#stop", 1);
     browser.until(
         "document.querySelector('#said').textContent === 'NOT stopped from here: the service does not answer.'",

@@ -80,7 +80,9 @@ fn a_sensor_in_radians_is_drawn_in_radians_and_a_silent_joint_has_no_curves() {
     let (_process, page) = service(folder.path(), &["--config", &file.display().to_string()]);
     let _robot = Robot::start(address);
     browser.open(&page);
-    let unit = |text: &str| format!("document.querySelector('#deformation-unit').textContent === '{text}'");
+    let unit = |text: &str| {
+        format!("document.querySelector('#deformation-unit').textContent === '{text}'")
+    };
     browser.until(&unit(", mrad"));
     for chart in ["#position", "#deformation"] {
         browser.until(&format!("{} > 0", coloured(chart)));
@@ -98,7 +100,10 @@ fn a_sensor_in_radians_is_drawn_in_radians_and_a_silent_joint_has_no_curves() {
         browser.until(&format!("{} === 0", coloured(chart)));
     }
     assert_eq!(browser.text("#figures dd"), "– deg");
-    assert_eq!(browser.value("document.querySelectorAll('#train circle').length"), json!(0));
+    assert_eq!(
+        browser.value("document.querySelectorAll('#train circle').length"),
+        json!(0)
+    );
     assert_eq!(browser.text("#bars-note"), "No move yet.");
     browser.value(&select("heard"));
     browser.until(&unit(", mrad"));

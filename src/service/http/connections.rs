@@ -225,7 +225,10 @@ fn paced(
 }
 
 /// Drives a connection to its end, or until it is overdue.
-async fn in_time<C: Future>(mut connection: Pin<&mut C>, pace: &Pace) -> Result<C::Output, Overdue> {
+async fn in_time<C: Future>(
+    mut connection: Pin<&mut C>,
+    pace: &Pace,
+) -> Result<C::Output, Overdue> {
     let mut sleep = pin!(sleep_until(pace.deadline().0));
     poll_fn(|context| {
         // What the connection does sets the deadline anew, and nothing else does.

@@ -18,7 +18,7 @@
 //!
 //! Any error is `{"error": "a sentence"}`. Everything that a stranger may make large is bounded:
 //! bodies, headers, connections, streams, downloads, waiting jobs, and the time each may take. A stop has
-//! connections of its own ([`connections`]), and room among the requests that wait for the engine.
+//! connections of its own, and room among the requests that wait for the engine.
 
 mod answer;
 mod body;

@@ -98,7 +98,9 @@ impl List {
                 return Err(CancelError::Ended { id, status });
             }
         }
-        self.job(id).map(Job::now).ok_or(CancelError::Unknown { id })
+        self.job(id)
+            .map(Job::now)
+            .ok_or(CancelError::Unknown { id })
     }
 
     /// A job, if it is remembered.
