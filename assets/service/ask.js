@@ -3,7 +3,8 @@
 import { $, number, say } from "./dom.js";
 
 const PATIENCE = 10000; // ms after which an answer is not waited for any more
-const AGAIN = 500; // ms after which a stop that has no answer yet is sent again
+const AGAIN = 500; // ms after which a stop that has no answer yet is sent again when it is asked for again
+const TRIES = 3; // of a stop, where the service does not answer or has no time
 
 export const token = { get: () => sessionStorage.getItem("quell-token"), set: (text) => sessionStorage.setItem("quell-token", text) };
 
@@ -60,12 +61,22 @@ export async function stop() {
   sent = now;
   for (const other of waiting) other.abort(new Error("a stop came first"));
   try {
-    const answer = await ask("/api/stop", { method: "POST", signal: AbortSignal.timeout(PATIENCE) });
-    say(stopped(answer.joints));
+    say(stopped((await send(TRIES)).joints));
   } catch (error) {
     say(`NOT stopped from here: ${error.message}.`, true);
   } finally {
     if (sent === now) sent = -Infinity;
+  }
+}
+
+/** Sends a stop, at once again where that may help: to stop twice is to stop. */
+async function send(tries) {
+  try {
+    return await ask("/api/stop", { method: "POST", signal: AbortSignal.timeout(PATIENCE) });
+  } catch (error) {
+    const helps = [undefined, 408, 503].includes(error.status);
+    if (!helps || tries === 1) throw error;
+    return send(tries - 1);
   }
 }
 

@@ -247,6 +247,10 @@ $("token-form").onsubmit = (event) => {
   $("token-form").hidden = true;
 };
 
+// Stop, and what it said, stay in sight where the controls are not.
+const controls = document.querySelector(".controls");
+new IntersectionObserver(([seen]) => controls.classList.toggle("away", !seen.isIntersecting)).observe(controls);
+
 connect();
 lastDiagnosis();
 requestAnimationFrame(draw);

@@ -177,7 +177,7 @@ impl Connection {
                     self.app.counters.answered(StatusCode::REQUEST_TIMEOUT);
                     return wire.farewell(TOO_SLOW);
                 }
-                Err(Overdue::Idle | Overdue::Stalled) => return,
+                Err(Overdue::Silent | Overdue::Idle | Overdue::Stalled) => return,
                 Err(Overdue::Old) => {}
             },
             _ = self.ending.changed() => {}

@@ -10,7 +10,7 @@ use tokio::time::Instant;
 
 /// Time in which the head of a request must be here, from its first byte on, or from when the connection
 /// was made. 16 KiB take less on any line that can show the page.
-pub const HEAD: Duration = Duration::from_secs(1);
+const HEAD: Duration = Duration::from_secs(1);
 /// Time for which a connection without a request is kept after an answer: browsers and scripts that ask every
 /// few seconds need not connect anew.
 const IDLE: Duration = Duration::from_secs(15);
@@ -22,6 +22,8 @@ const LIFE: Duration = Duration::from_secs(600);
 /// What a connection waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Waits {
+    /// For the first byte of all.
+    Byte,
     /// For the head of a request.
     Head,
     /// For the service: the handler bounds the time of the body and of its own work.
@@ -33,6 +35,8 @@ enum Waits {
 /// Why a connection has to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overdue {
+    /// Nothing came: browsers connect before they ask, and ask again elsewhere where they are not told anything.
+    Silent,
     /// The head of a request was not here in time: nothing of an answer has been sent.
     Head,
     /// No request came.
@@ -61,7 +65,7 @@ impl Pace {
     pub fn new(now: Instant) -> Self {
         Self(Mutex::new(State {
             opened: now,
-            waits: Waits::Head,
+            waits: Waits::Byte,
             since: now,
             blocked: None,
         }))
@@ -70,8 +74,11 @@ impl Pace {
     /// Bytes came.
     pub fn heard(&self, now: Instant) {
         let mut state = self.state();
-        if state.waits == Waits::Request {
-            (state.waits, state.since) = (Waits::Head, now);
+        match state.waits {
+            // Its second began with the connection.
+            Waits::Byte => state.waits = Waits::Head,
+            Waits::Request => (state.waits, state.since) = (Waits::Head, now),
+            Waits::Head | Waits::Answer => {}
         }
     }
 
@@ -106,6 +113,7 @@ impl Pace {
         let state = *self.state();
         let own = match (state.blocked, state.waits) {
             (Some(since), _) => Some((since + STALL, Overdue::Stalled)),
+            (None, Waits::Byte) => Some((state.since + HEAD, Overdue::Silent)),
             (None, Waits::Head) => Some((state.since + HEAD, Overdue::Head)),
             (None, Waits::Request) => Some((state.since + IDLE, Overdue::Idle)),
             (None, Waits::Answer) => None,
@@ -129,6 +137,7 @@ mod tests {
         let begin = Instant::now();
         let at = |ms: u64| begin + Duration::from_millis(ms);
         let pace = Pace::new(begin);
+        assert_eq!(pace.deadline(), (at(1000), Overdue::Silent));
         pace.heard(at(300));
         pace.heard(at(900));
         assert_eq!(pace.deadline(), (at(1000), Overdue::Head));
