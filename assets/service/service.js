@@ -247,9 +247,9 @@ $("token-form").onsubmit = (event) => {
   $("token-form").hidden = true;
 };
 
-// Stop, and what it said, stay in sight where the controls are not.
-const controls = document.querySelector(".controls");
-new IntersectionObserver(([seen]) => controls.classList.toggle("away", !seen.isIntersecting)).observe(controls);
+// Stop, and what it said, stay in sight where their place is not.
+const place = $("stop-place");
+new IntersectionObserver(([seen]) => place.classList.toggle("away", seen.intersectionRatio < 1), { threshold: 1 }).observe(place);
 
 connect();
 lastDiagnosis();

@@ -163,11 +163,15 @@ fn diagnosed(browser: &mut Browser) {
     browser.click("#show-report", 1);
     browser.until("!document.querySelector('#report-frame').hidden");
     // The button that stops is in sight also where the report is read.
-    browser.value("document.querySelector('#report-frame').scrollIntoView()");
-    browser.until(
-        "(() => { const box = document.querySelector('#stop').getBoundingClientRect(); \
-         return box.height > 0 && box.top >= 0 && box.bottom <= innerHeight; })()",
-    );
+    for place in ["#bars", "#report-frame", "footer"] {
+        browser.value(&format!(
+            "document.querySelector('{place}').scrollIntoView()"
+        ));
+        browser.until(
+            "(() => { const box = document.querySelector('#stop').getBoundingClientRect(); \
+             return box.height > 0 && box.top >= 0 && box.bottom <= innerHeight; })()",
+        );
+    }
 }
 
 /// Without the service nothing that is shown is taken for the present, and a stop says that it was none.
