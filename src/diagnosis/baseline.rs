@@ -6,6 +6,7 @@ use super::problem::{Problem, Rows};
 use super::search::LONG;
 use super::split::{self, HeldOut};
 use super::start::{departure_scale, departures};
+use super::stop::Stop;
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
@@ -112,6 +113,7 @@ pub fn problem<'a>(
         departure_scale: departure_scale(&scales),
         scales,
         frozen: false,
+        stop: Stop::default(),
     }
 }
 
@@ -315,6 +317,9 @@ pub enum DiagnosisError {
     /// A recording does not suit the model.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
+    /// It was stopped before its time.
+    #[error("the diagnosis was stopped before its time")]
+    Stopped,
     /// The model runs away on its own recording.
     #[error(
         "the model's simulation of \"{recording}\" is not finite: check its parameters and units"

@@ -8,7 +8,7 @@ use std::io;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, channel};
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::Isometry3;
 use quell_shapers::{Mode, ShaperError, UncertainMode};
 use quell_trajectories::{PlanError, Planner};
 use thiserror::Error;
@@ -23,7 +23,7 @@ use super::state::{State, StateFile};
 use super::tick::{JointTick, Pulse, Tick, Watchdog};
 use crate::closed_loop::{ClosedLoopError, commission};
 use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
-use crate::signal::{Clock, DeformationSensor, JointArc};
+use crate::signal::{Clock, DeformationSensor};
 
 /// Displacement of the embedded arm's commissioning move, rad: as `quell move`, 30 degrees or less.
 const COMMISSIONING: f64 = 0.25;
@@ -238,9 +238,11 @@ fn made(
     state: &State,
     clock: &ServiceClock,
 ) -> Result<Joint, StartError> {
-    let arc = joint.arc.unwrap_or_else(unit_arc);
     let sensor = robot.sensor.clone();
-    let own = DeformationSensor::new(arc, Isometry3::identity(), Clock::REFERENCE);
+    let own = match joint.arc {
+        Some(arc) => DeformationSensor::new(arc, Isometry3::identity(), Clock::REFERENCE),
+        None => DeformationSensor::without_arc(Clock::REFERENCE),
+    };
     let remembered = state
         .joints
         .get(&joint.name)
@@ -262,7 +264,6 @@ fn made(
     };
     Ok(Joint {
         sensor: sensor.unwrap_or(own),
-        arc_known: joint.arc.is_some(),
         shaper: joint.shaper,
         shaping: joint.shaping,
         adaptation: joint.adaptation,
@@ -285,12 +286,6 @@ fn made(
         registrar: robot.sensor.is_none().then(Registrar::default),
         config: joint.clone(),
     })
-}
-
-/// An arc for a joint whose tip is not known: its lengths are never told.
-fn unit_arc() -> JointArc {
-    let axis = Unit::new_unchecked(Vector3::z());
-    JointArc::new(nalgebra::Point3::origin(), axis, Vector3::x())
 }
 
 fn bounds(joint: &Joint) -> Bounds {

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::contract::{
     Accepted, Handle, ModeValue, MoveResult, Phase, Request, ServiceError, ShapingChange, Snapshot,
-    WatchdogState,
+    Stopping, WatchdogState,
 };
 use quell::service::tick::pace::bridged;
 use quell::service::{Service, start};
@@ -189,9 +189,41 @@ fn a_robot_over_udp_is_commanded_without_a_jump() {
     wait(&handle, "it moves on", |snapshot| {
         snapshot.joints[0].command_rad_s > 0.5
     });
-    let stopped = ask(&handle, Request::Stop).expect("a stop");
-    assert!(matches!(stopped, Accepted::Stop { duration_s } if duration_s > 0.0));
+    let asked = handle.snapshot().unix_time_s;
+    let stop = |handle| match ask(handle, Request::Stop).expect("a stop") {
+        Accepted::Stop { duration_s, joints } => (duration_s, joints),
+        other => panic!("{other:?}"),
+    };
+    let (duration, joints) = stop(&handle);
+    let expected = Stopping {
+        joint: "joint_1".into(),
+        duration_s: Some(duration),
+    };
+    assert_eq!(joints, [expected]);
     let next = result(&handle, next);
+    // It did not rest before it was said to; a busy machine may have stopped it later.
+    let took = next.unix_time_s + next.duration_s - asked;
+    assert!(
+        duration > 0.0 && took >= 0.9 * duration,
+        "{took} s, said {duration}"
+    );
+    assert_eq!(stop(&handle), (0.0, Vec::new()), "nothing moves any more");
+    // No length is told of a joint whose arc nobody has described.
+    let mut stream = handle.stream();
+    let row = loop {
+        // The next batch; a reader that is late loses some.
+        match stream.blocking_recv() {
+            Ok(batch) => match batch.ticks.last() {
+                Some(row) => break *row,
+                None => continue,
+            },
+            Err(error) => println!("{error}"),
+        }
+    };
+    assert!(
+        row.deformation.is_finite() && row.tip_deformation.is_nan(),
+        "{row:?}"
+    );
     assert!(next.interrupted && next.target_rad != 0.8, "{next:?}");
 
     let snapshot = handle.snapshot();

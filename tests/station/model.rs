@@ -144,7 +144,7 @@ impl Oracle {
                 self.obeyed = answered.number;
             }
             (Request::Stop, answer) => {
-                let Ok(Accepted::Stop { duration_s }) = answer else {
+                let Ok(Accepted::Stop { duration_s, .. }) = answer else {
                     return Err(TestCaseError::fail(format!("a stop: {answer:?}")));
                 };
                 let slow = if now < self.slow_until {

@@ -55,6 +55,7 @@ impl Outside {
             arcs: arcs.collect(),
             recorder,
             report: diagnose::page::page,
+            diagnosis_limit: config.diagnosis_limit,
         };
         let (end, ended) = oneshot::channel();
         let served = tokio::spawn(http::serve(listener, handle, settings, async {

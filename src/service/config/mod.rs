@@ -3,6 +3,7 @@
 mod joint;
 mod keys;
 mod nats;
+mod udp;
 mod zenoh;
 
 use std::net::SocketAddr;
@@ -26,9 +27,6 @@ const LONGEST_NAME: usize = 64;
 
 /// The joints of an arm that has one to spare.
 pub const MOST_JOINTS: usize = 7;
-
-/// The shortest key of datagrams, characters: 128 bits where they are random bytes.
-const SHORTEST_KEY: usize = 16;
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -139,6 +137,8 @@ pub struct Config {
     pub watchdog_stops: bool,
     /// Moves on disk.
     pub recording: RecordingConfig,
+    /// Time after which a diagnosis is given up.
+    pub diagnosis_limit: Duration,
     /// The joints, at least one.
     pub joints: Vec<JointConfig>,
 }
@@ -211,7 +211,8 @@ fn checked(
     let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
     let rate = check.within("tick.rate_hz", rate, RATES)?;
     let http = http(&keys, overrides, &check)?;
-    let udp_key = udp_key(keys.udp.key.as_deref(), &check)?;
+    let udp = overrides.udp.unwrap_or(keys.udp.address);
+    let udp_key = udp::key(&keys.udp, udp, robot == RobotKind::Udp, &check)?;
     let data = overrides.data.clone().unwrap_or(keys.service.data);
     let days = check.within(
         "recording.max_age_days",
@@ -222,6 +223,11 @@ fn checked(
         "recording.max_size_mb",
         keys.recording.max_size_mb,
         [1.0, 1e9],
+    )?;
+    let limit = check.within(
+        "diagnosis.time_limit_s",
+        keys.diagnosis.time_limit_s,
+        [1.0, 86_400.0],
     )?;
     let joints = joints(&keys.joint, &description, robot, describes, &check)?;
     keys.zenoh.check(&joints, &check)?;
@@ -239,7 +245,7 @@ fn checked(
         period: 1.0 / rate,
         real_time: keys.tick.real_time,
         http,
-        udp: overrides.udp.unwrap_or(keys.udp.address),
+        udp,
         udp_robot: keys.udp.robot,
         udp_key,
         zenoh: keys.zenoh,
@@ -253,6 +259,7 @@ fn checked(
             max_bytes: (megabytes * 1e6) as u64,
             max_age: Duration::from_secs_f64(days * 86_400.0),
         },
+        diagnosis_limit: Duration::from_secs_f64(limit),
         data,
         joints,
         description,
@@ -286,22 +293,6 @@ fn http(keys: &Keys, overrides: &Overrides, check: &Check) -> Result<HttpConfig,
         max_connections: connections,
         max_body: body,
     })
-}
-
-fn udp_key(secret: Option<&str>, check: &Check) -> Result<Option<Key>, ConfigError> {
-    let Some(secret) = secret else {
-        return Ok(None);
-    };
-    if secret.len() < SHORTEST_KEY {
-        // A key is not shown, not even one that is of no use.
-        let given = format!("({} characters)", secret.len());
-        return Err(check.refuse(
-            "udp.key",
-            given,
-            format!("at least {SHORTEST_KEY} characters"),
-        ));
-    }
-    Ok(Key::new(secret))
 }
 
 fn joints(

@@ -8,6 +8,8 @@ use super::{Accepted, Batch, Request, ServiceError, Snapshot};
 
 /// Requests that may wait; one more is refused at once.
 const REQUESTS: usize = 64;
+/// Of these, so many are kept for stops.
+const KEPT_FOR_STOP: usize = 8;
 /// Batches that a slow reader may be behind, some 10 s; then it loses the oldest.
 const BATCHES: usize = 512;
 
@@ -63,6 +65,13 @@ impl Handle {
     /// # Errors
     /// [`ServiceError`] where it is refused; [`ServiceError::Busy`] where too many requests wait.
     pub async fn ask(&self, request: Request) -> Result<Accepted, ServiceError> {
+        let needed = match request {
+            Request::Stop => 1,
+            _ => 1 + KEPT_FOR_STOP,
+        };
+        if self.requests.capacity() < needed && !self.requests.is_closed() {
+            return Err(ServiceError::Busy);
+        }
         let (reply, answer) = oneshot::channel();
         let envelope = Envelope { request, reply };
         self.requests

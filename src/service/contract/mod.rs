@@ -12,7 +12,7 @@ mod stream;
 
 pub use error::{ErrorKind, ServiceError};
 pub use handle::{EngineEnds, Envelope, Handle, channels};
-pub use request::{Accepted, ModeValue, Request, ShapingChange};
+pub use request::{Accepted, ModeValue, Request, ShapingChange, Stopping};
 pub use snapshot::{
     EstimateView, JointSnapshot, LinkHealth, MoveResult, Phase, SensorView, Snapshot,
     TickStatistics, TrainView, WatchdogState,

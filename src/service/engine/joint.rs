@@ -19,10 +19,8 @@ pub type Reply = oneshot::Sender<Result<Accepted, ServiceError>>;
 pub struct Joint {
     /// As it is configured.
     pub config: JointConfig,
-    /// From its measurements to the deformation.
+    /// From its measurements to the deformation; with an arc where lengths can be told.
     pub sensor: DeformationSensor,
-    /// Whether the tip's arc is the robot's own, so that lengths can be told.
-    pub arc_known: bool,
     /// The rule that designs trains, while shaping is on.
     pub shaper: &'static dyn Shaper,
     /// Whether plans are shaped.

@@ -29,7 +29,7 @@ pub use registration::Registrar;
 
 use super::clock::ServiceClock;
 use super::config::Config;
-use super::contract::{Batch, EngineEnds, MoveResult, ServiceError};
+use super::contract::{Batch, EngineEnds, MoveResult, ServiceError, Stopping};
 use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
@@ -176,12 +176,11 @@ impl Engine {
         self.joints.iter().all(rests)
     }
 
-    fn stop_all(&mut self, why: &ServiceError) -> f64 {
-        let mut longest: f64 = 0.0;
-        for index in 0..self.joints.len() {
-            longest = longest.max(self.stop(index, why.clone()));
-        }
-        longest
+    /// Stops every joint that moves, and names them. A move that waits hears `why`.
+    fn stop_all(&mut self, why: &ServiceError) -> Vec<Stopping> {
+        let all = 0..self.joints.len();
+        all.filter_map(|index| self.stop(index, why.clone()))
+            .collect()
     }
 
     /// The tick that comes next, as well as it is known.

@@ -8,7 +8,7 @@ use super::Engine;
 use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
-use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError};
+use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
 
 /// How far ahead a plan in motion begins, s: planning takes a few ms, and the tick takes orders at its
@@ -96,23 +96,34 @@ impl Engine {
         let _ = self.rings.orders.push(order);
     }
 
-    /// Brings a joint to rest; says how long the plan of the stop lasts, s. A move that waits hears `why`.
-    pub(super) fn stop(&mut self, index: usize, why: ServiceError) -> f64 {
+    /// Brings a joint to rest, if it moves or is about to. A move that waits hears `why`.
+    pub(super) fn stop(&mut self, index: usize, why: ServiceError) -> Option<Stopping> {
         let joint = &self.joints[index];
         let stops = |asked: &Asked| matches!(asked.what, What::Stop);
         if !joint.asked.as_ref().is_some_and(stops) {
             self.withdraw_for(index, why);
             let joint = &mut self.joints[index];
             if !joint.began || (joint.is_at_rest() && joint.ordered.is_empty()) {
-                return 0.0;
+                return None;
             }
             joint.stop_due = true;
             self.ask(index, What::Stop, None);
         }
+        Some(self.stopping(index))
+    }
+
+    /// A joint whose stop is asked for: it rests when the plan has ended and the train after it.
+    fn stopping(&self, index: usize) -> Stopping {
         let joint = &self.joints[index];
-        let asked = joint.asked.as_ref();
-        let ordered = asked.and_then(|asked| joint.ordered_for(asked));
-        ordered.map_or(0.0, |ordered| self.duration(ordered))
+        let train = joint.axis().map_or(0.0, |axis| axis.train.duration());
+        let rest = |asked: &Asked| {
+            let plan = self.duration(joint.ordered_for(asked)?);
+            Some(asked.ahead as f64 * self.config.period + plan + train)
+        };
+        Stopping {
+            joint: joint.config.name.clone(),
+            duration_s: joint.asked.as_ref().and_then(rest),
+        }
     }
 
     fn duration(&self, ordered: &Ordered) -> f64 {

@@ -38,7 +38,6 @@ impl Engine {
         let limits = joint.config.limits;
         let status = axis.map(|axis| &axis.status);
         let deformation = status.and_then(|status| status.deformation);
-        let tip = deformation.filter(|_| joint.arc_known);
         let true_mode = match (&self.arm, self.payload) {
             (Some(arm), Some(payload)) => arm.load(payload).ok().and_then(|load| load.mode()),
             _ => None,
@@ -53,7 +52,9 @@ impl Engine {
             command_rad_s: axis.map_or(0.0, |axis| axis.sent.velocity),
             motor_rad: joint.motor,
             deformation_rad: deformation.map(|sample| sample.deformation),
-            tip_deformation_m: tip.map(|sample| sample.tip_deformation),
+            tip_deformation_m: deformation
+                .map(|sample| sample.tip_deformation)
+                .filter(|tip| tip.is_finite()),
             range_rad: joint.config.range,
             limits: [limits.velocity, limits.acceleration, limits.jerk],
             limits_assumed: joint.config.limits_assumed,

@@ -174,7 +174,7 @@ impl Engine {
             Some(estimate) => (estimate.mode, true),
             None => (joint.mode, false),
         };
-        let radius = joint.arc_known.then(|| joint.sensor.arc().radius());
+        let radius = joint.sensor.arc().map(|arc| arc.radius());
         let result = running.result(mode, sure, self.config.period, radius);
         let told = self.moves.back().is_some_and(|last| last.id == result.id);
         if settled {

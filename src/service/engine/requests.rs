@@ -26,9 +26,14 @@ impl Engine {
                 Ok((index, what)) => return self.ask(index, what, Some(reply)),
                 Err(error) => Err(error),
             },
-            Request::Stop => Ok(Accepted::Stop {
-                duration_s: self.stop_all(&ServiceError::Stopped),
-            }),
+            Request::Stop => {
+                let joints = self.stop_all(&ServiceError::Stopped);
+                let durations = joints.iter().filter_map(|joint| joint.duration_s);
+                Ok(Accepted::Stop {
+                    duration_s: durations.fold(0.0, f64::max),
+                    joints,
+                })
+            }
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };

@@ -1,12 +1,17 @@
 //! What is said to a request that is refused: a status and one sentence.
 
+use std::sync::Arc;
+
 use axum::Json;
+use axum::extract::State;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
+use super::App;
+use super::counters::add;
 use crate::service::contract::{ErrorKind, ServiceError};
-use crate::service::jobs::Full;
+use crate::service::jobs::{CancelError, Full};
 use crate::service::recorder::{RecordError, ShelfError};
 
 /// A refusal.
@@ -77,6 +82,23 @@ impl From<Full> for Refused {
     fn from(error: Full) -> Self {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, error.to_string())
     }
+}
+
+impl From<CancelError> for Refused {
+    fn from(error: CancelError) -> Self {
+        let status = match error {
+            CancelError::Unknown { .. } => StatusCode::NOT_FOUND,
+            CancelError::Ended { .. } => StatusCode::CONFLICT,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+/// For a connection beyond the places.
+pub async fn too_many(State(app): State<Arc<App>>) -> Refused {
+    add(&app.counters.connections_refused);
+    let sentence = "too many connections are open: only POST /api/stop is taken here; try again";
+    Refused::new(StatusCode::SERVICE_UNAVAILABLE, sentence)
 }
 
 /// For a path that there is not.
