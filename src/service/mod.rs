@@ -6,6 +6,7 @@
 pub mod clock;
 pub mod config;
 pub mod contract;
+pub mod disk;
 mod engine;
 mod features;
 #[cfg(feature = "foxglove")]
@@ -13,6 +14,7 @@ mod foxglove;
 pub mod guard;
 pub mod http;
 pub mod jobs;
+mod kept;
 pub mod link;
 pub mod recorder;
 pub mod ringing;
@@ -22,4 +24,4 @@ pub mod state;
 mod telemetry;
 pub mod tick;
 
-pub use start::{Service, StartError, start};
+pub use start::{Service, StartError, start, start_on};

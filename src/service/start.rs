@@ -15,10 +15,13 @@ use thiserror::Error;
 use super::clock::{ServiceClock, unix_time};
 use super::config::{Config, JointConfig, RobotKind};
 use super::contract::{Handle, Snapshot, channels};
+use super::disk::{Disk, FileSystem, FolderError};
 use super::engine::{Engine, EngineParts, Joint, Registrar};
 use super::features::{Companion, live_view, over_zenoh, telemetry};
 use super::guard::Bounds;
+use super::kept::Kept;
 use super::link::{EmbeddedLink, RobotLink, UdpLink, UdpSettings};
+use super::recorder::{Shelf, ShelfError};
 use super::state::{State, StateFile};
 use super::tick::{JointTick, Tick, TickThread, TickThreadSettings};
 use crate::closed_loop::{ClosedLoopError, commission};
@@ -31,7 +34,7 @@ const COMMISSIONING: f64 = 0.25;
 /// Why the service does not start.
 #[derive(Debug, Error)]
 pub enum StartError {
-    /// A socket, a thread or the data folder.
+    /// A socket or a thread.
     #[error("{what}: {error}")]
     System {
         /// What was tried.
@@ -39,6 +42,12 @@ pub enum StartError {
         /// What the system says.
         error: io::Error,
     },
+    /// The data folder is another service's, or not to be had.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// The folder of recordings is not to be had.
+    #[error(transparent)]
+    Shelf(#[from] ShelfError),
     /// Something is asked for that is not part of this build.
     #[error("{feature} is not part of this build: cargo build --release --features {feature}")]
     NotBuilt {
@@ -72,12 +81,18 @@ pub struct Service {
     companions: Vec<Box<dyn Send>>,
     ending: Arc<AtomicBool>,
     engine: Option<JoinHandle<()>>,
+    shelf: Option<Arc<Shelf>>,
 }
 
 impl Service {
     /// What the outside holds of it.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
+    }
+
+    /// What has been recorded, for the recorder; none where nothing is.
+    pub fn shelf(&self) -> Option<Arc<Shelf>> {
+        self.shelf.clone()
     }
 
     /// Where the UDP link listens, if there is one.
@@ -117,14 +132,20 @@ impl Drop for Service {
 /// # Errors
 /// [`StartError`] where something that the configuration asks for is not to be had.
 pub fn start(config: Config) -> Result<Service, StartError> {
+    let disk = Disk::of(&config.data, Arc::new(FileSystem))?;
+    start_on(config, disk)
+}
+
+/// As [`start`], with the data folder on a disk that is open.
+///
+/// # Errors
+/// As [`start`].
+pub fn start_on(config: Config, disk: Disk) -> Result<Service, StartError> {
     let clock = ServiceClock::start();
-    let file = StateFile::within(&config.data);
-    let file = file.map_err(|error| system(config.data.display(), error))?;
-    let mut state = file.load();
-    state.starts += 1;
+    let Kept { shelf, file, state } = Kept::open(&config, &disk)?;
     let robot = robot(&config, clock)?;
     if config.robot != RobotKind::Embedded {
-        warn_of_limits(&config);
+        config.joints.iter().for_each(JointConfig::warn_of_limits);
     }
     let joints: Vec<_> = config
         .joints
@@ -159,6 +180,7 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         arm: robot.arm,
         state,
         saver,
+        disk,
         planner: Planner::new(1)?,
     });
     let settings = TickThreadSettings { real_time };
@@ -174,6 +196,7 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         companions: Vec::new(),
         ending,
         engine: Some(engine),
+        shelf,
     };
     if let Some(companion) = robot.companion {
         let companion = companion(service.handle());
@@ -203,7 +226,7 @@ fn run(
         .build()?;
     let keeper = std::thread::Builder::new()
         .name("quell-state".into())
-        .spawn(move || keep(&file, &states))?;
+        .spawn(move || file.keep(&states))?;
     std::thread::Builder::new()
         .name("quell-engine".into())
         .spawn(move || {
@@ -212,37 +235,6 @@ fn run(
             // The engine is gone, and with it the sender: the keeper has written the last state.
             let _ = keeper.join();
         })
-}
-
-/// Writes states down, always the newest.
-fn keep(file: &StateFile, states: &Receiver<State>) {
-    while let Ok(state) = states.recv() {
-        let newest = states.try_iter().last().unwrap_or(state);
-        if let Err(error) = file.save(&newest) {
-            tracing::warn!("the state cannot be kept: {error}");
-        }
-    }
-}
-
-/// Limits of another robot than the one that is commanded are no limits.
-fn warn_of_limits(config: &Config) {
-    for joint in &config.joints {
-        let limits = joint.limits;
-        if joint.limits_assumed {
-            tracing::warn!(
-                joint = joint.name,
-                "nothing says what this joint may do: the limits of the embedded arm are in force. \
-                 Give service.description, or velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3"
-            );
-        }
-        tracing::info!(
-            joint = joint.name,
-            velocity_rad_s = limits.velocity,
-            acceleration_rad_s2 = limits.acceleration,
-            jerk_rad_s3 = limits.jerk,
-            "limits in force"
-        );
-    }
 }
 
 /// The robot's link, and what goes with it.

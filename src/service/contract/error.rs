@@ -73,6 +73,14 @@ pub enum ServiceError {
         /// What was asked for.
         what: &'static str,
     },
+    /// Every move must be recorded, and nothing can be.
+    #[error(
+        "no move without a recording (recording.required), and nothing can be recorded: {reason}"
+    )]
+    NotRecorded {
+        /// What the disk says.
+        reason: String,
+    },
     /// The service is about to end.
     #[error("the service is stopping")]
     Stopping,
@@ -91,6 +99,8 @@ pub enum ErrorKind {
     Input,
     /// The request is fine, but not now (HTTP 409).
     Conflict,
+    /// The disk does not take what has to be kept (HTTP 507).
+    Storage,
     /// Nobody can answer at present (HTTP 503).
     Unavailable,
 }
@@ -109,6 +119,7 @@ impl ServiceError {
             Self::ShaperInMotion { .. } | Self::NotTaken { .. } | Self::NoMeasurement { .. } => {
                 ErrorKind::Conflict
             }
+            Self::NotRecorded { .. } => ErrorKind::Storage,
             Self::Stopping | Self::Busy | Self::Gone => ErrorKind::Unavailable,
         }
     }

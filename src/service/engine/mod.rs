@@ -9,6 +9,7 @@ mod orders;
 mod planning;
 mod publish;
 mod pump;
+mod recordings;
 mod registration;
 mod requests;
 mod running;
@@ -28,6 +29,7 @@ pub use registration::Registrar;
 use super::clock::ServiceClock;
 use super::config::Config;
 use super::contract::{Batch, EngineEnds, MoveResult};
+use super::disk::Disk;
 use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
@@ -58,6 +60,7 @@ pub struct Engine {
     payload: Option<f64>,
     state: State,
     saver: Sender<State>,
+    disk: Disk,
     whole: Option<WholeReport>,
     moves: VecDeque<MoveResult>,
     batch: Batch,
@@ -84,6 +87,8 @@ pub struct EngineParts {
     pub state: State,
     /// Where states go to be kept.
     pub saver: Sender<State>,
+    /// The disk, whose state is told.
+    pub disk: Disk,
     /// The planner, of one axis.
     pub planner: Planner,
 }
@@ -103,6 +108,7 @@ impl Engine {
             arm: parts.arm,
             state: parts.state,
             saver: parts.saver,
+            disk: parts.disk,
             whole: None,
             batch: Batch::default(),
             batch_since: 0.0,
@@ -187,13 +193,5 @@ impl Engine {
             // Whoever asked may have gone.
             let _ = reply.send(Err(error));
         }
-    }
-
-    /// The name under which a move is recorded, if it is.
-    fn recording_name(&self, id: u64) -> Option<String> {
-        self.config
-            .recording
-            .enabled
-            .then(|| format!("move-{id:06}"))
     }
 }

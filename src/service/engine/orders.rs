@@ -250,6 +250,7 @@ impl Engine {
         joint.stopped_by_watchdog = false;
         joint.running = Some(Running {
             start,
+            recording: None,
             plan: asked.samples.clone(),
             tick: taken.tick,
             first: taken.first,

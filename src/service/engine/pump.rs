@@ -23,6 +23,7 @@ impl Engine {
         while let Ok(event) = self.rings.events.pop() {
             self.hear(event);
         }
+        self.hear_of_recordings();
         let mut round = false;
         while let Ok(report) = self.rings.joints.pop() {
             self.believe(report);

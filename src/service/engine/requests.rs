@@ -58,6 +58,7 @@ impl Engine {
             let joint = joint.config.name.clone();
             return Err(ServiceError::NoMeasurement { joint });
         }
+        self.check_recording()?;
         let shaper = shaper.map(shaper_named).transpose()?;
         if let Some(shaper) = shaper
             && !joint.is_at_rest()
