@@ -1,6 +1,8 @@
 //! What the service says to the outside, and what it refuses.
 
 mod client;
+#[path = "../moves/mod.rs"]
+mod moves;
 mod recordings;
 mod stand_in;
 mod streams;

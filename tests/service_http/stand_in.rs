@@ -10,7 +10,6 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::{broadcast, oneshot};
@@ -42,7 +41,8 @@ pub fn settings() -> Settings {
 
 pub const BOUNDS: Bounds = Bounds {
     bytes: 1_000_000,
-    age: Duration::from_secs(3600),
+    count: 100,
+    last: 1,
 };
 
 /// With recordings in a folder, if there is one.

@@ -39,7 +39,11 @@ impl Journal {
             written: log.nothing_written(),
         };
         journal.write(log, joint)?;
-        let renamed = disk.storage().rename(&path_of_new, path);
+        // What takes a name is on the medium; what comes later is there when the system writes it.
+        let storage = disk.storage();
+        let renamed = storage
+            .sync(&path_of_new)
+            .and_then(|()| storage.rename(&path_of_new, path));
         renamed.map_err(refused)?;
         Ok(journal)
     }

@@ -1,0 +1,169 @@
+//! A disk that is full, at any call: what is told to be there is there, also after a kill.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use quell::service::contract::{DiskState, EngineEnds, Handle, RecordingNews, Snapshot, channels};
+use quell::service::disk::{Disk, Storage};
+use quell::service::recorder::{RecordError, Recorder, Shelf};
+
+use super::faulty::{Faulty, Wary};
+use super::moves::a_move;
+use super::{BOUNDS, check_recording, names};
+
+fn runtime() -> tokio::runtime::Runtime {
+    let runtime = tokio::runtime::Builder::new_current_thread().build();
+    runtime.expect("a runtime")
+}
+
+fn recorder(folder: &Path, storage: Arc<dyn Storage>) -> (Recorder, Handle, EngineEnds) {
+    let (handle, ends) = channels(Snapshot::default());
+    let shelf = Shelf::on(folder, BOUNDS, Disk::new(storage)).expect("a shelf");
+    (Recorder::start(&handle, shelf), handle, ends)
+}
+
+/// Which recordings are told to be there at the end, by name.
+fn told(ends: &mut EngineEnds) -> BTreeMap<String, u64> {
+    let mut there = BTreeMap::new();
+    while let Ok(news) = ends.recordings.try_recv() {
+        match news {
+            RecordingNews::Kept { move_id, name } => there.insert(name, move_id),
+            RecordingNews::Gone { name } => there.remove(&name),
+        };
+    }
+    there
+}
+
+/// Two moves on a disk, and the end of the process. What was told to be there, then.
+fn two_moves(folder: &Path, storage: Arc<dyn Storage>) -> BTreeMap<String, u64> {
+    runtime().block_on(async {
+        let (recorder, _handle, mut ends) = recorder(folder, storage);
+        for id in 1..=2 {
+            for batch in a_move(id) {
+                ends.stream.send(Arc::new(batch)).expect("a listener");
+            }
+        }
+        recorder.close().await;
+        told(&mut ends)
+    })
+}
+
+/// Starts anew on a disk that works, and holds against it what was told.
+fn hold(folder: &Path, told: &BTreeMap<String, u64>, words: &str) {
+    let shelf = Shelf::open(folder, BOUNDS).expect("a shelf");
+    for (name, id) in told {
+        let path = shelf.path(name);
+        let path = path.unwrap_or_else(|error| panic!("{words}: {name} was told: {error}"));
+        check_recording(&path);
+        let about = shelf.about(name).expect("a file");
+        assert!(
+            about.result.is_none_or(|result| result.id == *id),
+            "{words}"
+        );
+    }
+    let hidden = names(folder).into_iter().find(|name| name.starts_with('.'));
+    assert_eq!(hidden, None, "{words}: nothing is left unfinished");
+}
+
+#[test]
+fn a_disk_that_is_full_from_any_call_on_loses_nothing_that_was_told() {
+    let calls = {
+        let folder = tempfile::tempdir().expect("a folder");
+        let disk = Faulty::new(|_, _| false);
+        let there = two_moves(folder.path(), Arc::new(disk.clone()));
+        assert_eq!(there.len(), 2);
+        hold(folder.path(), &there, "a disk that works");
+        disk.calls()
+    };
+    assert!(calls > 60, "{calls}");
+    for first in 0..calls {
+        // To everything behind it, a disk that takes nothing any more is a kill.
+        let folder = tempfile::tempdir().expect("a folder");
+        let disk = Faulty::new(move |call, _| call >= first);
+        let there = two_moves(folder.path(), Arc::new(disk));
+        hold(folder.path(), &there, &format!("full from call {first} on"));
+        // A disk that has room again after a few calls.
+        let folder = tempfile::tempdir().expect("a folder");
+        let disk = Faulty::new(move |call, _| (first..first + 7).contains(&call));
+        let there = two_moves(folder.path(), Arc::new(disk));
+        hold(
+            folder.path(),
+            &there,
+            &format!("full at seven calls from {first} on"),
+        );
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_and_so_is_its_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let disk = Faulty::new(|_, _| true);
+    runtime().block_on(async {
+        let (recorder, _handle, mut ends) = recorder(folder.path(), Arc::new(disk.clone()));
+        for batch in a_move(1) {
+            ends.stream.send(Arc::new(batch)).expect("a listener");
+        }
+        let refused = match recorder.begin("joint_1", 0).await {
+            Err(RecordError::NotKept { reason, .. }) => reason,
+            other => panic!("{other:?}"),
+        };
+        assert!(refused.contains("no storage space"), "{refused}");
+        let handle = recorder.shelf().disk().clone();
+        let view = handle.view();
+        assert_eq!((view.state, view.faults.len()), (DiskState::Failing, 1));
+        assert!(view.faults[0].reason.contains("no storage space"));
+        assert!(view.faults[0].since_unix_time_s > 1e9);
+        // There is room again: the next move is recorded, and the fault is over.
+        disk.refuse(|_, _| false);
+        for batch in a_move(2) {
+            ends.stream.send(Arc::new(batch)).expect("a listener");
+        }
+        recorder.close().await;
+        let view = handle.view();
+        assert_eq!((view.state, view.faults.len()), (DiskState::Fine, 0));
+        let there = told(&mut ends);
+        assert!(there.contains_key("move-000002"), "{there:?}");
+        hold(folder.path(), &there, "at the end");
+    });
+}
+
+#[test]
+fn a_recording_is_told_only_once_it_is_on_the_disk() {
+    let folder = tempfile::tempdir().expect("a folder");
+    runtime().block_on(async {
+        let disk = Faulty::new(|_, _| false);
+        let (recorder, handle, mut ends) = recorder(folder.path(), Arc::new(disk));
+        for batch in &a_move(1)[..11] {
+            ends.stream
+                .send(Arc::new(batch.clone()))
+                .expect("a listener");
+        }
+        while ends.recordings.is_empty() {
+            tokio::task::yield_now().await;
+        }
+        let there = told(&mut ends);
+        assert_eq!(there.get("move-000001"), Some(&1));
+        assert_eq!(names(folder.path()), [".unfinished-move-000001"]);
+        // It is told to be unfinished to whoever asks for it.
+        let error = recorder.shelf().path("move-000001").expect_err("not yet");
+        assert!(error.to_string().contains("not finished"), "{error}");
+        // The process is killed here: nobody closes anything.
+        drop((recorder, handle, ends));
+    });
+    let shelf = Shelf::open(folder.path(), BOUNDS).expect("a shelf");
+    check_recording(&shelf.path("move-000001").expect("it was told"));
+}
+
+#[test]
+fn what_takes_a_name_is_on_the_medium() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wary = Arc::new(Wary::default());
+    let there = two_moves(folder.path(), Arc::clone(&wary) as Arc<dyn Storage>);
+    assert_eq!(there.len(), 2);
+    let disk = Disk::new(Arc::clone(&wary) as Arc<dyn Storage>);
+    let file = quell::service::state::StateFile::within(folder.path(), disk);
+    file.save(&Default::default()).expect("a state");
+    let renamed = wary.renamed.lock().expect("no panic");
+    assert!(renamed.is_empty(), "names that may be lost: {renamed:?}");
+}
