@@ -66,6 +66,13 @@ fn moves_are_recorded_whole_and_within_bounds() {
             .any(|file| file.ends_with("move-000001/recording.toml")),
         "{files:?}"
     );
+    // A long one is sent as it is read.
+    let long = std::fs::File::create(folder.path().join("move-000001/long")).unwrap();
+    long.set_len(20_000_000).unwrap();
+    let archive = client.get("/api/recordings/move-000001");
+    let mut archive = tar::Archive::new(archive.body.as_slice());
+    let sizes = archive.entries().unwrap().map(|e| e.unwrap().size());
+    assert_eq!(sizes.max(), Some(20_000_000));
     for name in [
         "..",
         "../move-000001",

@@ -24,6 +24,7 @@ mod commands;
 mod connections;
 mod counters;
 mod diagnose;
+mod download;
 mod guard;
 mod metrics;
 mod page;

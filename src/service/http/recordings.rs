@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json as Answer;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +13,7 @@ use super::App;
 use super::answer::Refused;
 use super::body::Json;
 use super::commands::joint;
+use super::download;
 use super::views::fresh;
 use crate::service::recorder::{Recorder, Shelf, ShelfError};
 
@@ -47,13 +48,16 @@ pub async fn download(
 ) -> Result<Response, Refused> {
     let wanted = name.clone();
     let archive = on_disk(recorder(&app)?, move |shelf| shelf.archive(&wanted)).await?;
+    let length = archive.length();
     // A name that the shelf has is letters, digits, -, _ and dots.
     let disposition = format!("attachment; filename=\"{name}.tar\"");
     let headers = [
         (CONTENT_TYPE, "application/x-tar".to_string()),
         (CONTENT_DISPOSITION, disposition),
+        (CONTENT_LENGTH, length.to_string()),
     ];
-    Ok((headers, archive).into_response())
+    let body = download::download(length, move |out| archive.write(out));
+    Ok((headers, body).into_response())
 }
 
 /// `POST /api/recordings`.

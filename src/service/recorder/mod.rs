@@ -12,7 +12,7 @@ use thiserror::Error;
 use tokio::sync::{mpsc, oneshot};
 
 use super::contract::Handle;
-pub use shelf::{About, Bounds, Draft, Entry, Shelf, ShelfError, name_of_move};
+pub use shelf::{About, Archive, Bounds, Draft, Entry, Shelf, ShelfError, name_of_move};
 use task::{Demand, Task};
 
 /// The whole as one file in the profile of ROS 2, beside manifest and CSV.

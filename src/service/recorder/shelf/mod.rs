@@ -4,6 +4,7 @@
 //! leaves the shelf as it was before or after, and the hidden folder for the next start.
 
 mod about;
+mod archive;
 mod draft;
 mod salvage;
 mod tidy;
@@ -17,6 +18,7 @@ use thiserror::Error;
 
 use about::{ABOUT, is_name};
 pub use about::{About, Entry, name_of};
+pub use archive::Archive;
 pub use draft::Draft;
 pub use tidy::Bounds;
 
@@ -350,20 +352,6 @@ impl Shelf {
         // Where it was not made there is nothing to remove.
         let removed = storage.remove(&path);
         written.and(removed).map_err(|source| disk(&path, source))
-    }
-
-    /// A recording as one file, a tar archive of its folder.
-    ///
-    /// # Errors
-    /// [`ShelfError`] where there is none of that name, or it cannot be read.
-    pub fn archive(&self, name: &str) -> Result<Vec<u8>, ShelfError> {
-        let path = self.path(name)?;
-        let mut archive = tar::Builder::new(Vec::new());
-        archive.follow_symlinks(false);
-        let result = archive.append_dir_all(name, &path);
-        result
-            .and_then(|()| archive.into_inner())
-            .map_err(|source| disk(&path, source))
     }
 }
 
