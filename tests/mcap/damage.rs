@@ -168,7 +168,12 @@ fn whole_again(bytes: &[u8]) {
 #[test]
 fn a_file_that_is_mended_has_every_message_of_the_one_that_was_cut() {
     let folder = TempDir::new().unwrap();
-    for cut in [9000, whole().len() / 2, whole().len() - 1, whole().len()] {
+    for cut in [
+        whole().len() / 3,
+        whole().len() / 2,
+        whole().len() - 1,
+        whole().len(),
+    ] {
         let cut = &whole()[..cut];
         whole_again(cut);
         let path = save(&folder, cut);
