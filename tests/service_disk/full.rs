@@ -13,7 +13,9 @@ use super::moves::a_move;
 use super::{BOUNDS, check_recording, names};
 
 fn runtime() -> tokio::runtime::Runtime {
-    let runtime = tokio::runtime::Builder::new_current_thread().build();
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .build();
     runtime.expect("a runtime")
 }
 
@@ -125,6 +127,41 @@ fn a_full_disk_is_told_and_so_is_its_end() {
         let there = told(&mut ends);
         assert!(there.contains_key("move-000002"), "{there:?}");
         hold(folder.path(), &there, "at the end");
+    });
+}
+
+#[test]
+fn what_the_disk_had_taken_is_put_onto_the_shelf_when_there_is_room_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // It grows on the disk, and cannot be made whole.
+    let is_csv = |path: &Path| path.to_string_lossy().ends_with(".csv.gz");
+    let disk = Faulty::new(move |_, path| is_csv(path));
+    runtime().block_on(async {
+        let (recorder, _handle, mut ends) = recorder(folder.path(), Arc::new(disk.clone()));
+        for batch in a_move(1) {
+            ends.stream.send(Arc::new(batch)).expect("a listener");
+        }
+        while recorder.shelf().disk().view().recordings_lost == 0 {
+            tokio::time::sleep(std::time::Duration::from_millis(1)).await;
+        }
+        let there = told(&mut ends);
+        assert!(there.is_empty(), "withdrawn: {there:?}");
+        assert_eq!(names(folder.path()), [".unfinished-move-000001"]);
+        disk.refuse(|_, _| false);
+        // Nothing moves; time goes on.
+        let mut rest = a_move(2);
+        rest.iter_mut().for_each(|batch| batch.events.clear());
+        for batch in rest {
+            ends.stream.send(Arc::new(batch)).expect("a listener");
+        }
+        recorder.close().await;
+        let there = told(&mut ends);
+        assert_eq!(there.get("move-000001"), Some(&1), "{there:?}");
+        assert_eq!(names(folder.path()), ["move-000001"]);
+        let part = check_recording(&folder.path().join("move-000001"));
+        assert!(part.channels[0].time.len() > 100);
+        let about = recorder.shelf().about("move-000001").expect("a file");
+        assert_eq!(about.result.map(|result| result.id), Some(1));
     });
 }
 

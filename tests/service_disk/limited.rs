@@ -48,8 +48,8 @@ fn a_disk_that_takes_no_moves_is_told_everywhere_and_moves_go_on() {
     let refused = client.post("/api/recordings", r#"{"recording": false}"#);
     assert_eq!(refused.status, 409, "{}", refused.text());
 
-    // There is room again: that is told, what the disk had taken of the move is put onto the shelf, and
-    // the next move is recorded whole.
+    // There is room again: that is told, and the next move is recorded whole. Of the first one there may
+    // be a part, if the disk had taken one before it was too long.
     let limit = Rlimit {
         current: None,
         maximum: None,
@@ -61,7 +61,7 @@ fn a_disk_that_takes_no_moves_is_told_everywhere_and_moves_go_on() {
     );
     lifted.expect("it can be lifted");
     until(&mut client, "/api/state", "it is fine again", |state| {
-        state["disk"]["state"] == "fine" && state["moves"][0]["recording"] == "move-000001"
+        state["disk"]["state"] == "fine"
     });
     go(&mut client, 0.0);
     let state = until(
@@ -71,11 +71,13 @@ fn a_disk_that_takes_no_moves_is_told_everywhere_and_moves_go_on() {
         |state| state["moves"][1]["recording"] == "move-000002",
     );
     assert_eq!(state["disk"]["recordings_lost"], 1);
-    until(&mut client, "/api/recordings", "both are listed", |list| {
-        list[1]["name"] == "move-000002"
-    });
     let shelf = data.path().join("recordings");
-    let part = check_recording(&shelf.join("move-000001"));
-    let whole = check_recording(&shelf.join("move-000002"));
-    assert!(part.channels[0].time.len() < whole.channels[0].time.len());
+    check_recording(&shelf.join("move-000002"));
+    let list = client.get("/api/recordings").json();
+    for done in state["moves"].as_array().expect("moves") {
+        let name = done["recording"].as_str();
+        let listed = list.as_array().expect("a list").iter();
+        let is_there = { listed }.any(|entry| entry["name"].as_str() == name);
+        assert!(name.is_none() || is_there, "{done} is not in {list}");
+    }
 }
