@@ -44,7 +44,8 @@ fn check_recording(folder: &Path) -> Recording {
     let recording = Recording::from_path(folder).expect("a recording");
     let bytes = std::fs::read(folder.join("recording.mcap")).expect("a file");
     let messages = mcap::MessageStream::new(&bytes).expect("an MCAP file that is whole");
-    let messages = messages.map(|message| message.expect("a message")).count();
+    let messages = messages.collect::<Result<Vec<_>, _>>();
+    let messages = messages.expect("messages").len();
     let summary = mcap::Summary::read(&bytes).expect("a footer");
     let statistics = summary.and_then(|summary| summary.stats);
     let counted = statistics.expect("a summary").message_count;

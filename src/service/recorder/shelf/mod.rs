@@ -342,7 +342,8 @@ impl Shelf {
     /// # Errors
     /// [`ShelfError::Disk`] where there is none.
     pub fn probe(&self) -> Result<(), ShelfError> {
-        let path = self.folder.join(".probe");
+        // A kill in its midst leaves what goes at the next start.
+        let path = self.folder.join(format!("{LEAVING}probe"));
         let storage = self.disk.storage();
         let written = storage.create(&path).and_then(|mut file| {
             file.write_all(&[0; PROBE])?;
