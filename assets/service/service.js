@@ -123,6 +123,10 @@ function showPayload() {
 function showTrouble(now) {
   const wrong = [];
   if (state.stopping) wrong.push("The service is ending: the robot is brought to rest.");
+  for (const fault of state.disk?.faults ?? []) {
+    const what = fault.what === "recordings" ? "Moves are not recorded" : "What is learned is not kept";
+    wrong.push(`${what} since ${new Date(1e3 * fault.since_unix_time_s).toLocaleString()}: ${fault.reason}.`);
+  }
   if (now.watchdog === "silent") wrong.push("No measurements come: adaptation waits.");
   if (now.watchdog === "stopped") wrong.push("No measurements come: the joint was stopped.");
   for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);

@@ -6,6 +6,7 @@
 pub mod clock;
 pub mod config;
 pub mod contract;
+pub mod disk;
 mod engine;
 mod features;
 #[cfg(feature = "foxglove")]
@@ -13,6 +14,8 @@ mod foxglove;
 pub mod guard;
 pub mod http;
 pub mod jobs;
+mod keeper;
+mod kept;
 pub mod link;
 pub mod recorder;
 pub mod ringing;
@@ -23,5 +26,5 @@ pub mod station;
 mod telemetry;
 pub mod tick;
 
-pub use start::{Service, start};
+pub use start::{Service, start, start_on};
 pub use station::StartError;

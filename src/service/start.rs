@@ -7,10 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 
 use super::clock::ServiceClock;
-use super::config::{Config, RobotKind};
+use super::config::{Config, JointConfig, RobotKind};
 use super::contract::Handle;
+use super::disk::{Disk, FileSystem};
 use super::features::{Companion, live_view, over_zenoh, telemetry};
 use super::link::{UdpLink, UdpSettings};
+use super::recorder::Shelf;
 use super::station::{RobotParts, StartError, Station, system};
 use super::tick::{TickThread, TickThreadSettings};
 
@@ -22,12 +24,18 @@ pub struct Service {
     companions: Vec<Box<dyn Send>>,
     ending: Arc<AtomicBool>,
     engine: Option<JoinHandle<()>>,
+    shelf: Option<Arc<Shelf>>,
 }
 
 impl Service {
     /// What the outside holds of it.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
+    }
+
+    /// What has been recorded, for the recorder; none where nothing is.
+    pub fn shelf(&self) -> Option<Arc<Shelf>> {
+        self.shelf.clone()
     }
 
     /// Where the UDP link listens, if there is one.
@@ -67,13 +75,22 @@ impl Drop for Service {
 /// # Errors
 /// [`StartError`] where something that the configuration asks for is not to be had.
 pub fn start(config: Config) -> Result<Service, StartError> {
+    let disk = Disk::of(&config.data, Arc::new(FileSystem))?;
+    start_on(config, disk)
+}
+
+/// As [`start`], with the data folder on a disk that is open.
+///
+/// # Errors
+/// As [`start`].
+pub fn start_on(config: Config, disk: Disk) -> Result<Service, StartError> {
     let clock = ServiceClock::start();
     let reached = reach(&config, &clock)?;
     if config.robot != RobotKind::Embedded {
-        warn_of_limits(&config);
+        config.joints.iter().for_each(JointConfig::warn_of_limits);
     }
-    let station = Station::assemble(config.clone(), clock.clone(), reached.robot)?;
-    let handle = station.handle();
+    let station = Station::assemble(config.clone(), clock.clone(), reached.robot, disk)?;
+    let (handle, shelf) = (station.handle(), station.shelf());
     let ending = Arc::new(AtomicBool::new(false));
     let engine = run(station, config.real_time, Arc::clone(&ending))?;
     let mut service = Service {
@@ -83,6 +100,7 @@ pub fn start(config: Config) -> Result<Service, StartError> {
         companions: Vec::new(),
         ending,
         engine: Some(engine),
+        shelf,
     };
     if let Some(companion) = reached.companion {
         let companion = companion(service.handle());
@@ -133,27 +151,6 @@ fn run(
             })
     };
     begin().map_err(|error| system("the engine's thread", error))
-}
-
-/// Limits of another robot than the one that is commanded are no limits.
-fn warn_of_limits(config: &Config) {
-    for joint in &config.joints {
-        let limits = joint.limits;
-        if joint.limits_assumed {
-            tracing::warn!(
-                joint = joint.name,
-                "nothing says what this joint may do: the limits of the embedded arm are in force. \
-                 Give service.description, or velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3"
-            );
-        }
-        tracing::info!(
-            joint = joint.name,
-            velocity_rad_s = limits.velocity,
-            acceleration_rad_s2 = limits.acceleration,
-            jerk_rad_s3 = limits.jerk,
-            "limits in force"
-        );
-    }
 }
 
 /// A robot, and what goes with how it is reached.

@@ -3,10 +3,9 @@
 //! [`start`](super::start()) runs a station on threads by the system's clock. A test steps one by hand, by a
 //! simulated clock and over a link of its own.
 
-use std::fs;
 use std::io;
-use std::path::Path;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::Arc;
+use std::sync::mpsc::channel;
 
 use nalgebra::Isometry3;
 use quell_shapers::{Mode, ShaperError, UncertainMode};
@@ -16,10 +15,14 @@ use thiserror::Error;
 use super::clock::ServiceClock;
 use super::config::{Config, JointConfig};
 use super::contract::{Handle, Snapshot, channels};
+use super::disk::{Disk, FolderError};
 use super::engine::{Engine, EngineParts, Hearing, Joint, Registrar};
 use super::guard::Bounds;
+use super::keeper::Keeper;
+use super::kept::Kept;
 use super::link::{EmbeddedLink, RobotLink};
-use super::state::{State, StateFile};
+use super::recorder::{Shelf, ShelfError};
+use super::state::State;
 use super::tick::{JointTick, Pulse, Tick, Watchdog};
 use crate::closed_loop::{ClosedLoopError, commission};
 use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
@@ -31,7 +34,7 @@ const COMMISSIONING: f64 = 0.25;
 /// Why the service does not start.
 #[derive(Debug, Error)]
 pub enum StartError {
-    /// A socket, a thread or the data folder.
+    /// A socket or a thread.
     #[error("{what}: {error}")]
     System {
         /// What was tried.
@@ -39,6 +42,12 @@ pub enum StartError {
         /// What the system says.
         error: io::Error,
     },
+    /// The data folder is another service's, or not to be had.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// The folder of recordings is not to be had.
+    #[error(transparent)]
+    Shelf(#[from] ShelfError),
     /// Something is asked for that is not part of this build.
     #[error("{feature} is not part of this build: cargo build --release --features {feature}")]
     NotBuilt {
@@ -109,10 +118,11 @@ pub struct Station {
     pub(super) engine: Engine,
     pub(super) keeper: Keeper,
     handle: Handle,
+    shelf: Option<Arc<Shelf>>,
 }
 
 impl Station {
-    /// Puts everything together over what an earlier life has left in the data folder.
+    /// Puts everything together over what an earlier life has left in the data folder, which is on `disk`.
     ///
     /// # Errors
     /// [`StartError`] where something that the configuration asks for is not to be had.
@@ -120,10 +130,10 @@ impl Station {
         config: Config,
         clock: ServiceClock,
         robot: RobotParts,
+        disk: Disk,
     ) -> Result<Self, StartError> {
-        let file = StateFile::within(&config.data);
-        let file = file.map_err(|error| system(config.data.display(), error))?;
-        let state = taken_up(&file, &config.recording.folder);
+        let disk = disk.on_clock(clock.clone());
+        let Kept { shelf, file, state } = Kept::open(&config, &disk)?;
         let joints: Vec<_> = config
             .joints
             .iter()
@@ -146,6 +156,7 @@ impl Station {
         let (saver, states) = channel();
         Ok(Self {
             pulse: Pulse::new(tick, clock.clone()),
+            keeper: Keeper::new(file, states, clock.clone()),
             engine: Engine::new(EngineParts {
                 config,
                 clock,
@@ -155,16 +166,22 @@ impl Station {
                 arm: robot.arm,
                 state,
                 saver,
+                disk,
                 planner: Planner::new(1)?,
             }),
-            keeper: Keeper { file, states },
             handle,
+            shelf,
         })
     }
 
     /// What the outside holds of it.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
+    }
+
+    /// What has been recorded, for the recorder; none where nothing is.
+    pub fn shelf(&self) -> Option<Arc<Shelf>> {
+        self.shelf.clone()
     }
 
     /// Runs the tick that is due next.
@@ -175,60 +192,13 @@ impl Station {
     /// Has the engine do what is to be done now, and keeps what it has learned.
     pub fn work(&mut self) {
         self.engine.work();
-        self.keeper.keep_newest();
+        self.keeper.work();
     }
 
     /// Has the engine answer what is asked, and nothing else: requests come between its rounds.
     pub fn answer(&mut self) {
         self.engine.answer_all();
     }
-}
-
-/// Writes states down, always the newest.
-pub(super) struct Keeper {
-    file: StateFile,
-    states: Receiver<State>,
-}
-
-impl Keeper {
-    /// Until the engine is gone.
-    pub fn run(&self) {
-        while let Ok(state) = self.states.recv() {
-            self.keep(self.states.try_iter().last().unwrap_or(state));
-        }
-    }
-
-    fn keep_newest(&self) {
-        if let Some(newest) = self.states.try_iter().last() {
-            self.keep(newest);
-        }
-    }
-
-    fn keep(&self, state: State) {
-        if let Err(error) = self.file.save(&state) {
-            tracing::warn!("the state cannot be kept: {error}");
-        }
-    }
-}
-
-/// The state of an earlier life. Where that was killed it may have begun moves whose numbers were not kept;
-/// their recordings are there.
-fn taken_up(file: &StateFile, recordings: &Path) -> State {
-    let mut state = file.load();
-    state.starts += 1;
-    let names = fs::read_dir(recordings).into_iter().flatten().flatten();
-    let numbers = names.filter_map(|entry| number_of(entry.file_name().to_str()?));
-    state.last_move = numbers.fold(state.last_move, u64::max);
-    state
-}
-
-/// Number of the move whose recording has this name, finished or not.
-fn number_of(name: &str) -> Option<u64> {
-    let (_, rest) = name.split_once("move-")?;
-    let digits = rest
-        .find(|c: char| !c.is_ascii_digit())
-        .unwrap_or(rest.len());
-    rest[..digits].parse().ok()
 }
 
 fn made(

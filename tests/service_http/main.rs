@@ -3,6 +3,8 @@
 mod client;
 mod connections;
 mod jobs;
+#[path = "../moves/mod.rs"]
+mod moves;
 mod recordings;
 #[path = "../small/mod.rs"]
 mod small;

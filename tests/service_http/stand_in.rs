@@ -44,7 +44,8 @@ pub fn settings() -> Settings {
 
 pub const BOUNDS: Bounds = Bounds {
     bytes: 1_000_000,
-    age: Duration::from_secs(3600),
+    count: 100,
+    last: 1,
 };
 
 /// With recordings in a folder, if there is one.

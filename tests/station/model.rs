@@ -8,7 +8,8 @@ use std::path::Path;
 use proptest::prelude::*;
 use quell::recording::Recording;
 use quell::service::contract::{Accepted, Phase, Request, ServiceError, ShapingChange};
-use quell::service::recorder::{Bounds, Recorder, Shelf};
+use quell::service::disk::Disk;
+use quell::service::recorder::Recorder;
 use quell::service::state::StateFile;
 use quell_shapers::Setpoint;
 
@@ -312,23 +313,16 @@ impl Lives {
         lives
     }
 
-    fn shelf(folder: &Path) -> Shelf {
-        let bounds = Bounds {
-            bytes: u64::MAX,
-            age: std::time::Duration::MAX,
-        };
-        Shelf::open(&folder.join("recordings"), bounds).expect("a shelf")
-    }
-
     fn record(&mut self) {
         if self.records {
             let runtime = tokio::runtime::Builder::new_current_thread()
                 .enable_time()
                 .build();
             let runtime = runtime.expect("a runtime");
+            let shelf = self.world.station.shelf().expect("a shelf");
             let recorder = {
                 let _inside = runtime.enter();
-                Recorder::start(&self.world.handle, Self::shelf(self.data.path()))
+                Recorder::start(&self.world.handle, shelf)
             };
             self.recorder = Some((runtime, recorder));
         }
@@ -518,7 +512,7 @@ fn live(ops: &[Op], timed: bool, records: bool) -> Result<(), TestCaseError> {
         lives.run(500)?;
         lives.kill()?;
     }
-    let file = StateFile::within(lives.data.path()).expect("a folder");
+    let file = StateFile::within(lives.data.path(), Disk::default());
     let _ = file.load();
     Ok(())
 }

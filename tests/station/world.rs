@@ -12,6 +12,7 @@ use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::contract::{
     Accepted, Handle, JointSnapshot, LinkHealth, Measured, Request, ServiceError, Snapshot,
 };
+use quell::service::disk::Disk;
 use quell::service::link::{Ear, Heard, RobotLink, UdpSettings};
 use quell::service::station::{RobotParts, Station};
 use quell_shapers::Setpoint;
@@ -127,6 +128,17 @@ pub struct World {
 impl World {
     /// A service that starts while the wall shows `unix_time`, and a robot that stands at `position`.
     pub fn start(config: Config, unix_time: f64, position: f64, timed: bool) -> Self {
+        Self::start_on(Disk::default(), config, unix_time, position, timed)
+    }
+
+    /// The same over a data folder on this disk.
+    pub fn start_on(
+        disk: Disk,
+        config: Config,
+        unix_time: f64,
+        position: f64,
+        timed: bool,
+    ) -> Self {
         let (clock, time) = ServiceClock::simulated(unix_time);
         let (ear, heard) = Ear::new(UdpSettings {
             address: ROBOT,
@@ -142,7 +154,7 @@ impl World {
             timed,
         };
         let robot = RobotParts::over(Box::new(wire));
-        let station = Station::assemble(config, clock.clone(), robot).expect("a station");
+        let station = Station::assemble(config, clock.clone(), robot, disk).expect("a station");
         Self::over(station, clock, time, (ear, sent), position)
     }
 
@@ -157,7 +169,8 @@ impl World {
             watchdog: config.watchdog,
             key: None,
         };
-        let station = Station::assemble(config, clock.clone(), robot).expect("a station");
+        let disk = Disk::default();
+        let station = Station::assemble(config, clock.clone(), robot, disk).expect("a station");
         let (ear, _) = Ear::new(settings);
         let mut world = Self::over(station, clock, time, (ear, Arc::default()), 0.0);
         world.robot.silent = true;

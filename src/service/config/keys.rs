@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use super::recording::RecordingKeys;
 use super::{NatsConfig, ZenohConfig};
 
 /// The whole file. Every key may be left out.
@@ -140,28 +141,6 @@ impl Default for WatchdogKeys {
         Self {
             timeout_s: 0.2,
             stop: true,
-        }
-    }
-}
-
-/// `[recording]`: moves on disk.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RecordingKeys {
-    /// Whether every move is recorded.
-    pub enabled: bool,
-    /// Most bytes of all recordings, MB; the oldest go first.
-    pub max_size_mb: f64,
-    /// Age at which a recording goes, days.
-    pub max_age_days: f64,
-}
-
-impl Default for RecordingKeys {
-    fn default() -> Self {
-        Self {
-            enabled: true,
-            max_size_mb: 1000.0,
-            max_age_days: 30.0,
         }
     }
 }

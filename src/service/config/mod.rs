@@ -3,6 +3,7 @@
 mod joint;
 mod keys;
 mod nats;
+mod recording;
 mod udp;
 mod zenoh;
 
@@ -15,6 +16,7 @@ use thiserror::Error;
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
 pub use nats::NatsConfig;
+pub use recording::RecordingConfig;
 pub use zenoh::ZenohConfig;
 
 use super::link::Key;
@@ -156,19 +158,6 @@ pub struct HttpConfig {
     pub max_body: usize,
 }
 
-/// Moves on disk.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RecordingConfig {
-    /// Whether every move is recorded.
-    pub enabled: bool,
-    /// Their folder.
-    pub folder: PathBuf,
-    /// Most bytes of all of them; the oldest go first.
-    pub max_bytes: u64,
-    /// Age at which one goes.
-    pub max_age: Duration,
-}
-
 impl Config {
     /// The configuration of a file, or the defaults, with what the command line says instead.
     ///
@@ -214,16 +203,7 @@ fn checked(
     let udp = overrides.udp.unwrap_or(keys.udp.address);
     let udp_key = udp::key(&keys.udp, udp, robot == RobotKind::Udp, &check)?;
     let data = overrides.data.clone().unwrap_or(keys.service.data);
-    let days = check.within(
-        "recording.max_age_days",
-        keys.recording.max_age_days,
-        [0.0, 1e5],
-    )?;
-    let megabytes = check.within(
-        "recording.max_size_mb",
-        keys.recording.max_size_mb,
-        [1.0, 1e9],
-    )?;
+    let recording = keys.recording.checked(&data, &check)?;
     let limit = check.within(
         "diagnosis.time_limit_s",
         keys.diagnosis.time_limit_s,
@@ -253,12 +233,7 @@ fn checked(
         foxglove: keys.foxglove.address,
         watchdog: Duration::from_secs_f64(timeout),
         watchdog_stops: keys.watchdog.stop,
-        recording: RecordingConfig {
-            enabled: keys.recording.enabled,
-            folder: data.join("recordings"),
-            max_bytes: (megabytes * 1e6) as u64,
-            max_age: Duration::from_secs_f64(days * 86_400.0),
-        },
+        recording,
         diagnosis_limit: Duration::from_secs_f64(limit),
         data,
         joints,

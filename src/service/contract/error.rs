@@ -79,6 +79,14 @@ pub enum ServiceError {
         /// What was asked for.
         what: &'static str,
     },
+    /// Every move must be recorded, and nothing can be.
+    #[error(
+        "no move without a recording (recording.required), and nothing can be recorded: {reason}"
+    )]
+    NotRecorded {
+        /// What the disk says.
+        reason: String,
+    },
     /// A stop came before the move could begin.
     #[error("a stop came before the move could begin")]
     Stopped,
@@ -100,6 +108,8 @@ pub enum ErrorKind {
     Input,
     /// The request is fine, but not now (HTTP 409).
     Conflict,
+    /// The disk does not take what has to be kept (HTTP 507).
+    Storage,
     /// Nobody can answer at present (HTTP 503).
     Unavailable,
 }
@@ -120,6 +130,7 @@ impl ServiceError {
             | Self::NoMeasurement { .. }
             | Self::NotHeard { .. }
             | Self::Stopped => ErrorKind::Conflict,
+            Self::NotRecorded { .. } => ErrorKind::Storage,
             Self::Stopping | Self::Busy | Self::Gone => ErrorKind::Unavailable,
         }
     }

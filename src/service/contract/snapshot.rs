@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
 
-use super::ModeValue;
+use super::{DiskView, ModeValue};
 
 /// The state of everything now. Published some 20 times a second.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -27,6 +27,8 @@ pub struct Snapshot {
     pub tick: TickStatistics,
     /// What came over the link.
     pub link: LinkHealth,
+    /// How it goes with the data folder.
+    pub disk: DiskView,
     /// The last moves, oldest first; at most 64.
     pub moves: Vec<MoveResult>,
 }
@@ -270,6 +272,6 @@ pub struct MoveResult {
     pub unshaped_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub unshaped_m: Option<f64>,
-    /// Name under which it is recorded, where recordings are made: that of its [`super::MoveStart`].
+    /// Name of its recording, which is on the disk, whole or growing. Absent where none is, or not yet.
     pub recording: Option<String>,
 }

@@ -10,6 +10,7 @@ mod orders;
 mod planning;
 mod publish;
 mod pump;
+mod recordings;
 mod registration;
 mod requests;
 mod running;
@@ -30,6 +31,7 @@ pub use registration::Registrar;
 use super::clock::ServiceClock;
 use super::config::Config;
 use super::contract::{Batch, EngineEnds, MoveResult, ServiceError, Stopping};
+use super::disk::Disk;
 use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
@@ -59,6 +61,7 @@ pub struct Engine {
     payload: Option<f64>,
     state: State,
     saver: Sender<State>,
+    disk: Disk,
     whole: Option<WholeReport>,
     moves: VecDeque<MoveResult>,
     batch: Batch,
@@ -85,6 +88,8 @@ pub struct EngineParts {
     pub state: State,
     /// Where states go to be kept.
     pub saver: Sender<State>,
+    /// The disk, whose state is told.
+    pub disk: Disk,
     /// The planner, of one axis.
     pub planner: Planner,
 }
@@ -104,6 +109,7 @@ impl Engine {
             arm: parts.arm,
             state: parts.state,
             saver: parts.saver,
+            disk: parts.disk,
             whole: None,
             batch: Batch::default(),
             batch_since: 0.0,
@@ -194,13 +200,5 @@ impl Engine {
         self.state.moves = self.moves.iter().cloned().collect();
         // The thread that keeps states lives as long as the engine.
         let _ = self.saver.send(self.state.clone());
-    }
-
-    /// The name under which a move is recorded, if it is.
-    fn recording_name(&self, id: u64) -> Option<String> {
-        self.config
-            .recording
-            .enabled
-            .then(|| format!("move-{id:06}"))
     }
 }

@@ -322,6 +322,7 @@ impl Engine {
         self.batch.events.push(Told::MoveStarted(start.clone()));
         joint.running = Some(Running {
             start,
+            recording: None,
             plan: asked.samples.clone(),
             tick: taken.tick,
             first: taken.first,

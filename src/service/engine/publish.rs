@@ -27,6 +27,7 @@ impl Engine {
                 .collect(),
             tick: whole.statistics,
             link: whole.link,
+            disk: self.disk.view(),
             moves: self.moves.iter().cloned().collect(),
         };
         self.ends.snapshot.send_replace(Arc::new(snapshot));

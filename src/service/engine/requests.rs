@@ -61,6 +61,7 @@ impl Engine {
             });
         }
         joint.takes_moves()?;
+        self.check_recording()?;
         let shaper = shaper.map(shaper_named).transpose()?;
         if let Some(shaper) = shaper
             && !joint.is_at_rest()

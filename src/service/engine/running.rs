@@ -17,6 +17,8 @@ const LONGEST: usize = 240_000;
 pub struct Running {
     /// What was told of it when it began.
     pub start: MoveStart,
+    /// Name of its recording, once that is on the disk.
+    pub recording: Option<String>,
     /// Its present plan: the move's own, or that of a stop.
     pub plan: SampledTrajectory,
     /// Tick with which the present plan began.
@@ -121,7 +123,7 @@ impl Running {
             residual_m: along_arc(residual),
             unshaped_rad: unshaped,
             unshaped_m: along_arc(unshaped),
-            recording: self.start.recording.clone(),
+            recording: self.recording.clone(),
         }
     }
 }

@@ -53,6 +53,7 @@ impl From<ServiceError> for Refused {
         let status = match error.kind() {
             ErrorKind::Input => StatusCode::UNPROCESSABLE_ENTITY,
             ErrorKind::Conflict => StatusCode::CONFLICT,
+            ErrorKind::Storage => StatusCode::INSUFFICIENT_STORAGE,
             ErrorKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
         };
         Self::new(status, error.to_string())
@@ -63,6 +64,7 @@ impl From<ShelfError> for Refused {
     fn from(error: ShelfError) -> Self {
         match error {
             ShelfError::Unknown { .. } => Self::new(StatusCode::NOT_FOUND, error.to_string()),
+            ShelfError::Unfinished { .. } => Self::new(StatusCode::CONFLICT, error.to_string()),
             _ => Self::new(StatusCode::INTERNAL_SERVER_ERROR, error.to_string()),
         }
     }
@@ -72,6 +74,7 @@ impl From<RecordError> for Refused {
     fn from(error: RecordError) -> Self {
         let status = match error {
             RecordError::Gone => StatusCode::SERVICE_UNAVAILABLE,
+            RecordError::NotKept { .. } => StatusCode::INSUFFICIENT_STORAGE,
             _ => StatusCode::CONFLICT,
         };
         Self::new(status, error.to_string())

@@ -1,20 +1,15 @@
 //! One recording to take along, a few at once.
 
-use std::convert::Infallible;
-use std::pin::Pin;
 use std::sync::Arc;
-use std::task::{Context, Poll};
 
-use axum::body::{Body, Bytes};
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
-use hyper::body::{Frame, SizeHint};
-use tokio::sync::OwnedSemaphorePermit;
 
 use super::App;
 use super::answer::Refused;
+use super::pieces::in_pieces;
 use super::recordings::{on_disk, recorder};
 
 /// `GET /api/recordings/{name}`.
@@ -30,42 +25,18 @@ pub async fn download(
     })?;
     let wanted = name.clone();
     let archive = on_disk(recorder, move |shelf| shelf.archive(&wanted)).await?;
+    let length = archive.length();
     // A name that the shelf has is letters, digits, -, _ and dots.
     let disposition = format!("attachment; filename=\"{name}.tar\"");
     let headers = [
         (CONTENT_TYPE, "application/x-tar".to_string()),
         (CONTENT_DISPOSITION, disposition),
+        (CONTENT_LENGTH, length.to_string()),
     ];
-    let body = Body::new(Held {
-        rest: archive.into(),
-        _place: place,
+    let body = in_pieces(length, move |out| {
+        // Held until the thread that reads is free again.
+        let _place = place;
+        archive.write(out)
     });
     Ok((headers, body).into_response())
-}
-
-/// Bytes that are handed on at once: what is handed on is no longer held here.
-const PART: usize = 64 * 1024;
-
-/// A body that keeps its place until it is sent.
-struct Held {
-    rest: Bytes,
-    _place: OwnedSemaphorePermit,
-}
-
-impl hyper::body::Body for Held {
-    type Data = Bytes;
-    type Error = Infallible;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        _: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        let length = self.rest.len().min(PART);
-        let part = self.rest.split_to(length);
-        Poll::Ready((length > 0).then(|| Ok(Frame::data(part))))
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        SizeHint::with_exact(self.rest.len() as u64)
-    }
 }

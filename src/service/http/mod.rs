@@ -31,6 +31,7 @@ mod guard;
 mod metrics;
 mod pace;
 mod page;
+mod pieces;
 mod recordings;
 mod stream;
 mod views;
@@ -61,7 +62,7 @@ use stream::Feed;
 const SHORTEST_TOKEN: usize = 16;
 /// WebSockets open at once; they take no place of a connection.
 const STREAMS: usize = 64;
-/// Recordings sent at once: each is held in memory until it is taken.
+/// Recordings sent at once: each takes a thread until it is taken.
 const DOWNLOADS: usize = 4;
 
 /// What the outside is given.
