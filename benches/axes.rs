@@ -15,12 +15,16 @@ use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::service::contract::{LinkHealth, Measured, Quantity};
 use quell::service::guard::Bounds;
 use quell::service::link::RobotLink;
-use quell::service::tick::{EngineRings, JointTick, Tick, ToTick};
+use quell::service::tick::{EngineRings, JointTick, Tick, ToTick, Watchdog};
 use quell_shapers::{Mode, Setpoint};
 use quell_trajectories::{AxisState, Planner};
 use rustix::time::{ClockId, clock_gettime};
 
 const PERIOD: f64 = 0.004;
+const WATCHDOG: Watchdog = Watchdog {
+    timeout: 0.2,
+    stops: false,
+};
 const JOINTS: [usize; 4] = [1, 10, 100, 1000];
 /// Ticks of a move and its ringing out.
 const TICKS: usize = 500;
@@ -57,6 +61,10 @@ impl RobotLink for Echo {
             }
         }
         self.tick += 1;
+    }
+
+    fn carries_time(&self) -> bool {
+        true
     }
 
     fn send(&mut self, _: f64, _: usize, _: &Setpoint) {
@@ -100,7 +108,7 @@ fn made(robot: &Robot, joints: usize, measured: &Arc<Vec<[f64; 2]>>) -> (Tick, E
         deformation: f64::MAX,
         resolution: robot.encoder.resolution,
     };
-    let ticks = (0..joints).map(|joint| JointTick::new(joint, bounds, 0.2, true, true));
+    let ticks = (0..joints).map(|joint| JointTick::new(joint, bounds, WATCHDOG, true, true));
     let link = Echo {
         joints,
         measured: Arc::clone(measured),

@@ -107,7 +107,10 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     let model = Model::from_toml(MODEL, "model.toml").unwrap();
     let one = |seed| {
         let (recording, k3) = case(seed);
-        let options = Options { seed };
+        let options = Options {
+            seed,
+            ..Options::default()
+        };
         let train = std::slice::from_ref(&recording);
         let outcome = diagnose(&model, train, &[], &options, &|_, _| {}).unwrap();
         let findings = &outcome.diagnosis.findings;

@@ -232,8 +232,8 @@ fn what_users_name_is_escaped() {
     let html = page().render();
     assert!(!html.contains("<img") && !html.contains("\"</script>"));
     assert!(html.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;&amp;&quot;&#39;"));
-    // One closing tag for each of the three scripts: none comes from data.
-    assert_eq!(html.matches("</script>").count(), 3);
+    // One closing tag for each of the four scripts: none comes from data.
+    assert_eq!(html.matches("</script>").count(), 4);
 }
 
 #[test]

@@ -1,12 +1,15 @@
-"use strict";
 // The live charts: what each joint did in the last seconds, and the impulses in force.
 
+import { DEG } from "./dom.js";
+
 const WINDOW = 12; // s that are shown
-const DEG = 180 / Math.PI;
 const VAGUE = 0.1; // an estimate whose standard deviation is a larger share of it is none to show
 
 /** The last seconds of one joint, a column a quantity; what is not known is null. */
-class Trace {
+export class Trace {
+  /** Whether its deformation is a length, an angle, or (null) not measured yet. */
+  unit = null;
+
   constructor() {
     this.clear();
   }
@@ -19,6 +22,8 @@ class Trace {
     const { t } = this.rows;
     // The service has begun anew: its clock counts from zero.
     if (t.length && frame.time_s < t[t.length - 1]) this.clear();
+    // A length is told where the tip's arc is known, and an angle elsewhere.
+    if (frame.deformation_rad !== null) this.unit = frame.tip_deformation_m === null ? "mrad" : "mm";
     const { frequency_hz: frequency, frequency_std_hz: std } = frame;
     const known = frequency !== null && std !== null && std < VAGUE * frequency;
     const row = {
@@ -37,6 +42,11 @@ class Trace {
     if (old > 100) for (const column of Object.values(this.rows)) column.splice(0, old);
   }
 
+  /** The deformation in its unit. */
+  deformation() {
+    return this.unit === "mm" ? this.rows.tip : this.rows.angle;
+  }
+
   /** Seconds before the last one. */
   ago() {
     const { t } = this.rows;
@@ -47,7 +57,7 @@ class Trace {
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 /** A chart over the last seconds that follows its box and the colour scheme. */
-class Live {
+export class Live {
   constructor(box, series, { least = 0, bands = [], level = () => null, levelName = "" } = {}) {
     Object.assign(this, { box, series, least, bands, level, levelName, data: null });
     new ResizeObserver(() => this.plot && this.plot.setSize(this.size())).observe(box);
@@ -133,7 +143,7 @@ class Live {
 }
 
 /** The impulses of a train. Each is split over neighbouring ticks, which belong together here. */
-function impulses({ times_s, amplitudes }, period) {
+export function impulses({ times_s, amplitudes }, period) {
   const found = [];
   times_s.forEach((t, k) => {
     const last = found[found.length - 1];
@@ -149,7 +159,7 @@ function impulses({ times_s, amplitudes }, period) {
 }
 
 /** The impulses as stems in a drawing that scales with its box. */
-function drawTrain(box, train) {
+export function drawTrain(box, train) {
   const [width, height, pad] = [400, 170, 34];
   const make = (kind, attributes, text = "") => {
     const element = document.createElementNS("http://www.w3.org/2000/svg", kind);

@@ -1,7 +1,9 @@
-"use strict";
-// Recordings, and what a diagnosis says of them. The last file: it starts the page.
+// Recordings, and what a diagnosis says of them.
 
-async function listRecordings() {
+import { ask, withToken } from "./ask.js";
+import { $, element, number, say } from "./dom.js";
+
+export async function listRecordings() {
   let list;
   try {
     list = await ask("/api/recordings");
@@ -14,7 +16,7 @@ async function listRecordings() {
     const what = element("td", `${entry.joint}, ${new Date(1e3 * entry.unix_time_s).toLocaleString()}`);
     what.append(element("small", entry.name));
     const { result } = entry;
-    const left = result?.residual_m != null ? `${number(1e3 * result.residual_m, 2)} mm` : result?.residual_rad != null ? `${number(1e3 * result.residual_rad, 2)} mrad` : "–";
+    const left = !result ? "–" : result.interrupted ? "interrupted" : result.residual_m != null ? `${number(1e3 * result.residual_m, 2)} mm` : result.residual_rad != null ? `${number(1e3 * result.residual_rad, 2)} mrad` : "–";
     const button = element("button", "Diagnose", { type: "button", "aria-label": `Diagnose ${entry.name}` });
     button.onclick = () => diagnose(entry.name);
     const link = element("a", "Download", { href: withToken(`/api/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });
@@ -28,20 +30,23 @@ async function listRecordings() {
 $("record").onclick = async () => {
   const on = $("record").getAttribute("aria-pressed") !== "true";
   try {
-    const answer = await ask("/api/recordings", { joint: on ? state.joints[joint].name : undefined, recording: on });
-    $("record").setAttribute("aria-pressed", String(on));
-    $("record").textContent = on ? `End recording ${answer.name}` : "Record on demand";
+    const body = on ? { joint: $("joint").value || undefined, recording: true } : { recording: false };
+    showRecording(on, await ask("/api/recordings", { method: "POST", body }));
     if (!on) setTimeout(listRecordings, 500);
   } catch (error) {
-    $("record").setAttribute("aria-pressed", "false");
-    $("record").textContent = "Record on demand";
+    if (error.status) showRecording(false);
     say(error.message, true);
   }
 };
 
+function showRecording(on, answer) {
+  $("record").setAttribute("aria-pressed", String(on));
+  $("record").textContent = on ? `End recording ${answer.name}` : "Record on demand";
+}
+
 async function diagnose(recording) {
   try {
-    follow(await ask("/api/diagnose", { recording }));
+    follow(await ask("/api/diagnose", { method: "POST", body: { recording } }));
   } catch (error) {
     verdict("bad", error.message);
   }
@@ -57,42 +62,62 @@ function verdict(kind, text) {
 }
 
 const KINDS = { no_mismatch: "good", named: "plain", ambiguous: "plain", partly_explained: "bad", unexplained: "bad", not_excited: "bad" };
+const FOLLOW = 500; // ms between questions how a job stands
 let followed = 0;
 
-/** Shows a job until it is done. */
+function showJob(job) {
+  const time = job.limit_s === null ? "" : `, ${Math.round(job.seconds)} s of at most ${number(job.limit_s)} s`;
+  $("doing").textContent = `Diagnosing ${job.recording}: ${job.doing}${time}`;
+  $("progress").value = job.progress;
+}
+
+/** Shows a job until it has ended. */
 async function follow(job) {
   followed = job.id;
-  $("diagnosis").hidden = false;
-  $("job").hidden = false;
+  $("diagnosis").hidden = $("job").hidden = false;
   $("verdict").hidden = $("report-row").hidden = $("report-frame").hidden = true;
   $("report-frame").removeAttribute("src");
   $("show-report").setAttribute("aria-expanded", "false");
+  $("show-report").textContent = "Show it here";
   while (followed === job.id && (job.status === "waiting" || job.status === "running")) {
-    $("doing").textContent = `Diagnosing ${job.recording}: ${job.doing}`;
-    $("progress").value = job.progress;
-    await new Promise((resolve) => setTimeout(resolve, 500));
+    showJob(job);
+    await new Promise((resolve) => setTimeout(resolve, FOLLOW));
     try {
       job = await ask(`/api/diagnose/${job.id}`);
     } catch (error) {
-      return verdict("bad", error.message);
+      // Without an answer nothing is known of it: it is asked again.
+      if (error.status) return verdict("bad", error.message);
     }
   }
-  if (followed !== job.id) return;
-  if (job.status === "failed") return verdict("bad", job.error);
+  if (followed === job.id) showEnd(job);
+}
+
+function showEnd(job) {
+  if (job.status === "cancelled") return verdict("plain", `${job.recording}: the diagnosis was cancelled.`);
+  if (job.status === "failed") return verdict("bad", `${job.recording}: ${job.error}`);
   verdict(KINDS[job.diagnosis.verdict], `${job.recording}: ${job.diagnosis.summary}`);
   $("report-row").hidden = false;
   $("report").href = withToken(`/api/diagnose/${job.id}/report`);
 }
 
+$("cancel").onclick = async () => {
+  try {
+    showJob(await ask(`/api/diagnose/${followed}`, { method: "DELETE" }));
+  } catch (error) {
+    say(error.message, true);
+  }
+};
+
 $("show-report").onclick = () => {
   const show = $("report-frame").hidden;
   $("report-frame").hidden = !show;
   $("show-report").setAttribute("aria-expanded", String(show));
+  $("show-report").textContent = show ? "Hide it" : "Show it here";
   if (show) $("report-frame").src = $("report").href;
 };
 
 /** The last diagnosis, where the page was left while it ran. */
-async function lastDiagnosis() {
+export async function lastDiagnosis() {
   try {
     const last = (await ask("/api/diagnose")).pop();
     if (last) follow(await ask(`/api/diagnose/${last.id}`));
@@ -100,7 +125,3 @@ async function lastDiagnosis() {
     // There is none to show, or no connection, which is told elsewhere.
   }
 }
-
-connect();
-lastDiagnosis();
-requestAnimationFrame(draw);

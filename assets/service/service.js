@@ -1,58 +1,21 @@
-"use strict";
 // The page: what the service says, and what it is asked for.
 
-const $ = (id) => document.getElementById(id);
+import { ask, command, stop, token, withToken } from "./ask.js";
+import { Live, Trace, drawTrain, impulses } from "./charts.js";
+import { $, DEG, announce, degrees, element, number, rounded, say } from "./dom.js";
+import "./keys.js";
+import { showMoves, whole } from "./moves.js";
+import { lastDiagnosis, listRecordings } from "./recordings.js";
+
 const QUIET = 4000; // ms without a word after which a connection counts as lost
-const BARS = 10; // moves that are shown as bars
-const STALE = 400; // ms for which a switch keeps what was asked for, until the service says it
+const STALE = 400; // ms for which a control keeps what was asked for, until the service says it
+const SETTLED = 200; // ms for which a slider rests before its value is sent
 
 let state = null;
 let joint = 0;
 let traces = [];
 let drawn = false;
 let asked = 0;
-const token = { get: () => sessionStorage.getItem("quell-token"), set: (text) => sessionStorage.setItem("quell-token", text) };
-
-/** Adds the token to an address that the browser itself asks for. */
-const withToken = (path) => (token.get() ? `${path}?token=${encodeURIComponent(token.get())}` : path);
-
-function element(kind, text = "", attributes = {}) {
-  const made = document.createElement(kind);
-  made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
-}
-
-/** A few significant digits; what is not known is a dash. */
-const number = (value, digits = 3) => (value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits))));
-
-/** An angle, rad, in degrees to a thousandth, so that rounding does not show. */
-const degrees = (angle) => String(Math.round(angle * DEG * 1e3) / 1e3 + 0);
-
-async function ask(path, body) {
-  const headers = token.get() ? { Authorization: `Bearer ${token.get()}` } : {};
-  const options = body === undefined ? { headers } : { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body) };
-  const response = await fetch(path, options);
-  if (response.status === 401) wantToken();
-  const answer = await response.json();
-  if (!response.ok) throw new Error(answer.error);
-  return answer;
-}
-
-function say(text, bad = false) {
-  $("said").textContent = text;
-  $("said").className = bad ? "note bad" : "note";
-}
-
-/** Asks for something, and says what became of it. */
-async function command(path, body, done) {
-  try {
-    const answer = await ask(path, body);
-    say(done(answer));
-  } catch (error) {
-    say(error.message, true);
-  }
-}
 
 // --- what the service says ---
 
@@ -60,32 +23,43 @@ function connect() {
   const scheme = location.protocol === "https:" ? "wss" : "ws";
   const socket = new WebSocket(`${scheme}://${location.host}${withToken("/api/stream")}`);
   let heard = Date.now();
-  const watch = setInterval(() => Date.now() - heard > QUIET && socket.close(), 1000);
-  socket.onopen = () => connection(true);
+  // A service that is gone does not close: its silence is the end.
+  const watch = setInterval(() => Date.now() - heard > QUIET && lost(), 500);
   socket.onmessage = (event) => {
     heard = Date.now();
     take(JSON.parse(event.data));
   };
-  socket.onclose = () => {
+  socket.onopen = () => connection(true);
+  socket.onclose = lost;
+  function lost() {
+    socket.onmessage = socket.onopen = socket.onclose = null;
     clearInterval(watch);
+    socket.close();
     connection(false);
     // A refused WebSocket does not say why; a plain request does.
     ask("/api/state").catch(() => {});
     setTimeout(connect, 1000);
-  };
+  }
 }
 
+/** Whether the service is there. Where it is not, all that is shown is old: it is grey, and says of when it is. */
 function connection(there) {
   const pill = $("connection");
   pill.textContent = there ? "connected" : "connection lost, trying again";
   pill.className = there ? "pill good" : "pill bad";
+  // What was said of the last command is old as well, once.
+  if (!there && !document.body.classList.contains("old")) say("");
+  document.body.classList.toggle("old", !there);
   for (const control of document.querySelectorAll(".controls button, .controls input, .controls select")) control.disabled = !there && control.id !== "stop";
-  if (!there) $("phase").hidden = true;
-  else listRecordings();
+  const at = state && new Date(1e3 * state.unix_time_s).toLocaleTimeString();
+  announce("old", there || !at ? [] : [`The service does not answer. What is shown is of ${at}: the robot may be doing something else.`]);
+  if (there) listRecordings();
 }
 
 function take(message) {
   if (message.type === "state") {
+    // The service has begun anew, perhaps with other joints.
+    if (state && message.state.time_s < state.time_s) traces = [];
     state = message.state;
     showState();
   } else if (message.type === "batch") {
@@ -93,7 +67,7 @@ function take(message) {
     if (message.events.some((event) => event.event === "move_ended")) setTimeout(listRecordings, 1500); // it rests for a second in the recording
     drawn = false;
   } else if (message.type === "lost") {
-    say(`this page was too slow: ${message.batches} batches were left out`);
+    announce("slow", [`This page was too slow: ${message.batches} batches were left out.`]);
   }
 }
 
@@ -117,11 +91,11 @@ function showState() {
   showControls(now);
   showTrouble(now);
   showFigures(now);
-  showBars(now);
+  showMoves(state.moves, now.name);
   $("train-words").textContent = now.mode ? `${now.shaper.toUpperCase().replaceAll("_", " ")} for ${number(now.mode.frequency_hz, 4)} Hz, damping ${number(now.mode.damping_ratio)}` : "";
   // Drawn anew only where it has changed, so that it can be selected and read.
   const train = JSON.stringify(now.train);
-  if ($("train").dataset.shown !== train && now.train.times_s.length) {
+  if ($("train").dataset.shown !== train) {
     $("train").dataset.shown = train;
     drawTrain($("train"), impulses(now.train, 1 / state.tick.rate_hz));
   }
@@ -133,9 +107,9 @@ function showControls(now) {
   $("range").textContent = `from ${now.range_rad.map(degrees).join(" to ")}`;
   $("shaping").checked = now.shaping;
   $("adaptation").checked = now.adaptation;
-  if (document.activeElement !== $("shaper")) $("shaper").value = now.shaper;
+  $("shaper").value = now.shaper;
   $("payload-row").hidden = state.payload_kg === null;
-  if (document.activeElement !== $("payload") && state.payload_kg !== null) {
+  if (state.payload_kg !== null && !$("payload").matches(":active")) {
     $("payload").value = state.payload_kg;
     showPayload();
   }
@@ -149,24 +123,21 @@ function showPayload() {
 function showTrouble(now) {
   const wrong = [];
   if (state.stopping) wrong.push("The service is ending: the robot is brought to rest.");
+  for (const fault of state.disk?.faults ?? []) {
+    const what = fault.what === "recordings" ? "Moves are not recorded" : "What is learned is not kept";
+    wrong.push(`${what} since ${new Date(1e3 * fault.since_unix_time_s).toLocaleString()}: ${fault.reason}.`);
+  }
   if (now.watchdog === "silent") wrong.push("No measurements come: adaptation waits.");
   if (now.watchdog === "stopped") wrong.push("No measurements come: the joint was stopped.");
   for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);
-  say("trouble", wrong);
+  announce("trouble", wrong);
   const advice = [];
   if (now.limits_assumed) {
     const [velocity, acceleration] = now.limits.map((limit) => number(limit * DEG));
     advice.push(`No limits were given for ${now.name}: those of the embedded arm are in force (${velocity} deg/s, ${acceleration} deg/s²). Set velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3.`);
   }
   if (now.awaits_registration) advice.push("Where the tip's sensor stands is not known yet: nothing is learned from it. A long move tells it; service.description must say where the tip is.");
-  say("advice", advice);
-}
-
-/** Shows sentences, or nothing. A text that has not changed is not read out again. */
-function say(where, sentences) {
-  const text = sentences.join(" ");
-  if ($(where).textContent !== text) $(where).textContent = text;
-  $(where).hidden = !sentences.length;
+  announce("advice", advice);
 }
 
 function figure(name, value, unit, note) {
@@ -181,46 +152,16 @@ function showFigures(now) {
   const { estimate, mode } = now;
   const truth = now.true_mode ? `in truth ${number(now.true_mode.frequency_hz, 4)} Hz` : "";
   const word = !estimate ? "move to learn it" : estimate.refused || (estimate.converged ? "settled" : "not yet settled");
-  const last = state.moves.filter((move) => move.joint === now.name && move.unshaped_rad && move.residual_rad !== null).pop();
+  const last = whole(state.moves, now.name).filter((move) => move.unshaped_rad && move.residual_rad !== null).pop();
   const share = last && last.shaped ? number((100 * last.residual_rad) / last.unshaped_rad, 2) : null;
   $("figures").replaceChildren(
-    figure("position", degrees(now.command_rad), "deg", `target ${degrees(now.target_rad)} deg`),
+    // Before the robot has said where it stands nothing is commanded.
+    now.phase === "waiting" ? figure("position", "–", "deg", "not heard yet") : figure("position", degrees(now.command_rad), "deg", `target ${degrees(now.target_rad)} deg`),
     figure("estimated frequency", estimate ? number(estimate.frequency_hz, 4) : "–", "Hz", [word, truth].filter(Boolean).join("; ")),
     figure("damping ratio", estimate ? number(estimate.damping_ratio) : "–", "", estimate ? `± ${number(estimate.damping_ratio_std, 2)}` : ""),
     figure("shaped for", mode ? number(mode.frequency_hz, 4) : "–", "Hz", `trains learned: ${now.retunes}`),
     figure("last move left", share ?? "–", "%", "of the vibration without shaping"),
   );
-}
-
-/** Bars of the last moves: what was left, and what would have been left without shaping. */
-function showBars(now) {
-  const moves = state.moves.filter((move) => move.joint === now.name).slice(-BARS).reverse();
-  const shown = JSON.stringify(moves);
-  if (!moves.length || $("bars").dataset.shown === shown) return;
-  $("bars").dataset.shown = shown;
-  const inMetres = moves.every((move) => move.residual_rad === null || move.residual_m !== null);
-  const unit = inMetres ? "mm" : "mrad";
-  const of = (move, what) => (move[`${what}_${inMetres ? "m" : "rad"}`] ?? null);
-  const values = moves.flatMap((move) => [of(move, "residual"), of(move, "unshaped")]);
-  const most = Math.max(...values.filter((value) => value !== null), 1e-12);
-  $("bars").replaceChildren(...moves.flatMap((move) => {
-    const words = [move.shaper === "none" ? "unshaped" : move.shaper.toUpperCase().replaceAll("_", " "), move.shaped && move.adaptive ? "adaptive" : "", move.payload_kg ? `${number(move.payload_kg)} kg` : "", move.interrupted ? "interrupted" : ""];
-    const name = element("div", `${degrees(move.from_rad)}° to ${degrees(move.target_rad)}°`, { class: "name" });
-    name.append(element("small", words.filter(Boolean).join(", ")));
-    const track = element("div", "", { class: "track" });
-    const bar = (value, kind, note) => {
-      const row = element("div", "", { class: "bar" });
-      const colour = element("i", "", { class: kind });
-      colour.style.width = `${(72 * (value ?? 0)) / most}%`;
-      row.append(colour, element("span", value === null ? "not measured" : `${number(1e3 * value, 2)} ${unit}${note}`));
-      track.append(row);
-    };
-    const [left, without] = [of(move, "residual"), of(move, "unshaped")];
-    if (move.shaped && without !== null) bar(without, "without", "");
-    bar(left, move.shaped ? "with" : "without", move.shaped && without && left !== null ? `, ${number((100 * left) / without, 2)} %` : "");
-    return [name, track];
-  }));
-  $("bars-keys").hidden = false;
 }
 
 function showHealth(now) {
@@ -246,15 +187,15 @@ const charts = {
 
 function draw() {
   requestAnimationFrame(draw);
-  const trace = traces[joint];
-  if (drawn || !trace || document.hidden) return;
+  if (drawn || document.hidden) return;
   drawn = true;
+  // A joint that was never heard has no curves.
+  const trace = traces[joint] ?? new Trace();
   const { rows } = trace;
   const ago = trace.ago();
-  const inMetres = rows.tip.some((value) => value !== null);
-  $("deformation-unit").textContent = inMetres ? " of the tip, mm" : ", mrad";
+  $("deformation-unit").textContent = { mm: " of the tip, mm", mrad: ", mrad" }[trace.unit] ?? "";
   charts.position.draw([ago, rows.planned, rows.command, rows.motor]);
-  charts.deformation.draw([ago, inMetres ? rows.tip : rows.angle]);
+  charts.deformation.draw([ago, trace.deformation()]);
   charts.estimate.draw([ago, rows.frequency, rows.high, rows.low]);
 }
 
@@ -263,12 +204,10 @@ function draw() {
 function move(target) {
   const name = state?.joints[joint]?.name;
   if (!name) return;
-  $("target").value = number(target, 6);
-  command("/api/move", { joint: name, target_deg: target }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
-}
-
-function stop() {
-  command("/api/stop", {}, (answer) => `Stopping, ${number(answer.duration_s)} s.`);
+  // What is sent is what is shown.
+  const target_deg = rounded(target);
+  $("target").value = target_deg;
+  command("/api/move", { joint: name, target_deg }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
 }
 
 function change(what) {
@@ -276,8 +215,14 @@ function change(what) {
   command("/api/shaper", what, () => "Changed; in force with the next move from rest.");
 }
 
-function wantToken() {
-  $("token-form").hidden = false;
+let settling;
+
+/** Sends the payload once the slider rests. */
+function carry() {
+  asked = Date.now();
+  showPayload();
+  clearTimeout(settling);
+  settling = setTimeout(() => command("/api/payload", { mass_kg: Number($("payload").value) }, () => "Another payload."), SETTLED);
 }
 
 $("move").onsubmit = (event) => {
@@ -286,24 +231,30 @@ $("move").onsubmit = (event) => {
 };
 $("stop").onclick = stop;
 for (const button of document.querySelectorAll("[data-by]")) {
-  button.onclick = () => move(state.joints[joint].target_rad * DEG + Number(button.dataset.by));
+  button.onclick = () => state && move(state.joints[joint].target_rad * DEG + Number(button.dataset.by));
 }
-$("joint").onchange = () => state && showState();
+$("joint").onchange = () => {
+  drawn = false;
+  if (state) showState();
+};
 $("shaping").onchange = () => change({ enabled: $("shaping").checked });
 $("adaptation").onchange = () => change({ adaptation: $("adaptation").checked });
 $("shaper").onchange = () => change({ kind: $("shaper").value });
-$("payload").oninput = showPayload;
-$("payload").onchange = () => command("/api/payload", { mass_kg: Number($("payload").value) }, () => "Another payload.");
+$("payload").oninput = () => {
+  asked = Date.now();
+  showPayload();
+};
+$("payload").onchange = carry;
 $("token-form").onsubmit = (event) => {
   event.preventDefault();
   token.set($("token").value);
   $("token-form").hidden = true;
 };
-document.addEventListener("keydown", (event) => {
-  // Space belongs to whatever has the focus and understands it.
-  const taken = event.target.closest("button, input, select, a, iframe");
-  if (event.key === "Escape" || (event.key === " " && !taken)) {
-    event.preventDefault();
-    stop();
-  }
-});
+
+// Stop, and what it said, stay in sight where their place is not.
+const place = $("stop-place");
+new IntersectionObserver(([seen]) => place.classList.toggle("away", seen.intersectionRatio < 1), { threshold: 1 }).observe(place);
+
+connect();
+lastDiagnosis();
+requestAnimationFrame(draw);

@@ -154,7 +154,10 @@ fn diagnosed(job: &Job, path: &Path) -> Outcome {
     let told = |error: &dyn std::error::Error| error.to_string();
     let recording = Recording::from_path(path).map_err(|error| told(&error))?;
     let model = Model::from_toml(&job.model, "model.toml").map_err(|error| told(&error))?;
-    let options = Options { seed: job.seed };
+    let options = Options {
+        seed: job.seed,
+        ..Options::default()
+    };
     let outcome = diagnose(&model, &[recording], &[], &options, &|_, _| {});
     let outcome = outcome.map_err(|error| told(&error))?;
     let diagnosis = serde_json::to_value(&outcome.diagnosis).map_err(|error| told(&error))?;

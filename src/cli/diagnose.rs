@@ -118,7 +118,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
         all.collect()
     };
     let (train, held_out) = (read(&args.recordings)?, read(&args.held_out)?);
-    let options = Options { seed: args.seed };
+    let options = Options {
+        seed: args.seed,
+        ..Options::default()
+    };
     let bar = bar();
     let progress = |done: f64, what: &str| {
         bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);

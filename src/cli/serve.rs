@@ -4,11 +4,13 @@ mod outside;
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use tokio::signal::unix::{SignalKind, signal};
 
 use super::{CliError, output, values};
 use crate::service::config::{Config, Overrides, RobotKind};
+use crate::service::disk::{Disk, FileSystem};
 use crate::service::{self, StartError};
 use outside::Outside;
 
@@ -81,10 +83,13 @@ async fn serve(config: Config) -> Result<(), CliError> {
     let mut terminated = signal(SignalKind::terminate())?;
     let mut interrupted = signal(SignalKind::interrupt())?;
     let (robot, rate) = (config.robot, 1.0 / config.period);
+    // Before the ports, which another service on the same folder is likely to have taken, too.
+    let disk = Disk::of(&config.data, Arc::new(FileSystem));
+    let disk = disk.map_err(CliError::failure)?;
     let listener = outside::listen(&config).await?;
     let page = listener.local_addr()?;
-    let service = service::start(config.clone()).map_err(refused)?;
-    let outside = Outside::start(listener, &config, service.handle())?;
+    let service = service::start_on(config.clone(), disk).map_err(refused)?;
+    let outside = Outside::start(listener, &config, &service);
     let link = match service.udp_address() {
         Some(address) => format!(", UDP at {address}"),
         None => String::new(),
@@ -107,7 +112,10 @@ async fn serve(config: Config) -> Result<(), CliError> {
 
 fn refused(error: StartError) -> CliError {
     match error {
-        StartError::System { .. } | StartError::Planner(_) => CliError::failure(error),
+        StartError::System { .. }
+        | StartError::Folder(_)
+        | StartError::Shelf(_)
+        | StartError::Planner(_) => CliError::failure(error),
         _ => CliError::input(error),
     }
 }

@@ -7,6 +7,7 @@ use super::problem::{Problem, Rows};
 use super::search::LONG;
 use super::split::{self, HeldOut};
 use super::start::{departure_scale, departures};
+use super::stop::Stop;
 use super::whitening::Whitening;
 use crate::effects::Scales;
 use crate::model::chain::MotorSide;
@@ -113,6 +114,7 @@ pub fn problem<'a>(
         departure_scale: departure_scale(&scales),
         scales,
         frozen: false,
+        stop: Stop::default(),
     }
 }
 

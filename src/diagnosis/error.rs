@@ -12,6 +12,9 @@ pub enum DiagnosisError {
     /// A recording does not suit the model.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
+    /// It was stopped before its time.
+    #[error("the diagnosis was stopped before its time")]
+    Stopped,
     /// Too few samples for the unknowns.
     #[error(
         "{channel} of \"{recording}\" has {found} samples; the unknowns of the model and its noise take at least \

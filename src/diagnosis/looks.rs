@@ -17,7 +17,7 @@ use crate::recording::Recording;
 /// kept apart. The same input and seed give the same answer.
 ///
 /// # Errors
-/// [`DiagnosisError`] where a recording does not suit the model.
+/// [`DiagnosisError`] where a recording does not suit the model, or it is stopped.
 pub fn diagnose(
     model: &Model,
     train: &[Recording],
@@ -37,6 +37,9 @@ pub fn diagnose(
     let (held_out, also) = stretches(held_out);
     left_out.extend(also);
     let mut outcome = look(model, &train, &held_out, options, progress)?;
+    if options.stop.was_asked() {
+        return Err(DiagnosisError::Stopped);
+    }
     outcome.diagnosis.remarks.splice(0..0, left_out);
     outcome.diagnosis.check()?;
     Ok(outcome)
@@ -55,7 +58,7 @@ fn look(
     mute(model, held_out, &apart)?;
     let once = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
     if fitted[0].windows.is_empty() {
-        return Ok(once((fitted, apart), &Known::default()).0);
+        return Ok(once((fitted, apart), &Known::default())?.0);
     }
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
@@ -66,12 +69,12 @@ fn look(
     // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
     // many minima. In windows there are few, and what was found in them says where to start. But what is
     // small shows in one piece only.
-    let (mut in_windows, points) = once(windowed, &Known::default());
+    let (mut in_windows, points) = once(windowed, &Known::default())?;
     let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
         drives an axis freely add up without bound.";
     in_windows.diagnosis.remarks.push(remark.into());
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
-    let (in_one, _) = once(whole, &Known { points, alone });
+    let (in_one, _) = once(whole, &Known { points, alone })?;
     if explains(&in_one) {
         return Ok(in_one);
     }

@@ -1,6 +1,7 @@
 //! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
 
 use super::point::{Global, Local, Point};
+use super::stop::Stop;
 use super::whitening::Whitening;
 use crate::effects::{Law, Scales};
 use crate::model::chain::RESONANCES;
@@ -47,6 +48,8 @@ pub struct Problem<'a> {
     pub scales: Scales,
     /// Whether only what each experiment alone has is fitted.
     pub frozen: bool,
+    /// Ends the work before its time.
+    pub stop: Stop,
 }
 
 /// A simulated experiment, held against what was recorded.
@@ -187,6 +190,9 @@ impl Problem<'_> {
     pub fn run(&self, point: &Point, experiment: usize) -> Run {
         let (local, keys) = (&point.locals[experiment], self.keys(point, experiment));
         let (kind, data) = (self.kind, &self.experiments[experiment]);
+        if self.stop.now() {
+            return left_out(data);
+        }
         let (terms, starts) = (&point.terms, &local.departures);
         if self.frozen {
             let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);
@@ -282,6 +288,20 @@ impl Problem<'_> {
             true => DMatrix::zeros(0, 0),
             false => DMatrix::from_columns(&columns),
         }
+    }
+}
+
+/// A run that was not made, as one that ran away.
+fn left_out(data: &Experiment) -> Run {
+    let nothing = |output: &Output| vec![f64::NAN; output.values.len()];
+    let rates = |output: &Output| match output.own_clock {
+        true => nothing(output),
+        false => Vec::new(),
+    };
+    Run {
+        simulated: None,
+        residuals: data.outputs.iter().map(nothing).collect(),
+        rates: data.outputs.iter().map(rates).collect(),
     }
 }
 

@@ -4,6 +4,7 @@ use super::baseline::{Data, problem, refit};
 use super::conclude::{better_model, conclude, reported};
 use super::document::Diagnosis;
 use super::draw::draw;
+use super::error::DiagnosisError;
 use super::excitation::Untold;
 use super::explanation::{Explanation, Judge};
 use super::extend::Known;
@@ -17,6 +18,7 @@ use super::remarks::recorded;
 use super::search::{EQUAL, LONG, Search, ratio};
 use super::settled::{search, settled};
 use super::start::ringing;
+use super::stop::Stop;
 use super::traces::Traces;
 use super::weights::measure_noise;
 use crate::model::{Experiment, Model, simulate_windows};
@@ -24,15 +26,20 @@ use crate::recording::{Recording, Role};
 use std::f64::consts::TAU;
 
 /// What the caller may choose.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// Seed of the bootstrap.
     pub seed: u64,
+    /// Ends the diagnosis before its time; by default nothing does.
+    pub stop: Stop,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1 }
+        Self {
+            seed: 1,
+            stop: Stop::default(),
+        }
     }
 }
 
@@ -57,13 +64,15 @@ pub(super) fn attempt(
     known: &Known,
     options: &Options,
     progress: Progress,
-) -> (Outcome, Vec<Point>) {
+) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
     let mut data = Data::new(fitted, apart);
     let told = recorded(train);
-    let mut ending = investigate(model, &data, known, options, progress, told.clone(), false);
+    let mut ending = investigate(model, &data, known, options, progress, told.clone(), false)?;
     loop {
         match ending {
-            Ending::Told(outcome, points) => return (named(*outcome, &data, train), points),
+            Ending::Told(outcome, points) => {
+                return Ok((named(*outcome, &data, train), points));
+            }
             Ending::Surprised(period, mut points) => {
                 // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out
                 // parts of every move instead.
@@ -77,7 +86,7 @@ pub(super) fn attempt(
                 points.extend(known.points.iter().cloned());
                 let alone = known.alone;
                 let known = Known { points, alone };
-                ending = investigate(model, &data, &known, options, progress, told, true);
+                ending = investigate(model, &data, &known, options, progress, told, true)?;
             }
         }
     }
@@ -119,28 +128,33 @@ fn investigate(
     progress: Progress,
     mut remarks: Vec<String>,
     is_second: bool,
-) -> Ending {
+) -> Result<Ending, DiagnosisError> {
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
+    problem.stop = options.stop.clone();
     let (fitted, mut projector) = baseline(model, &mut problem);
+    options.stop.check()?;
     let judge = Judge::new(model, data, &problem, &fitted.point);
     let untold = Untold::of(model, &problem, &fitted.point, &judge);
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
     suspect(&mut problem, &located, &baseline);
+    options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
     let found = settled(&mut problem, &mut projector, &judge, baseline, told);
     let search = search(&problem, &projector, &judge, told);
     if !is_second && data.apart.is_empty() && surprised(&search, &found) {
-        return Ending::Surprised(problem.scales.period(), found.points());
+        return Ok(Ending::Surprised(problem.scales.period(), found.points()));
     }
+    options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
     let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
     }
+    options.stop.check()?;
     let verdict = diagnosis.verdict;
     diagnosis.next_move =
         next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));
@@ -152,7 +166,7 @@ fn investigate(
         diagnosis,
         traces,
     };
-    Ending::Told(Box::new(outcome), points)
+    Ok(Ending::Told(Box::new(outcome), points))
 }
 
 /// Tells the catalogue where to look.

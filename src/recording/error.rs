@@ -166,6 +166,18 @@ pub enum Problem {
     },
 }
 
+impl RecordingError {
+    /// What the operating system says of a file.
+    pub fn io(file: &Path, error: &std::io::Error) -> Self {
+        super::table::from_io(error).in_file(file)
+    }
+
+    /// Whether the operating system refused, rather than that the recording is none.
+    pub fn is_io(&self) -> bool {
+        matches!(self.problem, Problem::Io(_) | Problem::Missing)
+    }
+}
+
 impl Problem {
     /// The problem in a file, without a line.
     pub fn in_file(self, file: &Path) -> RecordingError {

@@ -47,12 +47,13 @@ pub use carries::plain;
 pub(crate) use error::nearest;
 pub use error::{Place, Problem, RecordingError};
 pub use manifest::MANIFEST;
-pub use mcap::{Cut, Found, McapFile, McapWriter, Topic};
+pub use mcap::{Cut, Found, McapFile, McapWriter, Mended, Topic};
 #[cfg(feature = "zenoh")]
 pub(crate) use mcap::{Decoder, Encoder};
 pub use role::{ROLES, Role, RoleEntry};
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
+pub use write::Sink;
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -106,7 +107,26 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] where a channel would not be read back, or a file cannot be written.
     pub fn write(&self, folder: impl AsRef<Path>, compress: bool) -> Result<(), RecordingError> {
-        write::write(self, folder.as_ref(), compress)
+        let folder = folder.as_ref();
+        write::checked(self, folder)?;
+        std::fs::create_dir_all(folder).map_err(|error| RecordingError::io(folder, &error))?;
+        write::write(self, folder, compress, &mut |path| {
+            Ok(Box::new(std::fs::File::create(path)?))
+        })
+    }
+
+    /// As [`Recording::write`], into a folder that is there and into files that `create` gives.
+    ///
+    /// # Errors
+    /// As [`Recording::write`].
+    pub fn write_by(
+        &self,
+        folder: &Path,
+        compress: bool,
+        mut create: impl FnMut(&Path) -> std::io::Result<Sink>,
+    ) -> Result<(), RecordingError> {
+        write::checked(self, folder)?;
+        write::write(self, folder, compress, &mut create)
     }
 
     /// The first channel with this role.

@@ -2,12 +2,10 @@
 
 use super::error::{Problem, RecordingError};
 use super::manifest::MANIFEST;
-use super::table::from_io;
 use super::{Channel, Recording, Unit};
 use flate2::{Compression, write::GzEncoder};
 use serde::Serialize;
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -31,22 +29,32 @@ struct Entry<'a> {
     unit: &'a str,
 }
 
-/// Writes `recording.toml` and the channels' files into a folder, which is made where needed.
-pub(super) fn write(
-    recording: &Recording,
-    folder: &Path,
-    compress: bool,
-) -> Result<(), RecordingError> {
-    for channel in &recording.channels {
+/// A file that is open for writing, or what stands in for one. Nothing is done with it once it is flushed.
+pub type Sink = Box<dyn Write + Send + Sync>;
+
+/// What gives a file to write into.
+type Create<'a> = dyn FnMut(&Path) -> io::Result<Sink> + 'a;
+
+/// Refuses what would not be read back, or not as it is.
+pub(super) fn checked(recording: &Recording, folder: &Path) -> Result<(), RecordingError> {
+    recording.channels.iter().try_for_each(|channel| {
         check(channel).map_err(|reason| {
             Problem::Channel {
                 role: channel.role.name(),
                 reason,
             }
             .in_file(folder)
-        })?;
-    }
-    std::fs::create_dir_all(folder).map_err(|error| from_io(&error).in_file(folder))?;
+        })
+    })
+}
+
+/// Writes `recording.toml` and the channels' files into a folder that is there.
+pub(super) fn write(
+    recording: &Recording,
+    folder: &Path,
+    compress: bool,
+    create: &mut Create,
+) -> Result<(), RecordingError> {
     let mut seen = HashMap::new();
     let mut manifest = Manifest {
         name: &recording.name,
@@ -60,14 +68,19 @@ pub(super) fn write(
             .or_insert(1);
         let entry = entry(channel, *count, compress);
         let path = folder.join(&entry.file);
-        csv(channel, &entry, &path, compress).map_err(|error| from_io(&error).in_file(&path))?;
+        let written = create(&path).and_then(|file| csv(channel, &entry, file, compress));
+        written.map_err(|error| RecordingError::io(&path, &error))?;
         manifest.channel.push(entry);
     }
     tracing::info!(folder = %folder.display(), channels = manifest.channel.len(), "written");
     let path = folder.join(MANIFEST);
     let text = toml::to_string(&manifest)
         .map_err(|error| Problem::Toml(error.to_string()).in_file(&path))?;
-    std::fs::write(&path, text).map_err(|error| from_io(&error).in_file(&path))
+    let written = create(&path).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.flush()
+    });
+    written.map_err(|error| RecordingError::io(&path, &error))
 }
 
 /// What would not be read back, or not as it is.
@@ -123,13 +136,12 @@ fn entry(channel: &Channel, count: usize, compress: bool) -> Entry<'_> {
     }
 }
 
-fn csv(channel: &Channel, entry: &Entry, path: &Path, compress: bool) -> io::Result<()> {
-    let file = File::create(path)?;
+fn csv(channel: &Channel, entry: &Entry, mut file: Sink, compress: bool) -> io::Result<()> {
     if compress {
-        let mut out = GzEncoder::new(file, Compression::default());
+        let mut out = GzEncoder::new(&mut file, Compression::default());
         rows(channel, entry, &mut out)?;
         out.finish()?;
-        return Ok(());
+        return file.flush();
     }
     let mut out = BufWriter::new(file);
     rows(channel, entry, &mut out)?;

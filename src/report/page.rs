@@ -11,6 +11,7 @@ const UPLOT_SCRIPT: &str = include_str!("../../assets/uplot-1.6.32/uPlot.iife.mi
 const UPLOT_STYLE: &str = include_str!("../../assets/uplot-1.6.32/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../../assets/uplot-1.6.32/LICENSE");
 const SCRIPT: &str = include_str!("../../assets/report.js");
+const FRAME: &str = include_str!("../../assets/frame.js");
 const STYLE: &str = include_str!("../../assets/report.css");
 
 /// Forbids every request: the page has all it needs.
@@ -173,7 +174,7 @@ impl Page {
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{}</title>\n<style>{UPLOT_STYLE}\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
-             {}{}{}</main>\n{script}</body>\n</html>\n",
+             {}{}{}</main>\n{script}<script>{FRAME}</script>\n</body>\n</html>\n",
             escape(&self.title),
             self.render_head(),
             self.render_blocks(&slot),

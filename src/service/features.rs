@@ -7,7 +7,7 @@ use super::clock::ServiceClock;
 use super::config::{Config, NatsConfig};
 use super::contract::Handle;
 use super::link::RobotLink;
-use super::start::StartError;
+use super::station::StartError;
 
 /// What runs beside a robot's link and asks for moves, begun once there is somebody to ask.
 pub type Companion = Box<dyn FnOnce(Handle) -> io::Result<Box<dyn Send>>>;

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
 
-use super::clock::{ServiceClock, unix_time};
+use super::clock::ServiceClock;
 use super::contract::{Batch, Event, Frame, Handle, ModeValue, MoveResult};
 
 /// Time between two frames of a joint, s: a screen shows every third.
@@ -47,7 +47,8 @@ impl FoxgloveServer {
         let view = View {
             channels: channels.map_err(io::Error::other)?,
             stream: handle.stream(),
-            origin: unix_time() - clock.now(),
+            origin: clock.unix_time() - clock.now(),
+            clock,
         };
         let (ending, ended) = oneshot::channel();
         let (started, port) = sync_channel(1);
@@ -153,6 +154,7 @@ struct View {
     stream: broadcast::Receiver<Arc<Batch>>,
     /// The service's zero in seconds since 1970.
     origin: f64,
+    clock: ServiceClock,
 }
 
 async fn serve(
@@ -199,7 +201,7 @@ impl View {
             if let Event::MoveEnded(moved) = event {
                 let named = |joint: &&Channels| joint.joint == moved.joint;
                 if let Some(joint) = self.channels.iter().find(named) {
-                    self.log(&joint.moves, moved, unix_time());
+                    self.log(&joint.moves, moved, self.clock.unix_time());
                 }
             }
         }

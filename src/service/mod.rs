@@ -6,6 +6,7 @@
 pub mod clock;
 pub mod config;
 pub mod contract;
+pub mod disk;
 mod engine;
 mod features;
 #[cfg(feature = "foxglove")]
@@ -13,13 +14,17 @@ mod foxglove;
 pub mod guard;
 pub mod http;
 pub mod jobs;
+mod keeper;
+mod kept;
 pub mod link;
 pub mod recorder;
 pub mod ringing;
 mod start;
 pub mod state;
+pub mod station;
 #[cfg(feature = "nats")]
 mod telemetry;
 pub mod tick;
 
-pub use start::{Service, StartError, start};
+pub use start::{Service, start, start_on};
+pub use station::StartError;

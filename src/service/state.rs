@@ -1,14 +1,15 @@
 //! What outlives the process: the last good modes, and the last moves. One JSON file.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use tracing::warn;
 
-use super::contract::{ModeValue, MoveResult};
+use super::contract::{DiskPart, ModeValue, MoveResult};
+use super::disk::Disk;
 
 /// Layout of the file; another one is set aside.
 const VERSION: u32 = 1;
@@ -30,6 +31,17 @@ pub struct State {
     pub joints: BTreeMap<String, JointState>,
     /// The last moves.
     pub moves: Vec<MoveResult>,
+}
+
+impl State {
+    /// Brings the list of moves in line with the recordings that there are: a name without a recording
+    /// is withdrawn, and no number that a recording has is given to another move.
+    pub fn agree_with(&mut self, is_there: impl Fn(&str) -> bool, last_move: u64) {
+        self.last_move = self.last_move.max(last_move);
+        for done in &mut self.moves {
+            done.recording = done.recording.take().filter(|name| is_there(name));
+        }
+    }
 }
 
 /// What was learned of a joint.
@@ -74,30 +86,25 @@ impl JointState {
 #[derive(Clone, Debug)]
 pub struct StateFile {
     path: PathBuf,
+    disk: Disk,
 }
 
 impl StateFile {
-    /// The file within a folder, which is made if need be.
-    ///
-    /// # Errors
-    /// What the system says of the folder.
-    pub fn within(folder: &Path) -> io::Result<Self> {
-        fs::create_dir_all(folder)?;
-        Ok(Self {
+    /// The file within a folder.
+    pub fn within(folder: &Path, disk: Disk) -> Self {
+        Self {
             path: folder.join("state.json"),
-        })
+            disk,
+        }
     }
 
-    /// What was kept. A file that cannot be understood is set aside with a warning: the service is
-    /// worth more without its memory than not at all.
+    /// What was kept. A file that cannot be read or understood is set aside with a warning, so that the
+    /// next state does not replace it: the service is worth more without its memory than not at all.
     pub fn load(&self) -> State {
         let text = match fs::read(&self.path) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return State::default(),
-            Err(error) => {
-                warn!("{}: {error}; nothing is remembered", self.path.display());
-                return State::default();
-            }
+            Err(error) => return self.set_aside(&error.to_string()),
         };
         match serde_json::from_slice::<State>(&text) {
             Ok(state) if state.version == VERSION => state,
@@ -108,7 +115,7 @@ impl StateFile {
 
     fn set_aside(&self, reason: &str) -> State {
         let aside = self.path.with_extension("json.damaged");
-        let moved = fs::rename(&self.path, &aside);
+        let moved = self.disk.storage().rename(&self.path, &aside);
         let kept = match moved {
             Ok(()) => format!("set aside as {}", aside.display()),
             Err(error) => format!("it cannot be set aside: {error}"),
@@ -124,22 +131,18 @@ impl StateFile {
     /// happens.
     ///
     /// # Errors
-    /// What the system says.
+    /// What the system says. The disk remembers it until a state is kept again.
     pub fn save(&self, state: &State) -> io::Result<()> {
         let state = State {
             version: VERSION,
             ..state.clone()
         };
         let text = serde_json::to_vec_pretty(&state)?;
-        let beside = self.path.with_extension("json.new");
-        let mut file = File::create(&beside)?;
-        file.write_all(&text)?;
-        file.sync_all()?;
-        fs::rename(&beside, &self.path)?;
-        match self.path.parent() {
-            // The new name is on the disk only once its folder is.
-            Some(folder) if !folder.as_os_str().is_empty() => File::open(folder)?.sync_all(),
-            _ => Ok(()),
-        }
+        let written = self.disk.write_whole(&self.path, &text);
+        let named = written.map_err(|error| {
+            let path = self.path.display();
+            io::Error::new(error.kind(), format!("{path}: {error}"))
+        });
+        self.disk.told(DiskPart::State, named)
     }
 }

@@ -32,11 +32,12 @@ pub struct DeformationSample {
 /// On-line: encoder and tip measurements in the order of arrival become deformation samples.
 ///
 /// It accepts a sensor of the tip, of the link position or of the deformation itself, and does not
-/// allocate, block or fail.
+/// allocate, block or fail. Where the tip's arc is not known a sensor of the tip says nothing, and the
+/// deformation along the arc is NaN.
 #[derive(Clone, Debug)]
 pub struct DeformationSensor {
     aligner: Aligner,
-    arc: JointArc,
+    arc: Option<JointArc>,
     sensor_to_base: Isometry3<f64>,
 }
 
@@ -45,8 +46,17 @@ impl DeformationSensor {
     pub fn new(arc: JointArc, sensor_to_base: Isometry3<f64>, clock: Clock) -> Self {
         Self {
             aligner: Aligner::new(clock),
-            arc,
+            arc: Some(arc),
             sensor_to_base,
+        }
+    }
+
+    /// A sensor of a joint whose tip's arc is not known, on `clock`.
+    pub fn without_arc(clock: Clock) -> Self {
+        Self {
+            aligner: Aligner::new(clock),
+            arc: None,
+            sensor_to_base: Isometry3::identity(),
         }
     }
 
@@ -62,8 +72,9 @@ impl DeformationSensor {
             let u = aligned.motor_position;
             let deformation = match aligned.measurement {
                 Measurement::TipPosition { position, .. } => {
+                    let Some(arc) = &self.arc else { continue };
                     let tip = self.sensor_to_base * Point3::from(position);
-                    deformation(&self.arc, u, &tip)
+                    deformation(arc, u, &tip)
                 }
                 Measurement::LinkPosition { position, .. } => position - u,
                 Measurement::Deformation { deformation, .. } => deformation,
@@ -73,19 +84,19 @@ impl DeformationSensor {
                 time: aligned.time,
                 motor_position: u,
                 deformation,
-                tip_deformation: deformation * self.arc.radius(),
+                tip_deformation: self.arc.map_or(f64::NAN, |arc| deformation * arc.radius()),
             });
         }
     }
 
-    /// The arc of the tip, in the base frame.
-    pub fn arc(&self) -> &JointArc {
-        &self.arc
+    /// The arc of the tip, in the base frame, where it is known.
+    pub fn arc(&self) -> Option<&JointArc> {
+        self.arc.as_ref()
     }
 
     /// Replaces the arc, as after another joint has changed the pose.
     pub fn set_arc(&mut self, arc: JointArc) {
-        self.arc = arc;
+        self.arc = Some(arc);
     }
 
     /// Replaces frame and clock, as after a new registration.

@@ -3,7 +3,8 @@
 both ways.
 
 It shares nothing with Quell but the datagrams. It plays setpoints back by their stamps, some
-milliseconds late, as a robot controller with a jitter buffer does; its servo is of second order, its
+milliseconds late, as a robot controller with a jitter buffer does. Where in motion the next setpoint is missing
+its time stands still for a while, so that it does not depend on who of the two is late. Its servo is of second order, its
 link a mode that it knows. A machine that is busy makes it late and not wrong: it catches up step by
 step, each datagram with the stamp of its own step.
 
@@ -28,6 +29,8 @@ import time
 STEP = 0.001
 # Age of a setpoint when it is played, s: more than a network and a late tick take.
 DELAY = 0.010
+# So long its time stands still for a setpoint that is missing, s: after that whoever commands is gone.
+PATIENCE = 0.5
 # A gap in the setpoints is bridged for so long, s; then the arm holds.
 BRIDGED = 0.05
 # The servo has followed its command to 1 in 1000 after so long, s.
@@ -120,6 +123,14 @@ class Playback:
             + s * s * (s - 1) * length * w
         )
         return (position, v + s * (w - v)), v == a == w == b == 0.0
+
+
+    def starves(self, now):
+        """Whether in motion there is no setpoint to go on to."""
+        if not self.times or now - self.least - DELAY <= self.times[-1]:
+            return False
+        _, v, a = self.points[-1]
+        return v != 0.0 or a != 0.0
 
 
 class Sensors:
@@ -280,10 +291,14 @@ class Robot:
         rest, count, started = b"", 0, time.monotonic()
         # Its clock was started another day.
         clock = lambda: 86_412.5 + (time.monotonic() - started) * (1 + self.options.skew)
-        next_step = clock()
+        next_step = fed = clock()
         while True:
             self.hear(clock())
             while next_step <= clock():
+                starves = any(joint.playback.starves(next_step) for joint in self.joints.values())
+                if starves and clock() - fed < PATIENCE:
+                    break
+                fed = fed if starves else clock()
                 self.step(count, next_step)
                 count, next_step = count + 1, next_step + STEP
                 if count % 16 == 0:
@@ -299,8 +314,8 @@ class Robot:
                 for line in lines:
                     self.obey(line)
             wait = next_step - clock() + self.chance.uniform(0.0, self.options.jitter)
-            if wait > 0:
-                time.sleep(wait)
+            # Where it starves the next step is over due.
+            time.sleep(max(wait, 2e-4))
 
 
 def options():

@@ -70,7 +70,7 @@ pub fn case(kind: Kind, number: u64) -> Outcome {
             .map(|(a, b)| b.residual / a.residual.max(FLOOR))
             .collect(),
         missed: both().map(|(_, moved)| moved.missed).fold(0.0, f64::max),
-        peak: shaped.iter().map(over).fold(0.0, f64::max),
+        peak: shaped.iter().map(|ran| ran.peak).fold(0.0, f64::max),
     }
 }
 

@@ -10,7 +10,7 @@ use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::service::contract::{Measured, Quantity};
 use quell::service::guard::{Bounds, SensorReport};
 use quell::service::tick::pace::Stride;
-use quell::service::tick::{AxisReport, Event, JointTick, Plan, Start, Train};
+use quell::service::tick::{AxisReport, Event, JointTick, Plan, Start, Train, Watchdog};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
 use quell_shapers::{GridTrain, Setpoint, peak_ratios};
 use quell_trajectories::Planner;
@@ -96,7 +96,11 @@ impl Joint {
             deformation: f64::MAX,
             resolution: robot.encoder.resolution,
         };
-        let mut tick = JointTick::new(index, bounds, WATCHDOG, shaped, true);
+        let watchdog = Watchdog {
+            timeout: WATCHDOG,
+            stops: false,
+        };
+        let mut tick = JointTick::new(index, bounds, watchdog, shaped, true);
         let settings = axis(&robot, case, shaped, sensor);
         let controller = Controller::new(vec![settings], &[start], PathPolicy::Independent)?;
         tick.begin(Box::new(controller), 0.0);
@@ -252,6 +256,7 @@ impl Joint {
             ticket: 0,
             samples: Some(slowed.plan),
             start: Start::Rest(Box::new(order)),
+            stops: false,
         }));
         Ok(())
     }
@@ -294,7 +299,6 @@ impl Joint {
         Ran {
             moves: self.moves,
             peak: peak_ratios(sent, &limits, period).worst(),
-            corrected: status.corrections > 0,
             refused: report.sensors().map(|(_, sensor)| refused(sensor)).sum(),
             frozen: self.frozen,
             silent: self.silent,

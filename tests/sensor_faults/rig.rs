@@ -39,9 +39,8 @@ pub struct Moved {
 /// What became of one joint.
 pub struct Ran {
     pub moves: Vec<Moved>,
-    /// Largest peak of the command over its limit, and whether anything was corrected.
+    /// Largest peak of the command over its limit.
     pub peak: f64,
-    pub corrected: bool,
     /// Samples refused, and whether the adaptation waited or a sensor was silent at any tick.
     pub refused: u64,
     pub frozen: bool,

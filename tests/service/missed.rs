@@ -72,6 +72,10 @@ impl RobotLink for Listener {
         self.told.lock().expect("no panic").deformation = deformation;
     }
 
+    fn carries_time(&self) -> bool {
+        true
+    }
+
     fn send(&mut self, now: f64, _joint: usize, setpoint: &Setpoint) {
         self.setpoints = [self.setpoints[1], (now, *setpoint)];
         let mut told = self.told.lock().expect("no panic");
@@ -113,6 +117,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
         ticket: 1,
         samples: Some(plan(&robot, 0.0, 0.5)),
         start: Start::Rest(Box::new(train)),
+        stops: false,
     };
     let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, mode)));
     for order in [begin, ToTick::Plan(Box::new(move_))] {

@@ -36,7 +36,10 @@ fn a_signal_ends_it_with_success_and_its_state_is_kept() {
     }
     // A state that cannot be understood is set aside, and the service starts without it.
     std::fs::write(data.path().join("state.json"), "{\"version\":").expect("a file");
-    let file = quell::service::state::StateFile::within(data.path()).expect("a folder");
+    let file = quell::service::state::StateFile::within(
+        data.path(),
+        quell::service::disk::Disk::default(),
+    );
     assert_eq!(file.load(), quell::service::state::State::default());
     assert!(data.path().join("state.json.damaged").exists());
 }

@@ -7,7 +7,7 @@ use quell::service::contract::TickStatistics;
 use quell::service::guard::Bounds;
 use quell::service::link::EmbeddedLink;
 use quell::service::tick::{
-    EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train, TrainOrder,
+    EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train, TrainOrder, Watchdog,
 };
 use quell_shapers::{Mode, Shaper, UncertainMode, shaper_by_name};
 use quell_trajectories::{AxisState, Planner, SampledTrajectory};
@@ -39,7 +39,11 @@ pub fn joint(robot: &Robot) -> JointTick {
         deformation: f64::MAX,
         resolution: robot.encoder.resolution,
     };
-    JointTick::new(0, bounds, 0.2, true, true)
+    let watchdog = Watchdog {
+        timeout: 0.2,
+        stops: false,
+    };
+    JointTick::new(0, bounds, watchdog, true, true)
 }
 
 /// Empties the rings as the engine does; says how many plans were taken and refused.
@@ -92,6 +96,7 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
                 ticket: k,
                 samples: Some(plan(&robot, from, 0.5 - from)),
                 start: Start::Rest(Box::new(train)),
+                stops: false,
             };
             let orders = [
                 ToTick::Carry(loads[index % 2].clone()),

@@ -1,15 +1,21 @@
 //! What the service says to the outside, and what it refuses.
 
 mod client;
+mod connections;
+mod jobs;
+#[path = "../moves/mod.rs"]
+mod moves;
 mod recordings;
+#[path = "../small/mod.rs"]
+mod small;
 mod stand_in;
 mod streams;
 
 use client::Client;
+use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::http::{Settings, check};
 use rand::{Rng, SeedableRng};
 use stand_in::{outside, settings};
-use std::time::{Duration, Instant};
 
 const MOVE: &str = r#"{"joint": "joint_1", "target_deg": 30}"#;
 
@@ -296,32 +302,50 @@ fn others_need_the_token() {
 }
 
 #[test]
-fn connections_that_are_too_many_or_say_nothing_do_no_harm() {
-    let settings = Settings {
-        max_connections: 4,
-        ..settings()
+fn udp_beyond_this_machine_needs_a_key_or_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("quell.toml");
+    let load = |robot: &str, address: &str, more: &str| {
+        let udp = format!("[udp]\naddress = \"{address}\"\n{more}\n");
+        std::fs::write(&file, format!("[service]\nrobot = \"{robot}\"\n{udp}")).unwrap();
+        Config::load(Some(&file), &Overrides::default())
     };
-    let outside = outside(settings, None);
-    let mut held: Vec<_> = (0..4).map(|_| Client::new(outside.address)).collect();
-    for client in &mut held {
-        assert_eq!(client.get("/metrics").status, 200);
-    }
-    let refused = Client::new(outside.address).read().unwrap();
-    assert_eq!(
-        (refused.status, refused.error().contains("too many")),
-        (503, true)
-    );
-    held.pop();
-    let until = Instant::now() + Duration::from_secs(10);
-    while Instant::now() < until {
-        std::thread::sleep(Duration::from_millis(20));
-        let metrics = held[0].get("/metrics").text();
-        if metrics.contains("quell_http_connections 3\n") {
-            break;
+    for address in [
+        "0.0.0.0:7871",
+        "192.168.1.5:7871",
+        "[::]:7871",
+        "[::ffff:10.0.0.1]:7871",
+    ] {
+        let refused = load("udp", address, "").err().unwrap().to_string();
+        assert!(
+            refused.contains(&format!("udp.address = {address}")),
+            "{refused}"
+        );
+        for words in [
+            "udp.key",
+            "openssl rand -hex 32",
+            "udp.allow_unsigned = true",
+        ] {
+            assert!(refused.contains(words), "{refused}");
         }
+        let key = "key = \"0123456789abcdef\"";
+        assert!(load("udp", address, key).unwrap().udp_key.is_some());
+        assert!(load("udp", address, "allow_unsigned = true").is_ok());
+        // Without a robot over UDP nothing listens there.
+        assert!(load("embedded", address, "").is_ok());
     }
-    let mut again = Client::new(outside.address);
-    assert_eq!(again.get("/metrics").status, 200, "a place is free again");
+    for address in ["127.0.0.1:7871", "[::1]:7871", "[::ffff:127.0.0.1]:7871"] {
+        assert!(load("udp", address, "").is_ok(), "{address}");
+    }
+    let overrides = Overrides {
+        robot: Some(RobotKind::Udp),
+        udp: Some("0.0.0.0:7871".parse().unwrap()),
+        ..Overrides::default()
+    };
+    assert!(
+        Config::load(None, &overrides).is_err(),
+        "also on the command line"
+    );
 }
 
 #[test]

@@ -1,60 +1,14 @@
 //! Moves on disk, by way of the interface.
 
 use super::client::Client;
+use super::moves::a_move;
 use super::stand_in::{BOUNDS, outside, settings};
 use quell::recording::{Recording, Role};
-use quell::service::contract::{Batch, Event, Measured, MoveResult, MoveStart, Quantity, TickRow};
 use quell::service::recorder::{Bounds, Shelf};
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// A move of half a second from 2 s on, as the engine tells of it.
-fn a_move(id: u64) -> Vec<Batch> {
-    let name = Some(format!("move-{id:06}"));
-    let times: Vec<f64> = (0..450).map(|k| 0.01 * f64::from(k)).collect();
-    let batch = |(number, times): (usize, &[f64])| Batch {
-        number: number as u64 + 1000 * id,
-        ticks: times.iter().map(|&time| row(time)).collect(),
-        measured: times.iter().map(|&time| measured(time)).collect(),
-        events: Vec::new(),
-    };
-    let mut batches: Vec<_> = times.chunks(20).enumerate().map(batch).collect();
-    batches[10].events.push(Event::MoveStarted(MoveStart {
-        id,
-        joint: "joint_1".into(),
-        time_s: 2.0,
-        recording: name.clone(),
-        ..MoveStart::default()
-    }));
-    batches[14].events.push(Event::MoveEnded(MoveResult {
-        id,
-        joint: "joint_1".into(),
-        recording: name,
-        ..MoveResult::default()
-    }));
-    batches
-}
-
-fn row(time: f64) -> TickRow {
-    TickRow {
-        time,
-        position: (time - 2.0).clamp(0.0, 0.5),
-        ..TickRow::default()
-    }
-}
-
-fn measured(time: f64) -> Measured {
-    Measured {
-        received: time,
-        stamp: time + 700.0,
-        joint: 0,
-        quantity: Quantity::MotorPosition,
-        value: [time, 0.0, 0.0],
-        refused: false,
-    }
-}
 
 /// Asks until the list of recordings has so many, or ten seconds are over.
 fn listed(client: &mut Client, count: usize) -> Value {
@@ -112,6 +66,13 @@ fn moves_are_recorded_whole_and_within_bounds() {
             .any(|file| file.ends_with("move-000001/recording.toml")),
         "{files:?}"
     );
+    // A long one is sent as it is read.
+    let long = std::fs::File::create(folder.path().join("move-000001/long")).unwrap();
+    long.set_len(20_000_000).unwrap();
+    let archive = client.get("/api/recordings/move-000001");
+    let mut archive = tar::Archive::new(archive.body.as_slice());
+    let sizes = archive.entries().unwrap().map(|e| e.unwrap().size());
+    assert_eq!(sizes.max(), Some(20_000_000));
     for name in [
         "..",
         "../move-000001",

@@ -2,7 +2,8 @@
 
 use quell::cli::diagnose::page::page;
 use quell::service::contract::{
-    Accepted, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot, channels,
+    Accepted, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot, Stopping,
+    channels,
 };
 use quell::service::http::{Settings, serve};
 use quell::service::recorder::{Bounds, Recorder, Shelf};
@@ -37,12 +38,14 @@ pub fn settings() -> Settings {
         arcs: BTreeMap::new(),
         recorder: None,
         report: page,
+        diagnosis_limit: Duration::from_secs(600),
     }
 }
 
 pub const BOUNDS: Bounds = Bounds {
     bytes: 1_000_000,
-    age: Duration::from_secs(3600),
+    count: 100,
+    last: 1,
 };
 
 /// With recordings in a folder, if there is one.
@@ -114,7 +117,13 @@ async fn answer(mut ends: EngineEnds) {
                 duration_s: 1.0,
                 speed: 1.0,
             }),
-            Request::Stop => Ok(Accepted::Stop { duration_s: 0.1 }),
+            Request::Stop => Ok(Accepted::Stop {
+                duration_s: 0.1,
+                joints: vec![Stopping {
+                    joint: "joint_1".into(),
+                    duration_s: Some(0.1),
+                }],
+            }),
             Request::Payload { mass } if mass > 1.0 => value("mass_kg", mass),
             Request::Payload { .. } => Err(ServiceError::Stopping),
             Request::Shaping(_) => Ok(Accepted::Changed),

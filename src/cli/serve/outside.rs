@@ -5,15 +5,16 @@ use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
 use crate::cli::{CliError, diagnose};
+use crate::service::Service;
 use crate::service::config::Config;
-use crate::service::contract::Handle;
 use crate::service::http::{self, HttpError, Settings};
-use crate::service::recorder::{Bounds, Recorder, Shelf};
+use crate::service::recorder::Recorder;
 
 /// What listens, until it is told to end.
 pub struct Outside {
     end: oneshot::Sender<()>,
     served: JoinHandle<Result<(), HttpError>>,
+    recorder: Option<Recorder>,
 }
 
 /// Takes the address, before anything moves.
@@ -29,21 +30,9 @@ pub async fn listen(config: &Config) -> Result<TcpListener, CliError> {
 
 impl Outside {
     /// Records and serves what the engine does.
-    ///
-    /// # Errors
-    /// [`CliError::Failure`] where the folder of recordings is not to be had.
-    pub fn start(listener: TcpListener, config: &Config, handle: Handle) -> Result<Self, CliError> {
-        let recording = &config.recording;
-        let recorder = if recording.enabled {
-            let bounds = Bounds {
-                bytes: recording.max_bytes,
-                age: recording.max_age,
-            };
-            let shelf = Shelf::open(&recording.folder, bounds).map_err(CliError::failure)?;
-            Some(Recorder::start(&handle, shelf))
-        } else {
-            None
-        };
+    pub fn start(listener: TcpListener, config: &Config, service: &Service) -> Self {
+        let (handle, shelf) = (service.handle(), service.shelf());
+        let recorder = shelf.map(|shelf| Recorder::start(&handle, shelf));
         let arcs = config.joints.iter().filter_map(|joint| {
             let arc = joint.arc?;
             Some((joint.name.clone(), arc))
@@ -53,24 +42,32 @@ impl Outside {
             max_connections: config.http.max_connections,
             max_body_bytes: config.http.max_body,
             arcs: arcs.collect(),
-            recorder,
+            recorder: recorder.clone(),
             report: diagnose::page::page,
+            diagnosis_limit: config.diagnosis_limit,
         };
         let (end, ended) = oneshot::channel();
         let served = tokio::spawn(http::serve(listener, handle, settings, async {
             // Its end being dropped is an end as well.
             let _ = ended.await;
         }));
-        Ok(Self { end, served })
+        Self {
+            end,
+            served,
+            recorder,
+        }
     }
 
-    /// Ends what has begun.
+    /// Ends what has begun; what is being recorded is put onto the shelf.
     ///
     /// # Errors
     /// [`CliError::Failure`] where it did not serve at all.
     pub async fn end(self) -> Result<(), CliError> {
         // It may have ended by itself, and then says why.
         let _ = self.end.send(());
+        if let Some(recorder) = &self.recorder {
+            recorder.close().await;
+        }
         self.served
             .await
             .map_err(CliError::failure)?

@@ -6,7 +6,6 @@ use super::records::{Broken, Cut, visit};
 use super::series::{Clock, Series, series};
 use super::value::Path as Field;
 use crate::recording::error::{Place, Problem, RecordingError};
-use crate::recording::table::from_io;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -50,7 +49,15 @@ impl McapFile {
     /// [`RecordingError`] with the byte where the file is damaged.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         tracing::info!(file = %path.display(), "reading");
-        let bytes = std::fs::read(path).map_err(|error| from_io(&error).in_file(path))?;
+        let bytes = std::fs::read(path).map_err(|error| RecordingError::io(path, &error))?;
+        Self::of(path, bytes)
+    }
+
+    /// As [`Self::open`], a file of which the bytes are known; `path` stands in errors.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn of(path: &Path, bytes: Vec<u8>) -> Result<Self, RecordingError> {
         if bytes.is_empty() {
             return Err(Problem::Empty.in_file(path));
         }

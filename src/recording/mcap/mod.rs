@@ -8,6 +8,7 @@ mod cdr;
 mod chunk;
 mod definition;
 mod file;
+mod mend;
 mod message;
 mod record;
 mod recording;
@@ -20,6 +21,7 @@ mod writer;
 #[cfg(feature = "zenoh")]
 pub(crate) use cdr::{Decoder, Encoder};
 pub use file::{McapFile, Topic};
+pub use mend::Mended;
 pub use recording::Found;
 pub use records::Cut;
 pub use writer::McapWriter;

@@ -28,6 +28,7 @@ pub(super) enum Record<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Message<'a> {
     pub channel: u16,
+    pub sequence: u32,
     pub log_time: u64,
     pub publish_time: u64,
     pub data: &'a [u8],
@@ -53,9 +54,9 @@ impl<'a> Record<'a> {
             },
             op::MESSAGE => {
                 let channel = u16::from_le_bytes(take(rest)?);
-                let _sequence: [u8; 4] = take(rest)?;
                 Self::Message(Message {
                     channel,
+                    sequence: u32::from_le_bytes(take(rest)?),
                     log_time: u64::from_le_bytes(take(rest)?),
                     publish_time: u64::from_le_bytes(take(rest)?),
                     data: rest,

@@ -4,12 +4,13 @@ use super::cdr::Encoder;
 use super::message::{self, Definition, FLOAT, JointState};
 use super::topic;
 use crate::recording::error::{Problem, RecordingError};
-use crate::recording::{Role, table::from_io};
+use crate::recording::{Role, Sink};
 use ::mcap::records::MessageHeader;
+use ::mcap::write::NoSeek;
 use ::mcap::{Compression, McapError, WriteOptions, Writer};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -43,7 +44,7 @@ const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 /// ```
 pub struct McapWriter {
     path: PathBuf,
-    out: Writer<BufWriter<File>>,
+    out: Writer<NoSeek<BufWriter<Sink>>>,
     /// Wall time of the recorder's zero, ns since 1970.
     origin: i64,
     joints: Vec<String>,
@@ -70,17 +71,24 @@ impl McapWriter {
     /// # Errors
     /// [`RecordingError`] where the file cannot be made.
     pub fn create_at(path: &Path, joints: &[&str], origin: i64) -> Result<Self, RecordingError> {
-        let file = File::create(path).map_err(|error| from_io(&error).in_file(path))?;
-        // One thread: a chunk is compressed in less time than a pool of threads takes to begin. Nothing is
-        // written twice, so that the file on the disk ends with a whole chunk at all times.
-        let options = WriteOptions::new()
-            .profile("ros2")
-            .library(concat!("quell ", env!("CARGO_PKG_VERSION")))
-            .compression(Some(Compression::Zstd))
-            .compression_threads(0)
-            .disable_seeking(true)
-            .chunk_size(None);
-        let out = options.create(BufWriter::new(file));
+        let file = File::create(path).map_err(|error| RecordingError::io(path, &error))?;
+        Self::on(Box::new(file), path, joints, origin)
+    }
+
+    /// As [`Self::create_at`], into a file that is open; `path` stands in errors.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn on(
+        file: Sink,
+        path: &Path,
+        joints: &[&str],
+        origin: i64,
+    ) -> Result<Self, RecordingError> {
+        // Nothing is written twice, so that the file on the disk ends with a whole chunk at all times.
+        let out = options()
+            .chunk_size(None)
+            .create(NoSeek::new(BufWriter::new(file)));
         Ok(Self {
             out: out.map_err(|error| refused(path, error))?,
             path: path.into(),
@@ -176,10 +184,8 @@ impl McapWriter {
     pub fn finish(mut self) -> Result<(), RecordingError> {
         let summary = self.out.finish();
         summary.map_err(|error| refused(&self.path, error))?;
-        self.out.into_inner().into_inner().map_or_else(
-            |error| Err(from_io(error.error()).in_file(&self.path)),
-            |_| Ok(()),
-        )
+        let flushed = self.out.into_inner().into_inner().flush();
+        flushed.map_err(|error| RecordingError::io(&self.path, &error))
     }
 
     /// Writes the body as a message of a topic.
@@ -252,9 +258,21 @@ impl McapWriter {
     }
 }
 
-fn refused(path: &Path, error: McapError) -> RecordingError {
+/// How files are written: without seeking, and by one thread, since a chunk is compressed in less time than
+/// a pool of threads takes to begin.
+pub(super) fn options() -> WriteOptions {
+    WriteOptions::new()
+        .profile("ros2")
+        .library(concat!("quell ", env!("CARGO_PKG_VERSION")))
+        .compression(Some(Compression::Zstd))
+        .compression_threads(0)
+        .disable_seeking(true)
+        .chunk_size(Some(CHUNK as u64))
+}
+
+pub(super) fn refused(path: &Path, error: McapError) -> RecordingError {
     match error {
-        McapError::Io(error) => from_io(&error).in_file(path),
+        McapError::Io(error) => RecordingError::io(path, &error),
         error => Problem::Io(error.to_string()).in_file(path),
     }
 }

@@ -49,6 +49,27 @@ pub struct JointConfig {
     pub arc: Option<JointArc>,
 }
 
+impl JointConfig {
+    /// Says in the log which limits are in force. Those of another robot than the one that is commanded
+    /// are no limits.
+    pub fn warn_of_limits(&self) {
+        if self.limits_assumed {
+            tracing::warn!(
+                joint = self.name,
+                "nothing says what this joint may do: the limits of the embedded arm are in force. \
+                 Give service.description, or velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3"
+            );
+        }
+        tracing::info!(
+            joint = self.name,
+            velocity_rad_s = self.limits.velocity,
+            acceleration_rad_s2 = self.limits.acceleration,
+            jerk_rad_s3 = self.limits.jerk,
+            "limits in force"
+        );
+    }
+}
+
 pub(super) fn checked(
     keys: &JointKeys,
     at: &str,

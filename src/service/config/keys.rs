@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use super::recording::RecordingKeys;
 use super::{NatsConfig, ZenohConfig};
 
 /// The whole file. Every key may be left out.
@@ -20,6 +21,7 @@ pub struct Keys {
     pub foxglove: FoxgloveKeys,
     pub watchdog: WatchdogKeys,
     pub recording: RecordingKeys,
+    pub diagnosis: DiagnosisKeys,
     pub joint: Vec<JointKeys>,
 }
 
@@ -97,8 +99,12 @@ pub struct UdpKeys {
     pub address: SocketAddr,
     /// The robot's address; where absent, and on loopback only, that of its first datagram.
     pub robot: Option<SocketAddr>,
-    /// Key that signs datagrams both ways, at least 16 characters; not signed where absent.
+    /// Key that signs datagrams both ways, at least 16 characters; not signed where absent. Needed where the
+    /// address is not loopback.
     pub key: Option<String>,
+    /// Whether datagrams may go unsigned where the address is not loopback: whoever reaches it can then pass for
+    /// the robot.
+    pub allow_unsigned: bool,
 }
 
 impl Default for UdpKeys {
@@ -107,6 +113,7 @@ impl Default for UdpKeys {
             address: SocketAddr::from(([127, 0, 0, 1], 7871)),
             robot: None,
             key: None,
+            allow_unsigned: false,
         }
     }
 }
@@ -138,24 +145,20 @@ impl Default for WatchdogKeys {
     }
 }
 
-/// `[recording]`: moves on disk.
+/// `[diagnosis]`: diagnoses ordered from the page or by a program.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct RecordingKeys {
-    /// Whether every move is recorded.
-    pub enabled: bool,
-    /// Most bytes of all recordings, MB; the oldest go first.
-    pub max_size_mb: f64,
-    /// Age at which a recording goes, days.
-    pub max_age_days: f64,
+pub struct DiagnosisKeys {
+    /// Time after which a diagnosis is given up, s.
+    pub time_limit_s: f64,
 }
 
-impl Default for RecordingKeys {
+impl Default for DiagnosisKeys {
+    /// A recorded move is diagnosed in seconds to a minute on an idle machine. Ten times a minute is left for
+    /// a busy one, on which a diagnosis gets only what the tick leaves.
     fn default() -> Self {
         Self {
-            enabled: true,
-            max_size_mb: 1000.0,
-            max_age_days: 30.0,
+            time_limit_s: 600.0,
         }
     }
 }

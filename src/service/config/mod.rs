@@ -3,6 +3,8 @@
 mod joint;
 mod keys;
 mod nats;
+mod recording;
+mod udp;
 mod zenoh;
 
 use std::net::SocketAddr;
@@ -14,6 +16,7 @@ use thiserror::Error;
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
 pub use nats::NatsConfig;
+pub use recording::RecordingConfig;
 pub use zenoh::ZenohConfig;
 
 use super::link::Key;
@@ -26,9 +29,6 @@ const LONGEST_NAME: usize = 64;
 
 /// The joints of an arm that has one to spare.
 pub const MOST_JOINTS: usize = 7;
-
-/// The shortest key of datagrams, characters: 128 bits where they are random bytes.
-const SHORTEST_KEY: usize = 16;
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -139,6 +139,8 @@ pub struct Config {
     pub watchdog_stops: bool,
     /// Moves on disk.
     pub recording: RecordingConfig,
+    /// Time after which a diagnosis is given up.
+    pub diagnosis_limit: Duration,
     /// The joints, at least one.
     pub joints: Vec<JointConfig>,
 }
@@ -154,19 +156,6 @@ pub struct HttpConfig {
     pub max_connections: usize,
     /// Longest body of a request, bytes.
     pub max_body: usize,
-}
-
-/// Moves on disk.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RecordingConfig {
-    /// Whether every move is recorded.
-    pub enabled: bool,
-    /// Their folder.
-    pub folder: PathBuf,
-    /// Most bytes of all of them; the oldest go first.
-    pub max_bytes: u64,
-    /// Age at which one goes.
-    pub max_age: Duration,
 }
 
 impl Config {
@@ -211,17 +200,14 @@ fn checked(
     let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
     let rate = check.within("tick.rate_hz", rate, RATES)?;
     let http = http(&keys, overrides, &check)?;
-    let udp_key = udp_key(keys.udp.key.as_deref(), &check)?;
+    let udp = overrides.udp.unwrap_or(keys.udp.address);
+    let udp_key = udp::key(&keys.udp, udp, robot == RobotKind::Udp, &check)?;
     let data = overrides.data.clone().unwrap_or(keys.service.data);
-    let days = check.within(
-        "recording.max_age_days",
-        keys.recording.max_age_days,
-        [0.0, 1e5],
-    )?;
-    let megabytes = check.within(
-        "recording.max_size_mb",
-        keys.recording.max_size_mb,
-        [1.0, 1e9],
+    let recording = keys.recording.checked(&data, &check)?;
+    let limit = check.within(
+        "diagnosis.time_limit_s",
+        keys.diagnosis.time_limit_s,
+        [1.0, 86_400.0],
     )?;
     let joints = joints(&keys.joint, &description, robot, describes, &check)?;
     keys.zenoh.check(&joints, &check)?;
@@ -239,7 +225,7 @@ fn checked(
         period: 1.0 / rate,
         real_time: keys.tick.real_time,
         http,
-        udp: overrides.udp.unwrap_or(keys.udp.address),
+        udp,
         udp_robot: keys.udp.robot,
         udp_key,
         zenoh: keys.zenoh,
@@ -247,12 +233,8 @@ fn checked(
         foxglove: keys.foxglove.address,
         watchdog: Duration::from_secs_f64(timeout),
         watchdog_stops: keys.watchdog.stop,
-        recording: RecordingConfig {
-            enabled: keys.recording.enabled,
-            folder: data.join("recordings"),
-            max_bytes: (megabytes * 1e6) as u64,
-            max_age: Duration::from_secs_f64(days * 86_400.0),
-        },
+        recording,
+        diagnosis_limit: Duration::from_secs_f64(limit),
         data,
         joints,
         description,
@@ -286,22 +268,6 @@ fn http(keys: &Keys, overrides: &Overrides, check: &Check) -> Result<HttpConfig,
         max_connections: connections,
         max_body: body,
     })
-}
-
-fn udp_key(secret: Option<&str>, check: &Check) -> Result<Option<Key>, ConfigError> {
-    let Some(secret) = secret else {
-        return Ok(None);
-    };
-    if secret.len() < SHORTEST_KEY {
-        // A key is not shown, not even one that is of no use.
-        let given = format!("({} characters)", secret.len());
-        return Err(check.refuse(
-            "udp.key",
-            given,
-            format!("at least {SHORTEST_KEY} characters"),
-        ));
-    }
-    Ok(Key::new(secret))
 }
 
 fn joints(

@@ -67,12 +67,29 @@ pub enum ServiceError {
         /// The joint.
         joint: String,
     },
+    /// The robot is not heard: a joint is not moved blindly.
+    #[error("{joint} is not heard: it takes no move until it says again where it stands")]
+    NotHeard {
+        /// The joint.
+        joint: String,
+    },
     /// Only the embedded arm can do that.
     #[error("only the embedded arm has {what}")]
     OnlyEmbedded {
         /// What was asked for.
         what: &'static str,
     },
+    /// Every move must be recorded, and nothing can be.
+    #[error(
+        "no move without a recording (recording.required), and nothing can be recorded: {reason}"
+    )]
+    NotRecorded {
+        /// What the disk says.
+        reason: String,
+    },
+    /// A stop came before the move could begin.
+    #[error("a stop came before the move could begin")]
+    Stopped,
     /// The service is about to end.
     #[error("the service is stopping")]
     Stopping,
@@ -91,6 +108,8 @@ pub enum ErrorKind {
     Input,
     /// The request is fine, but not now (HTTP 409).
     Conflict,
+    /// The disk does not take what has to be kept (HTTP 507).
+    Storage,
     /// Nobody can answer at present (HTTP 503).
     Unavailable,
 }
@@ -106,9 +125,12 @@ impl ServiceError {
             | Self::Plan { .. }
             | Self::Train { .. }
             | Self::OnlyEmbedded { .. } => ErrorKind::Input,
-            Self::ShaperInMotion { .. } | Self::NotTaken { .. } | Self::NoMeasurement { .. } => {
-                ErrorKind::Conflict
-            }
+            Self::ShaperInMotion { .. }
+            | Self::NotTaken { .. }
+            | Self::NoMeasurement { .. }
+            | Self::NotHeard { .. }
+            | Self::Stopped => ErrorKind::Conflict,
+            Self::NotRecorded { .. } => ErrorKind::Storage,
             Self::Stopping | Self::Busy | Self::Gone => ErrorKind::Unavailable,
         }
     }

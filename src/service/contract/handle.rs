@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
-use super::{Accepted, Batch, Request, ServiceError, Snapshot};
+use super::{Accepted, Batch, RecordingNews, Request, ServiceError, Snapshot};
 
 /// Requests that may wait; one more is refused at once.
 const REQUESTS: usize = 64;
+/// Of these, so many are kept for stops.
+const KEPT_FOR_STOP: usize = 8;
 /// Batches that a slow reader may be behind, some 10 s; then it loses the oldest.
 const BATCHES: usize = 512;
 
@@ -26,6 +28,7 @@ pub struct Handle {
     requests: mpsc::Sender<Envelope>,
     snapshot: watch::Receiver<Arc<Snapshot>>,
     stream: broadcast::Sender<Arc<Batch>>,
+    recordings: mpsc::UnboundedSender<RecordingNews>,
 }
 
 /// What the engine holds of the outside.
@@ -37,6 +40,8 @@ pub struct EngineEnds {
     pub snapshot: watch::Sender<Arc<Snapshot>>,
     /// Where batches go; nobody need listen.
     pub stream: broadcast::Sender<Arc<Batch>>,
+    /// What becomes of recordings: a few words a move.
+    pub recordings: mpsc::UnboundedReceiver<RecordingNews>,
 }
 
 /// Both ends, for the engine or for one that stands in for it in a test.
@@ -44,15 +49,18 @@ pub fn channels(first: Snapshot) -> (Handle, EngineEnds) {
     let (requests, requested) = mpsc::channel(REQUESTS);
     let (publish, snapshot) = watch::channel(Arc::new(first));
     let (stream, _) = broadcast::channel(BATCHES);
+    let (tell, recordings) = mpsc::unbounded_channel();
     let ends = EngineEnds {
         requests: requested,
         snapshot: publish,
         stream: stream.clone(),
+        recordings,
     };
     let handle = Handle {
         requests,
         snapshot,
         stream,
+        recordings: tell,
     };
     (handle, ends)
 }
@@ -63,6 +71,13 @@ impl Handle {
     /// # Errors
     /// [`ServiceError`] where it is refused; [`ServiceError::Busy`] where too many requests wait.
     pub async fn ask(&self, request: Request) -> Result<Accepted, ServiceError> {
+        let needed = match request {
+            Request::Stop => 1,
+            _ => 1 + KEPT_FOR_STOP,
+        };
+        if self.requests.capacity() < needed && !self.requests.is_closed() {
+            return Err(ServiceError::Busy);
+        }
         let (reply, answer) = oneshot::channel();
         let envelope = Envelope { request, reply };
         self.requests
@@ -82,6 +97,12 @@ impl Handle {
     /// Wakes up whenever the state is published anew.
     pub fn snapshots(&self) -> watch::Receiver<Arc<Snapshot>> {
         self.snapshot.clone()
+    }
+
+    /// Says what became of a recording.
+    pub fn tell(&self, news: RecordingNews) {
+        // An engine that has ended shows no state any more.
+        let _ = self.recordings.send(news);
     }
 
     /// The stream from now on.

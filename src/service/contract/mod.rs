@@ -4,15 +4,19 @@
 //! and never waits for the tick, nor does the tick wait for it: the state is the last that was
 //! published, a reader of the stream that is too slow loses batches and is told how many.
 
+mod disk;
 mod error;
 mod handle;
+mod recording;
 mod request;
 mod snapshot;
 mod stream;
 
+pub use disk::{DiskFault, DiskPart, DiskState, DiskView};
 pub use error::{ErrorKind, ServiceError};
 pub use handle::{EngineEnds, Envelope, Handle, channels};
-pub use request::{Accepted, ModeValue, Request, ShapingChange};
+pub use recording::RecordingNews;
+pub use request::{Accepted, ModeValue, Request, ShapingChange, Stopping};
 pub use snapshot::{
     EstimateView, JointSnapshot, LinkHealth, MoveResult, Phase, SensorView, Snapshot,
     TickStatistics, TrainView, WatchdogState,

@@ -84,9 +84,20 @@ pub enum Accepted {
     },
     /// Every joint that moves is being stopped.
     Stop {
-        /// How long the longest stop lasts without the train, s.
+        /// How long the longest stop lasts, s; 0 where nothing moves.
         duration_s: f64,
+        /// The joints that are being stopped; none where nothing moves.
+        joints: Vec<Stopping>,
     },
     /// The change is in force, or will be with the next move from rest.
     Changed,
+}
+
+/// A joint that is being stopped.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stopping {
+    /// Its name.
+    pub joint: String,
+    /// Time until the command rests, with the train, s; absent where the stop is still being planned.
+    pub duration_s: Option<f64>,
 }

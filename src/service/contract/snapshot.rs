@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
 
-use super::ModeValue;
+use super::{DiskView, ModeValue};
 
 /// The state of everything now. Published some 20 times a second.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -27,6 +27,8 @@ pub struct Snapshot {
     pub tick: TickStatistics,
     /// What came over the link.
     pub link: LinkHealth,
+    /// How it goes with the data folder.
+    pub disk: DiskView,
     /// The last moves, oldest first; at most 64.
     pub moves: Vec<MoveResult>,
 }
@@ -178,7 +180,7 @@ pub struct TickStatistics {
     /// Ticks that had not ended when the next one was due.
     pub overruns: u64,
     /// Ticks left out because the thread came a whole period late or more; the command makes up for
-    /// them ([`pace`](crate::service::tick::pace)).
+    /// them, or waits where setpoints carry no time ([`pace`](crate::service::tick::pace)).
     pub skipped: u64,
     /// Median lateness of the beginning of a tick, s.
     pub lateness_p50_s: f64,
@@ -207,7 +209,7 @@ pub struct LinkHealth {
     pub sent: u64,
     /// Setpoints that could not be sent.
     pub send_failures: u64,
-    /// Stamps missing in the sequence of a sensor of regular rate when 64 younger were due.
+    /// Stamps missing in the sequence of a sensor of regular rate when 64 younger have come.
     pub lost: u64,
     /// Datagrams that came later than the watchdog allows.
     pub late: u64,
@@ -270,6 +272,6 @@ pub struct MoveResult {
     pub unshaped_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub unshaped_m: Option<f64>,
-    /// Name under which it is recorded, where recordings are made: that of its [`super::MoveStart`].
+    /// Name of its recording, which is on the disk, whole or growing. Absent where none is, or not yet.
     pub recording: Option<String>,
 }

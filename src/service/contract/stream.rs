@@ -127,7 +127,8 @@ pub struct MoveStart {
     pub target_rad: f64,
     /// Shaper, `none` for an unshaped move.
     pub shaper: String,
-    /// Name under which it is recorded, where recordings are made.
+    /// Name under which it shall be recorded, where recordings are made. Whether it is on the disk is
+    /// told by [`MoveResult::recording`].
     pub recording: Option<String>,
 }
 

@@ -19,10 +19,8 @@ pub type Reply = oneshot::Sender<Result<Accepted, ServiceError>>;
 pub struct Joint {
     /// As it is configured.
     pub config: JointConfig,
-    /// From its measurements to the deformation.
+    /// From its measurements to the deformation; with an arc where lengths can be told.
     pub sensor: DeformationSensor,
-    /// Whether the tip's arc is the robot's own, so that lengths can be told.
-    pub arc_known: bool,
     /// The rule that designs trains, while shaping is on.
     pub shaper: &'static dyn Shaper,
     /// Whether plans are shaped.
@@ -47,14 +45,16 @@ pub struct Joint {
     pub position: f64,
     /// Whether the tick commands the joint.
     pub began: bool,
-    /// Whether the watchdog has stopped it.
-    pub stopped_by_watchdog: bool,
+    /// Whether the tick hears it.
+    pub hearing: Hearing,
     /// Whether it shall stop and the tick has not taken a plan for it yet.
     pub stop_due: bool,
     /// The move that runs, or rings out.
     pub running: Option<Running>,
-    /// What the tick was told and has not taken yet.
+    /// What is wanted and has not begun yet.
     pub asked: Option<Asked>,
+    /// Plans that the tick was given and has not answered. It may have begun any of them.
+    pub ordered: Vec<Ordered>,
     /// Whether the motor side stands still, while the joint is not commanded.
     pub standstill: Standstill,
     /// Last measured motor position, rad.
@@ -63,20 +63,25 @@ pub struct Joint {
     pub registrar: Option<Registrar>,
 }
 
-/// A plan on its way to the tick.
+/// Whether the tick hears a joint that it commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hearing {
+    /// It is heard, or does not have to be.
+    Heard,
+    /// It is not: it is brought to rest and takes no move.
+    Lost,
+    /// It is again, and takes no move until it is known to stand where it was left.
+    Back,
+}
+
+/// What is wanted of a joint, until the tick has begun it.
 pub struct Asked {
-    /// What it is for.
+    /// What it is.
     pub what: What,
     /// Number of the move.
     pub id: u64,
-    /// Number of the plan.
+    /// Number of its present plan.
     pub ticket: u64,
-    /// A copy of the plan.
-    pub samples: SampledTrajectory,
-    /// Speed to which it was slowed, 1 for full speed.
-    pub speed: f64,
-    /// The rule of its train.
-    pub shaper: Option<&'static dyn Shaper>,
     /// Ticks ahead for which it was planned, in motion.
     pub ahead: u64,
     /// Share of the limits of acceleration and jerk that it uses, in motion.
@@ -87,6 +92,34 @@ pub struct Asked {
     pub again: bool,
     /// Who waits.
     pub reply: Option<Reply>,
+}
+
+/// A plan that the tick was given and has not answered.
+pub struct Ordered {
+    /// Number of the plan.
+    pub ticket: u64,
+    /// What it is for.
+    pub what: What,
+    /// Number of the move.
+    pub id: u64,
+    /// A copy of the plan.
+    pub samples: SampledTrajectory,
+    /// Speed to which it was slowed, 1 for full speed.
+    pub speed: f64,
+    /// The rule of its train.
+    pub shaper: Option<&'static dyn Shaper>,
+    /// Who asked for it, where that was withdrawn meanwhile.
+    pub withdrawn: Option<Withdrawn>,
+}
+
+/// Who asked for what was withdrawn. The answer is the tick's: it may have begun already.
+pub struct Withdrawn {
+    /// Where the answer goes.
+    pub reply: Reply,
+    /// What it is where the plan was not begun.
+    pub why: ServiceError,
+    /// Time at which it is given in any case, s.
+    pub until: f64,
 }
 
 /// What a plan is for.
@@ -127,6 +160,27 @@ impl Joint {
             .is_none_or(|move_| move_.settled.is_some())
     }
 
+    /// Whether it can be asked for a move.
+    ///
+    /// # Errors
+    /// [`ServiceError::NoMeasurement`] before it is commanded, [`ServiceError::NotHeard`] while it is not
+    /// heard, [`ServiceError::Stopped`] until the tick has begun a stop.
+    pub fn takes_moves(&self) -> Result<(), ServiceError> {
+        let joint = || self.config.name.clone();
+        match self.hearing {
+            _ if !self.began => Err(ServiceError::NoMeasurement { joint: joint() }),
+            Hearing::Lost | Hearing::Back => Err(ServiceError::NotHeard { joint: joint() }),
+            Hearing::Heard if self.stop_due => Err(ServiceError::Stopped),
+            Hearing::Heard => Ok(()),
+        }
+    }
+
+    /// The plan that is on its way for what is wanted.
+    pub fn ordered_for(&self, asked: &Asked) -> Option<&Ordered> {
+        let mut ordered = self.ordered.iter();
+        ordered.find(|ordered| ordered.ticket == asked.ticket)
+    }
+
     /// What it is doing.
     pub fn phase(&self) -> Phase {
         match &self.running {
@@ -139,10 +193,9 @@ impl Joint {
 
     /// What the watchdog says.
     pub fn watchdog(&self) -> WatchdogState {
-        let silent = self.report.as_ref().map(|report| report.watchdog);
-        match silent {
-            Some(WatchdogState::Silent) if self.stopped_by_watchdog => WatchdogState::Stopped,
-            Some(state) => state,
+        match &self.report {
+            _ if self.began && self.hearing != Hearing::Heard => WatchdogState::Stopped,
+            Some(report) => report.watchdog,
             None => WatchdogState::Silent,
         }
     }

@@ -4,15 +4,18 @@
 //! move left, publishes state and stream, and has the state kept on disk.
 
 mod axis;
+mod commanding;
 mod joint;
 mod orders;
 mod planning;
 mod publish;
 mod pump;
+mod recordings;
 mod registration;
 mod requests;
 mod running;
 mod standstill;
+mod trains;
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -22,16 +25,16 @@ use std::time::Duration;
 use quell_trajectories::Planner;
 
 pub use axis::controller;
-pub use joint::Joint;
+pub use joint::{Hearing, Joint};
 pub use registration::Registrar;
 
 use super::clock::ServiceClock;
 use super::config::Config;
-use super::contract::{Batch, EngineEnds, MoveResult};
+use super::contract::{Batch, EngineEnds, MoveResult, ServiceError, Stopping};
+use super::disk::Disk;
 use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
-use joint::Asked;
 
 /// How often the rings are emptied.
 const PUMPED: Duration = Duration::from_millis(5);
@@ -58,6 +61,7 @@ pub struct Engine {
     payload: Option<f64>,
     state: State,
     saver: Sender<State>,
+    disk: Disk,
     whole: Option<WholeReport>,
     moves: VecDeque<MoveResult>,
     batch: Batch,
@@ -84,6 +88,8 @@ pub struct EngineParts {
     pub state: State,
     /// Where states go to be kept.
     pub saver: Sender<State>,
+    /// The disk, whose state is told.
+    pub disk: Disk,
     /// The planner, of one axis.
     pub planner: Planner,
 }
@@ -91,7 +97,7 @@ pub struct EngineParts {
 impl Engine {
     /// An engine whose joints are not commanded yet.
     pub fn new(parts: EngineParts) -> Self {
-        Self {
+        let mut engine = Self {
             payload: parts.arm.as_ref().map(|_| 0.0),
             moves: parts.state.moves.iter().cloned().collect(),
             config: parts.config,
@@ -103,17 +109,32 @@ impl Engine {
             arm: parts.arm,
             state: parts.state,
             saver: parts.saver,
+            disk: parts.disk,
             whole: None,
             batch: Batch::default(),
             batch_since: 0.0,
             tickets: 0,
             stopping: None,
+        };
+        engine.begin_embedded();
+        engine
+    }
+
+    /// Does what is to be done now: what [`Engine::run`] does again and again.
+    pub fn work(&mut self) {
+        self.pump();
+        self.answer_all();
+    }
+
+    /// Answers what is asked now.
+    pub fn answer_all(&mut self) {
+        while let Ok(envelope) = self.ends.requests.try_recv() {
+            self.answer(envelope);
         }
     }
 
     /// Works until `ending` is set, then brings every joint to rest.
     pub async fn run(mut self, ending: &AtomicBool) {
-        self.begin_embedded();
         let mut pump = tokio::time::interval(PUMPED);
         pump.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
         loop {
@@ -143,7 +164,7 @@ impl Engine {
             Some(since) => since,
             None => {
                 tracing::info!("stopping");
-                self.stop_all();
+                self.stop_all(&ServiceError::Stopping);
                 *self.stopping.insert(now)
             }
         };
@@ -156,17 +177,16 @@ impl Engine {
                 .running
                 .as_ref()
                 .is_none_or(|running| running.settled.is_some_and(|settled| now - settled > REST));
-            settled && joint.asked.is_none()
+            settled && joint.asked.is_none() && joint.ordered.is_empty()
         };
         self.joints.iter().all(rests)
     }
 
-    fn stop_all(&mut self) -> f64 {
-        let mut longest: f64 = 0.0;
-        for index in 0..self.joints.len() {
-            longest = longest.max(self.stop(index));
-        }
-        longest
+    /// Stops every joint that moves, and names them. A move that waits hears `why`.
+    fn stop_all(&mut self, why: &ServiceError) -> Vec<Stopping> {
+        let all = 0..self.joints.len();
+        all.filter_map(|index| self.stop(index, why.clone()))
+            .collect()
     }
 
     /// The tick that comes next, as well as it is known.
@@ -180,20 +200,5 @@ impl Engine {
         self.state.moves = self.moves.iter().cloned().collect();
         // The thread that keeps states lives as long as the engine.
         let _ = self.saver.send(self.state.clone());
-    }
-
-    fn give_up(asked: Asked, error: super::contract::ServiceError) {
-        if let Some(reply) = asked.reply {
-            // Whoever asked may have gone.
-            let _ = reply.send(Err(error));
-        }
-    }
-
-    /// The name under which a move is recorded, if it is.
-    fn recording_name(&self, id: u64) -> Option<String> {
-        self.config
-            .recording
-            .enabled
-            .then(|| format!("move-{id:06}"))
     }
 }

@@ -1,14 +1,15 @@
 //! What the tick is told, and what is done about its answers.
+//!
+//! Each plan that goes to the tick is answered once: taken, or not. Until then it stands among a joint's
+//! `ordered`, whatever has been asked for since: the tick may have begun it already, and what begins
+//! is what the joint does.
 
-use quell_shapers::Setpoint;
-
-use super::joint::{Asked, Reply, What, name_of};
-use super::planning::{Moment, Planned, plan, standing_train};
+use super::Engine;
+use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
+use super::planning::{Moment, Planned, plan};
 use super::running::Running;
-use super::{Engine, controller};
-use crate::service::clock::unix_time;
-use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError};
-use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick, TrainOrder};
+use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
+use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
 
 /// How far ahead a plan in motion begins, s: planning takes a few ms, and the tick takes orders at its
 /// next beginning.
@@ -24,16 +25,12 @@ const TRIED: f64 = 3.0;
 impl Engine {
     /// Plans and orders; whoever asked hears once the tick has taken it.
     pub(super) fn ask(&mut self, index: usize, what: What, reply: Option<Reply>) {
-        let now = self.clock.now();
         let ahead = (AHEAD / self.config.period).ceil() as u64;
         let planned = match self.planned(index, what, ahead, 1.0) {
             Ok(planned) => planned,
             Err(error) => {
                 tracing::debug!(joint = self.joints[index].config.name, "{error}");
-                if let Some(reply) = reply {
-                    // Whoever asked may have gone.
-                    let _ = reply.send(Err(error));
-                }
+                answer(reply, Err(error));
                 return;
             }
         };
@@ -42,51 +39,95 @@ impl Engine {
                 self.state.last_move += 1;
                 self.state.last_move
             }
-            What::Stop => self.joints[index]
-                .running
-                .as_ref()
-                .map_or(0, |r| r.start.id),
+            What::Stop => self.last_move(index),
         };
+        self.withdraw(index, "another request came before it could begin");
         let asked = Asked {
             what,
             id,
             ticket: 0,
-            samples: planned.samples.clone(),
-            speed: planned.speed,
-            shaper: planned.shaper,
             ahead,
             effort: 1.0,
-            deadline: now + TRIED,
+            deadline: self.clock.now() + TRIED,
             again: false,
             reply,
         };
-        if let Some(before) = self.joints[index].asked.take() {
-            let joint = self.joints[index].config.name.clone();
-            let reason = "another request came before it could begin".to_owned();
-            Self::give_up(before, ServiceError::NotTaken { joint, reason });
-        }
         self.order(index, asked, planned);
     }
 
-    /// Brings a joint to rest; says how long the plan of the stop lasts, s.
-    pub(super) fn stop(&mut self, index: usize) -> f64 {
+    /// Number of the move that runs or ran last; 0 before the first.
+    pub(super) fn last_move(&self, index: usize) -> u64 {
+        let joint = &self.joints[index];
+        let name = &joint.config.name;
+        let before = || self.moves.iter().rfind(|result| result.joint == *name);
+        match &joint.running {
+            Some(running) => running.start.id,
+            None => before().map_or(0, |result| result.id),
+        }
+    }
+
+    /// Takes what is wanted of a joint back. Whoever asked for it hears `why` once the tick has said that
+    /// it has not begun.
+    pub(super) fn withdraw(&mut self, index: usize, why: &str) {
         let joint = &mut self.joints[index];
-        let waits = |asked: &mut Asked| matches!(asked.what, What::Move { .. });
-        match joint.asked.take_if(waits) {
-            // A plan that waits in the tick for rest is replaced by that of the stop.
-            Some(asked) => Self::give_up(asked, ServiceError::Stopping),
-            None if joint.asked.is_some() || joint.is_at_rest() => return 0.0,
-            None => {}
+        let why = ServiceError::NotTaken {
+            joint: joint.config.name.clone(),
+            reason: why.to_owned(),
+        };
+        self.withdraw_for(index, why);
+    }
+
+    fn withdraw_for(&mut self, index: usize, why: ServiceError) {
+        let joint = &mut self.joints[index];
+        let Some(asked) = joint.asked.take() else {
+            return;
+        };
+        let mut ordered = joint.ordered.iter_mut();
+        let Some(ordered) = ordered.find(|ordered| ordered.ticket == asked.ticket) else {
+            return answer(asked.reply, Err(why));
+        };
+        ordered.withdrawn = asked.reply.map(|reply| Withdrawn {
+            reply,
+            why,
+            until: self.clock.now() + TRIED,
+        });
+        // Where the ring is full the tick is stuck, and takes the plan or this later.
+        let order = ToTick::Withdraw(index, ordered.ticket);
+        let _ = self.rings.orders.push(order);
+    }
+
+    /// Brings a joint to rest, if it moves or is about to. A move that waits hears `why`.
+    pub(super) fn stop(&mut self, index: usize, why: ServiceError) -> Option<Stopping> {
+        let joint = &self.joints[index];
+        let stops = |asked: &Asked| matches!(asked.what, What::Stop);
+        if !joint.asked.as_ref().is_some_and(stops) {
+            self.withdraw_for(index, why);
+            let joint = &mut self.joints[index];
+            if !joint.began || (joint.is_at_rest() && joint.ordered.is_empty()) {
+                return None;
+            }
+            joint.stop_due = true;
+            self.ask(index, What::Stop, None);
         }
-        if !joint.began {
-            return 0.0;
+        Some(self.stopping(index))
+    }
+
+    /// A joint whose stop is asked for: it rests when the plan has ended and the train after it.
+    fn stopping(&self, index: usize) -> Stopping {
+        let joint = &self.joints[index];
+        let train = joint.axis().map_or(0.0, |axis| axis.train.duration());
+        let rest = |asked: &Asked| {
+            let plan = self.duration(joint.ordered_for(asked)?);
+            Some(asked.ahead as f64 * self.config.period + plan + train)
+        };
+        Stopping {
+            joint: joint.config.name.clone(),
+            duration_s: joint.asked.as_ref().and_then(rest),
         }
-        self.joints[index].stop_due = true;
-        self.ask(index, What::Stop, None);
-        let asked = self.joints[index].asked.as_ref();
-        asked.map_or(0.0, |asked| {
-            (asked.samples.samples() - 1) as f64 * self.config.period
-        })
+    }
+
+    fn duration(&self, ordered: &Ordered) -> f64 {
+        (ordered.samples.samples() - 1) as f64 * self.config.period
     }
 
     fn planned(
@@ -96,46 +137,52 @@ impl Engine {
         ahead: u64,
         effort: f64,
     ) -> Result<Planned, ServiceError> {
+        let joint = &self.joints[index];
+        if let What::Move { .. } = what {
+            // Each time anew: it may be lost between two tries.
+            joint.takes_moves()?;
+        }
         let at = Moment {
             tick: self.next_tick() + ahead,
             effort,
         };
-        plan(
-            &self.joints[index],
-            what,
-            &self.planner,
-            self.config.period,
-            at,
-        )
+        plan(joint, what, &self.planner, self.config.period, at)
     }
 
     fn order(&mut self, index: usize, mut asked: Asked, planned: Planned) {
         self.tickets += 1;
         asked.ticket = self.tickets;
         asked.again = false;
-        asked.speed = planned.speed;
-        asked.shaper = planned.shaper;
-        asked.samples = planned.samples.clone();
+        let ordered = Ordered {
+            ticket: asked.ticket,
+            what: asked.what,
+            id: asked.id,
+            samples: planned.samples.clone(),
+            speed: planned.speed,
+            shaper: planned.shaper,
+            withdrawn: None,
+        };
         let plan = Plan {
             joint: index,
             id: asked.id,
             ticket: asked.ticket,
             samples: Some(planned.samples),
             start: planned.start,
+            stops: matches!(asked.what, What::Stop),
         };
-        // Where the ring is full the tick is stuck; what was asked for runs out of time then.
-        asked.again = self
-            .rings
-            .orders
-            .push(ToTick::Plan(Box::new(plan)))
-            .is_err();
-        self.joints[index].asked = Some(asked);
+        let joint = &mut self.joints[index];
+        match self.rings.orders.push(ToTick::Plan(Box::new(plan))) {
+            Ok(()) => joint.ordered.push(ordered),
+            // The tick is stuck; what was asked for runs out of time then.
+            Err(_) => asked.again = true,
+        }
+        joint.asked = Some(asked);
     }
 
     /// Asks for a stop once more, as long as it is due: there is no reason to give it up.
     pub(super) fn insist_on_stop(&mut self, index: usize) {
         let joint = &mut self.joints[index];
-        joint.stop_due &= !joint.is_at_rest() || joint.asked.is_some();
+        joint.stop_due &= !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty();
         if joint.stop_due && joint.asked.is_none() {
             self.ask(index, What::Stop, None);
         }
@@ -144,25 +191,45 @@ impl Engine {
     /// Plans anew what the tick has not taken, as long as there is time.
     pub(super) fn retry(&mut self, now: f64) {
         for index in 0..self.joints.len() {
-            let due = |asked: &mut Asked| asked.again || now > asked.deadline;
-            let Some(asked) = self.joints[index].asked.take_if(due) else {
+            self.answer_overdue(index, now);
+            let late = |asked: &Asked| now > asked.deadline;
+            if self.joints[index].asked.as_ref().is_some_and(late) {
+                self.withdraw(index, "no moment was found at which it can begin");
+            }
+            let Some(asked) = self.joints[index].asked.take_if(|asked| asked.again) else {
                 continue;
             };
-            let joint = self.joints[index].config.name.clone();
-            if now > asked.deadline {
-                let reason = "no moment was found at which it can begin".to_owned();
-                Self::give_up(asked, ServiceError::NotTaken { joint, reason });
-                continue;
-            }
             match self.planned(index, asked.what, asked.ahead, asked.effort) {
                 Ok(planned) => self.order(index, asked, planned),
-                Err(error) => Self::give_up(asked, error),
+                Err(error) => answer(asked.reply, Err(error)),
             }
         }
     }
 
+    /// Who waits for a tick that does not answer is not kept waiting for ever.
+    fn answer_overdue(&mut self, index: usize, now: f64) {
+        for ordered in &mut self.joints[index].ordered {
+            if let Some(withdrawn) = ordered.withdrawn.take_if(|w| now > w.until) {
+                answer(Some(withdrawn.reply), Err(withdrawn.why));
+            }
+        }
+    }
+
+    /// Takes the plan of this ticket out of those that wait for the tick's answer.
+    fn answered(&mut self, index: usize, ticket: u64) -> Option<Ordered> {
+        let ordered = &mut self.joints[index].ordered;
+        let at = ordered.iter().position(|one| one.ticket == ticket)?;
+        Some(ordered.remove(at))
+    }
+
     /// A plan was not taken: it is made anew, or given up.
     pub(super) fn not_taken(&mut self, plan: &Plan, why: NotTaken) {
+        let Some(ordered) = self.answered(plan.joint, plan.ticket) else {
+            return;
+        };
+        if let Some(withdrawn) = ordered.withdrawn {
+            answer(Some(withdrawn.reply), Err(withdrawn.why));
+        }
         let furthest = (FURTHEST / self.config.period) as u64;
         let joint = &mut self.joints[plan.joint];
         let Some(asked) = joint
@@ -180,12 +247,12 @@ impl Engine {
             NotTaken::Outdated => {}
             // A correction under way leaves less of the limits to a new plan.
             NotTaken::Refused(_) => asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT),
-            NotTaken::Idle | NotTaken::Train(_) | NotTaken::Replaced => {
-                if let Some(asked) = joint.asked.take() {
-                    let joint = joint.config.name.clone();
-                    let reason = format!("{why:?}");
-                    Self::give_up(asked, ServiceError::NotTaken { joint, reason });
-                }
+            NotTaken::NotHeard => {
+                let joint = joint.config.name.clone();
+                self.withdraw_for(plan.joint, ServiceError::NotHeard { joint });
+            }
+            NotTaken::Idle | NotTaken::Train(_) | NotTaken::Replaced | NotTaken::Withdrawn => {
+                self.withdraw(plan.joint, &format!("{why:?}"));
             }
         }
     }
@@ -193,45 +260,51 @@ impl Engine {
     /// A plan runs.
     pub(super) fn taken(&mut self, taken: &Taken) {
         let index = taken.plan.joint;
-        let joint = &mut self.joints[index];
-        let ticket = taken.plan.ticket;
-        let Some(asked) = joint.asked.take_if(|asked| asked.ticket == ticket) else {
+        let Some(ordered) = self.answered(index, taken.plan.ticket) else {
             return;
         };
+        let joint = &mut self.joints[index];
         if let Start::Rest(train) = &taken.plan.start {
             joint.mode = train.known.mode;
         }
-        let target = asked.samples.positions(0).last().copied();
-        let from = asked
-            .samples
-            .positions(0)
-            .first()
-            .copied()
-            .unwrap_or(joint.position);
-        joint.position = target.unwrap_or(joint.position);
-        joint.stop_due &= !matches!(asked.what, What::Stop);
-        let duration = (asked.samples.samples() - 1) as f64 * self.config.period;
-        match (asked.what, &mut joint.running) {
+        let positions = ordered.samples.positions(0);
+        let from = positions.first().copied().unwrap_or(joint.position);
+        joint.position = positions.last().copied().unwrap_or(joint.position);
+        joint.stop_due &= !matches!(ordered.what, What::Stop);
+        match (ordered.what, &mut joint.running) {
             (What::Stop, Some(running)) => {
-                running.plan = asked.samples;
+                running.plan = ordered.samples.clone();
                 (running.tick, running.first) = (taken.tick, taken.first);
                 running.stopping = running.settled.is_none();
                 running.interrupted |= running.stopping;
             }
             (What::Stop, None) => {}
-            (What::Move { .. }, _) => self.begin_move(index, &asked, taken, from),
+            (What::Move { .. }, _) => self.begin_move(index, &ordered, taken, from),
         }
-        if let Some(reply) = asked.reply {
-            // Whoever asked may have gone.
-            let _ = reply.send(Ok(Accepted::Move {
-                id: asked.id,
-                duration_s: duration,
-                speed: asked.speed,
-            }));
-        }
+        let accepted = Accepted::Move {
+            id: ordered.id,
+            duration_s: self.duration(&ordered),
+            speed: ordered.speed,
+        };
+        let reply = self.wanted(index, ordered.ticket);
+        let withdrawn = ordered.withdrawn.map(|withdrawn| withdrawn.reply);
+        answer(reply.or(withdrawn), Ok(accepted));
     }
 
-    fn begin_move(&mut self, index: usize, asked: &Asked, taken: &Taken, from: f64) {
+    /// Ends what was wanted by the plan of this ticket, which has begun. Something else that is wanted was
+    /// planned for a joint that did not do what it does now.
+    fn wanted(&mut self, index: usize, ticket: u64) -> Option<Reply> {
+        let asked = &mut self.joints[index].asked;
+        if let Some(asked) = asked.take_if(|asked| asked.ticket == ticket) {
+            return asked.reply;
+        }
+        if let Some(asked) = asked {
+            asked.again = true;
+        }
+        None
+    }
+
+    fn begin_move(&mut self, index: usize, asked: &Ordered, taken: &Taken, from: f64) {
         self.finish(index);
         let recording = self.recording_name(asked.id);
         let joint = &mut self.joints[index];
@@ -240,16 +313,16 @@ impl Engine {
             joint: joint.config.name.clone(),
             joint_index: index,
             time_s: taken.time,
-            unix_time_s: unix_time(),
+            unix_time_s: self.clock.unix_time(),
             from_rad: from,
             target_rad: joint.position,
             shaper: name_of(asked.shaper).to_owned(),
             recording,
         };
         self.batch.events.push(Told::MoveStarted(start.clone()));
-        joint.stopped_by_watchdog = false;
         joint.running = Some(Running {
             start,
+            recording: None,
             plan: asked.samples.clone(),
             tick: taken.tick,
             first: taken.first,
@@ -262,77 +335,14 @@ impl Engine {
             planned: Vec::new(),
             after: Vec::new(),
         });
+        // A number is not given twice, though the service be killed.
+        self.save();
     }
+}
 
-    /// Orders the train that should be in force, if another one is.
-    pub(super) fn order_train(&mut self, index: usize) {
-        let joint = &mut self.joints[index];
-        if !joint.train_due || !joint.began {
-            return;
-        }
-        match standing_train(joint, joint.standing_shaper(), self.config.period) {
-            Ok(train) => {
-                let order = TrainOrder {
-                    joint: index,
-                    train,
-                };
-                let ordered = self.rings.orders.push(ToTick::Train(Box::new(order)));
-                self.joints[index].train_due = ordered.is_err();
-            }
-            Err(error) => {
-                tracing::warn!(joint = joint.config.name, "{error}");
-                joint.train_due = false;
-            }
-        }
-    }
-
-    /// The tick has taken a train, or not.
-    pub(super) fn train_answered(&mut self, order: &TrainOrder, answer: &Result<(), NotTaken>) {
-        let joint = &mut self.joints[order.joint];
-        match answer {
-            Ok(()) => {
-                let mode = order.train.known.mode;
-                if joint.mode != mode {
-                    joint.mode_since = unix_time();
-                }
-                joint.mode = mode;
-                joint.wanted_mode = joint.wanted_mode.filter(|wanted| *wanted != mode);
-            }
-            Err(NotTaken::Outdated) => joint.train_due = true,
-            Err(why) => tracing::warn!(joint = joint.config.name, ?why, "a train was not taken"),
-        }
-    }
-
-    /// Begins to command a joint that stands still at `position` (rad).
-    pub(super) fn begin(&mut self, index: usize, position: f64) {
-        let joint = &mut self.joints[index];
-        let mode = joint.wanted_mode.take().unwrap_or(joint.mode);
-        let made = controller(
-            &joint.config,
-            joint.standing_shaper(),
-            mode,
-            joint.sensor.clone(),
-            position,
-            self.config.period,
-        );
-        match made {
-            Ok(controller) => {
-                let start = Setpoint::at_rest(position);
-                let order = ToTick::Begin(index, Box::new(controller));
-                joint.began = self.rings.orders.push(order).is_ok();
-                joint.report = None;
-                (joint.position, joint.mode, joint.retunes) = (start.position, mode, 0);
-                tracing::info!(joint = joint.config.name, position, "commanded from here");
-            }
-            Err(error) => tracing::warn!(joint = joint.config.name, "{error}"),
-        }
-    }
-
-    /// The embedded arm needs no waiting: it stands where it stands.
-    pub(super) fn begin_embedded(&mut self) {
-        if let Some(arm) = &self.arm {
-            let position = arm.true_motor_position();
-            self.begin(0, position);
-        }
+/// Answers, if anybody waits; whoever asked may have gone.
+fn answer(reply: Option<Reply>, answer: Result<Accepted, ServiceError>) {
+    if let Some(reply) = reply {
+        let _ = reply.send(answer);
     }
 }

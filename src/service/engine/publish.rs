@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::Engine;
 use super::joint::{Joint, name_of};
 use crate::adaptation::{Decision, Reason};
-use crate::service::clock::unix_time;
 use crate::service::contract::{EstimateView, JointSnapshot, SensorView, Snapshot, TrainView};
 use crate::service::guard::Fault;
 use crate::service::tick::{AxisReport, WholeReport};
@@ -17,7 +16,7 @@ impl Engine {
         let snapshot = Snapshot {
             version: env!("CARGO_PKG_VERSION"),
             robot: self.config.robot.name(),
-            unix_time_s: unix_time(),
+            unix_time_s: self.clock.unix_time(),
             time_s: whole.time,
             stopping: self.stopping.is_some(),
             payload_kg: self.payload,
@@ -28,6 +27,7 @@ impl Engine {
                 .collect(),
             tick: whole.statistics,
             link: whole.link,
+            disk: self.disk.view(),
             moves: self.moves.iter().cloned().collect(),
         };
         self.ends.snapshot.send_replace(Arc::new(snapshot));
@@ -39,7 +39,6 @@ impl Engine {
         let limits = joint.config.limits;
         let status = axis.map(|axis| &axis.status);
         let deformation = status.and_then(|status| status.deformation);
-        let tip = deformation.filter(|_| joint.arc_known);
         let true_mode = match (&self.arm, self.payload) {
             (Some(arm), Some(payload)) => arm.load(payload).ok().and_then(|load| load.mode()),
             _ => None,
@@ -54,7 +53,9 @@ impl Engine {
             command_rad_s: axis.map_or(0.0, |axis| axis.sent.velocity),
             motor_rad: joint.motor,
             deformation_rad: deformation.map(|sample| sample.deformation),
-            tip_deformation_m: tip.map(|sample| sample.tip_deformation),
+            tip_deformation_m: deformation
+                .map(|sample| sample.tip_deformation)
+                .filter(|tip| tip.is_finite()),
             range_rad: joint.config.range,
             limits: [limits.velocity, limits.acceleration, limits.jerk],
             limits_assumed: joint.config.limits_assumed,

@@ -3,26 +3,16 @@
 use std::sync::Arc;
 
 use super::{BATCH, Engine, MOVES};
-use crate::service::clock::unix_time;
-use crate::service::contract::{Batch, Event as Told, Measured, Quantity, WatchdogState};
+use crate::service::contract::{Batch, Event as Told, Measured, Quantity};
 use crate::service::state::LearnedMode;
 use crate::service::tick::{Event, JointReport, Record};
-
-/// Distance of the motor side from a command at rest from which, after a silence, it counts as moved by
-/// something else, rad: more than the static error of a servo, less than anybody would call a move.
-const MOVED: f64 = 1e-3;
 
 impl Engine {
     /// Empties the rings and does what follows.
     pub(super) fn pump(&mut self) {
         let now = self.clock.now();
-        // Records first: those of a move belong to it before it ends.
-        while let Ok(record) = self.rings.records.pop() {
-            self.record(record);
-        }
-        while let Ok(event) = self.rings.events.pop() {
-            self.hear(event);
-        }
+        self.hear_all();
+        self.hear_of_recordings();
         let mut round = false;
         while let Ok(report) = self.rings.joints.pop() {
             self.believe(report);
@@ -42,6 +32,17 @@ impl Engine {
         self.retry(now);
         if now - self.batch_since >= BATCH {
             self.flush(now);
+        }
+    }
+
+    /// Takes what the tick has told.
+    pub(super) fn hear_all(&mut self) {
+        // Records first: those of a move belong to it before it ends.
+        while let Ok(record) = self.rings.records.pop() {
+            self.record(record);
+        }
+        while let Ok(event) = self.rings.events.pop() {
+            self.hear(event);
         }
     }
 
@@ -82,6 +83,8 @@ impl Engine {
             Event::Taken(taken) => self.taken(&taken),
             Event::NotTaken(plan, why) => self.not_taken(&plan, why),
             Event::Settled(index, id, time) => self.settled(index, id, time),
+            Event::Lost(index) => self.lost(index),
+            Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),
             // Dropped here, off the tick.
             Event::Controller(_) | Event::Sensor(_) => {}
@@ -102,7 +105,7 @@ impl Engine {
             let status = &axis.status;
             if status.retunes > joint.retunes {
                 joint.mode = status.shaped_for.mode;
-                joint.mode_since = unix_time();
+                joint.mode_since = self.clock.unix_time();
                 let more = u64::from(status.retunes - joint.retunes);
                 let payload = self.payload.unwrap_or(0.0);
                 let state = self
@@ -152,47 +155,7 @@ impl Engine {
             }
             return;
         }
-        // A report from before the joint was commanded says nothing of how it is now.
-        let report = joint.report.as_ref().filter(|report| report.axis.is_some());
-        let silent = report.is_some_and(|report| report.watchdog == WatchdogState::Silent);
-        if silent && self.config.watchdog_stops && !joint.stopped_by_watchdog {
-            joint.stopped_by_watchdog = true;
-            tracing::warn!(joint = joint.config.name, "no measurement: stopped");
-            self.stop(index);
-        } else if !silent && joint.stopped_by_watchdog && joint.is_at_rest() {
-            let moved = joint
-                .motor
-                .is_some_and(|motor| (motor - joint.position).abs() > MOVED);
-            joint.stopped_by_watchdog = false;
-            if moved {
-                tracing::warn!(joint = joint.config.name, "it was moved by something else");
-                self.cease(index);
-            }
-        }
-    }
-
-    /// Ceases to command a joint until it stands still.
-    fn cease(&mut self, index: usize) {
-        self.finish(index);
-        let joint = &mut self.joints[index];
-        if let Some(axis) = joint.report.take().and_then(|report| report.axis) {
-            // The next controller counts from 0.
-            let counted = [
-                axis.status.retunes,
-                axis.status.corrections,
-                axis.status.refused,
-            ];
-            for (before, count) in joint.before.iter_mut().zip(counted) {
-                *before += u64::from(count);
-            }
-        }
-        joint.began = self
-            .rings
-            .orders
-            .push(crate::service::tick::ToTick::Cease(index))
-            .is_err();
-        joint.running = None;
-        joint.standstill.restart();
+        self.look_again(index, now);
     }
 
     /// A move has ended: what it left is told once.
@@ -212,7 +175,7 @@ impl Engine {
             Some(estimate) => (estimate.mode, true),
             None => (joint.mode, false),
         };
-        let radius = joint.arc_known.then(|| joint.sensor.arc().radius());
+        let radius = joint.sensor.arc().map(|arc| arc.radius());
         let result = running.result(mode, sure, self.config.period, radius);
         let told = self.moves.back().is_some_and(|last| last.id == result.id);
         if settled {

@@ -5,7 +5,6 @@ use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 use super::Engine;
 use super::axis::train;
 use super::joint::What;
-use crate::service::clock::unix_time;
 use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange};
 use crate::service::tick::ToTick;
 
@@ -16,6 +15,8 @@ impl Engine {
     /// Answers a request, at once or once the tick has said what became of it.
     pub(super) fn answer(&mut self, envelope: Envelope) {
         let Envelope { request, reply } = envelope;
+        // What the tick has done by now is known before it is told something else.
+        self.hear_all();
         let answer = match request {
             Request::Move {
                 joint,
@@ -25,9 +26,14 @@ impl Engine {
                 Ok((index, what)) => return self.ask(index, what, Some(reply)),
                 Err(error) => Err(error),
             },
-            Request::Stop => Ok(Accepted::Stop {
-                duration_s: self.stop_all(),
-            }),
+            Request::Stop => {
+                let joints = self.stop_all(&ServiceError::Stopped);
+                let durations = joints.iter().filter_map(|joint| joint.duration_s);
+                Ok(Accepted::Stop {
+                    duration_s: durations.fold(0.0, f64::max),
+                    joints,
+                })
+            }
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };
@@ -54,10 +60,8 @@ impl Engine {
                 rule: "within the joint's range",
             });
         }
-        if !joint.began {
-            let joint = joint.config.name.clone();
-            return Err(ServiceError::NoMeasurement { joint });
-        }
+        joint.takes_moves()?;
+        self.check_recording()?;
         let shaper = shaper.map(shaper_named).transpose()?;
         if let Some(shaper) = shaper
             && !joint.is_at_rest()
@@ -201,7 +205,7 @@ impl Engine {
                 && joint.adaptation
             {
                 joint.wanted_mode = Some(mode);
-                joint.mode_since = unix_time();
+                joint.mode_since = self.clock.unix_time();
                 joint.train_due = true;
                 self.order_train(index);
             }

@@ -5,13 +5,11 @@ use quell_trajectories::{AxisState, SampledTrajectory};
 
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::ringing;
+use crate::service::tick::FOLLOWED;
 
 /// Periods for which a joint is watched after its command has ended: the amplitude is taken over two,
 /// after the motor side has followed.
 const WATCHED: f64 = 3.0;
-/// Within this time the motor side has followed its command, s: seven time constants of a servo of
-/// 20 Hz, to 1 in 1000.
-const FOLLOWED: f64 = 0.06;
 /// Planned positions of a move that are kept for what it would have left unshaped; at 4 kHz a minute.
 const LONGEST: usize = 240_000;
 
@@ -19,6 +17,8 @@ const LONGEST: usize = 240_000;
 pub struct Running {
     /// What was told of it when it began.
     pub start: MoveStart,
+    /// Name of its recording, once that is on the disk.
+    pub recording: Option<String>,
     /// Its present plan: the move's own, or that of a stop.
     pub plan: SampledTrajectory,
     /// Tick with which the present plan began.
@@ -123,7 +123,7 @@ impl Running {
             residual_m: along_arc(residual),
             unshaped_rad: unshaped,
             unshaped_m: along_arc(unshaped),
-            recording: self.start.recording.clone(),
+            recording: self.recording.clone(),
         }
     }
 }

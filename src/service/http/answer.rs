@@ -1,12 +1,17 @@
 //! What is said to a request that is refused: a status and one sentence.
 
+use std::sync::Arc;
+
 use axum::Json;
+use axum::extract::State;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
+use super::App;
+use super::counters::add;
 use crate::service::contract::{ErrorKind, ServiceError};
-use crate::service::jobs::Full;
+use crate::service::jobs::{CancelError, Full};
 use crate::service::recorder::{RecordError, ShelfError};
 
 /// A refusal.
@@ -48,6 +53,7 @@ impl From<ServiceError> for Refused {
         let status = match error.kind() {
             ErrorKind::Input => StatusCode::UNPROCESSABLE_ENTITY,
             ErrorKind::Conflict => StatusCode::CONFLICT,
+            ErrorKind::Storage => StatusCode::INSUFFICIENT_STORAGE,
             ErrorKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
         };
         Self::new(status, error.to_string())
@@ -58,6 +64,7 @@ impl From<ShelfError> for Refused {
     fn from(error: ShelfError) -> Self {
         match error {
             ShelfError::Unknown { .. } => Self::new(StatusCode::NOT_FOUND, error.to_string()),
+            ShelfError::Unfinished { .. } => Self::new(StatusCode::CONFLICT, error.to_string()),
             _ => Self::new(StatusCode::INTERNAL_SERVER_ERROR, error.to_string()),
         }
     }
@@ -67,6 +74,7 @@ impl From<RecordError> for Refused {
     fn from(error: RecordError) -> Self {
         let status = match error {
             RecordError::Gone => StatusCode::SERVICE_UNAVAILABLE,
+            RecordError::NotKept { .. } => StatusCode::INSUFFICIENT_STORAGE,
             _ => StatusCode::CONFLICT,
         };
         Self::new(status, error.to_string())
@@ -77,6 +85,23 @@ impl From<Full> for Refused {
     fn from(error: Full) -> Self {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, error.to_string())
     }
+}
+
+impl From<CancelError> for Refused {
+    fn from(error: CancelError) -> Self {
+        let status = match error {
+            CancelError::Unknown { .. } => StatusCode::NOT_FOUND,
+            CancelError::Ended { .. } => StatusCode::CONFLICT,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+/// For a connection beyond the places.
+pub async fn too_many(State(app): State<Arc<App>>) -> Refused {
+    add(&app.counters.connections_refused);
+    let sentence = "too many connections are open: only POST /api/stop is taken here; try again";
+    Refused::new(StatusCode::SERVICE_UNAVAILABLE, sentence)
 }
 
 /// For a path that there is not.

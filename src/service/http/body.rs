@@ -12,8 +12,9 @@ use serde::de::DeserializeOwned;
 use super::App;
 use super::answer::Refused;
 
-/// Time in which a body must be here: far more than 64 KiB take on any line.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Time in which a body must be here: 64 KiB take less on any line that can show the page, and a client that
+/// sends more slowly would hold a place from others.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// A body that must be JSON of this form.
 pub struct Json<T>(pub T);

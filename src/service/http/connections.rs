@@ -1,123 +1,247 @@
-//! Connections: how many, how slow, how long.
+//! Connections: how many, how slow, how long; and a way in for a stop when all places are taken.
 
-use std::future::Future;
-use std::pin::pin;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::future::{Future, poll_fn};
+use std::pin::{Pin, pin};
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::task::Poll;
 use std::time::Duration;
 
 use axum::Router;
+use axum::http::StatusCode;
+use axum::response::Response;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
-use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper::service::{Service, service_fn};
+use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
-use tokio::task::JoinSet;
+use tokio::task::{AbortHandle, JoinSet};
+use tokio::time::{Instant, sleep_until, timeout};
 
-use super::counters::{Counters, add};
+use super::App;
+use super::pace::{Overdue, Pace};
+use super::wire::Wire;
 
-/// Time in which the head of a request must be here; also how long an idle connection is kept.
-const HEAD: Duration = Duration::from_secs(15);
 /// Longest head of a request, bytes.
 const LONGEST_HEAD: usize = 16 * 1024;
-/// Time after which a connection ends after its answer; a client that reads an answer more slowly
-/// than that holds its place no longer.
-const LIFE: Duration = Duration::from_secs(600);
 /// Time for answers that have begun when the service ends.
 const FAREWELL: Duration = Duration::from_secs(2);
 /// Bytes that the system keeps for a connection, so that a reader who does not read costs no more.
 const SEND_BUFFER: usize = 128 * 1024;
 /// Pause where the system is out of connections.
 const PAUSE: Duration = Duration::from_millis(50);
+/// Connections beyond the places that are kept for a stop. Each carries one request, and the oldest gives way to
+/// a new one: whoever holds all of them keeps nobody out. A stop is obeyed in the moment in which it is read, so
+/// that it is lost only to as many newcomers between its connection and its first bytes.
+const KEPT_FOR_STOP: usize = 16;
 
-/// What one that is too many is told.
-const TOO_MANY: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/json\r\n\
-    Content-Length: 44\r\nConnection: close\r\n\r\n{\"error\": \"too many connections; try again\"}";
+/// What one is told whose head is overdue. The length is that of the body.
+const TOO_SLOW: &[u8] = b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/json\r\n\
+    Content-Length: 65\r\nConnection: close\r\n\r\n{\"error\": \"the head of the request was not here within a second\"}";
 
-/// Accepts connections until `shutdown`, so many at once.
+/// What answers: all requests, or only a stop.
+#[derive(Clone)]
+pub struct Answers {
+    /// For a connection that has a place.
+    pub all: Router,
+    /// For one that has none.
+    pub stop_only: Router,
+}
+
+/// Accepts connections until `shutdown`, so many at once, and a few more for a stop.
 pub async fn accept(
     listener: TcpListener,
-    router: Router,
+    answers: Answers,
     most: usize,
-    counters: &Counters,
+    app: &Arc<App>,
     shutdown: impl Future<Output = ()>,
 ) {
-    let places = Arc::new(Semaphore::new(most));
     let (end, ending) = watch::channel(());
-    let mut open = JoinSet::new();
+    let mut door = Door {
+        places: Arc::new(Semaphore::new(most)),
+        answers,
+        app: Arc::clone(app),
+        ending,
+        open: JoinSet::new(),
+        kept: Kept::default(),
+    };
     let mut shutdown = pin!(shutdown);
     loop {
         tokio::select! {
             accepted = listener.accept() => match accepted {
-                Ok((stream, _)) => match Arc::clone(&places).try_acquire_owned() {
-                    Ok(place) => {
-                        open.spawn(serve(stream, router.clone(), place, ending.clone()));
-                    }
-                    Err(_) => turned_away(&stream, counters),
-                },
+                Ok((stream, _)) => door.let_in(stream).await,
                 Err(error) => {
                     tracing::warn!(%error, "no connection can be taken");
                     tokio::time::sleep(PAUSE).await;
                 }
             },
-            Some(_) = open.join_next() => {}
+            Some(_) = door.open.join_next() => {}
             () = &mut shutdown => break,
         }
-        let used = most - places.available_permits().min(most);
-        counters
-            .connections
-            .store(used as u64, std::sync::atomic::Ordering::Relaxed);
+        let used = most - door.places.available_permits().min(most);
+        app.counters.connections.store(used as u64, Relaxed);
     }
     drop(listener);
     // Nobody may listen.
     let _ = end.send(());
-    farewell(open).await;
+    farewell(door.open).await;
 }
 
-fn turned_away(stream: &TcpStream, counters: &Counters) {
-    add(&counters.connections_refused);
-    // It is lost anyway; the words are a courtesy.
-    let _ = stream.try_write(TOO_MANY);
+/// Where connections come in.
+struct Door {
+    places: Arc<Semaphore>,
+    answers: Answers,
+    app: Arc<App>,
+    ending: watch::Receiver<()>,
+    open: JoinSet<()>,
+    kept: Kept,
+}
+
+impl Door {
+    /// Serves a connection, or only a stop on it where all places are taken.
+    async fn let_in(&mut self, stream: TcpStream) {
+        let place = Arc::clone(&self.places).try_acquire_owned().ok();
+        let beyond = place.is_none();
+        let router = match beyond {
+            true => self.answers.stop_only.clone(),
+            false => self.answers.all.clone(),
+        };
+        let connection = Connection {
+            place,
+            ending: self.ending.clone(),
+            app: Arc::clone(&self.app),
+        };
+        let task = self.open.spawn(connection.serve(stream, router));
+        if beyond {
+            self.kept.admit(task);
+            // What was admitted is read before the next one comes.
+            tokio::task::yield_now().await;
+        }
+    }
+}
+
+/// The connections beyond the places, oldest first.
+#[derive(Default)]
+struct Kept(VecDeque<AbortHandle>);
+
+impl Kept {
+    /// Lets one more in; where all are taken the oldest is cut.
+    fn admit(&mut self, connection: AbortHandle) {
+        self.0.retain(|other| !other.is_finished());
+        while self.0.len() >= KEPT_FOR_STOP {
+            if let Some(oldest) = self.0.pop_front() {
+                oldest.abort();
+            }
+        }
+        self.0.push_back(connection);
+    }
 }
 
 /// Waits for answers that have begun, but not for ever.
 async fn farewell(mut open: JoinSet<()>) {
     let all = async { while open.join_next().await.is_some() {} };
-    if tokio::time::timeout(FAREWELL, all).await.is_err() {
+    if timeout(FAREWELL, all).await.is_err() {
         tracing::info!("connections that did not end in time are cut");
     }
 }
 
-async fn serve(
-    stream: TcpStream,
-    router: Router,
-    _place: OwnedSemaphorePermit,
-    mut ending: watch::Receiver<()>,
-) {
+/// One connection.
+struct Connection {
+    /// None beyond the places.
+    place: Option<OwnedSemaphorePermit>,
+    ending: watch::Receiver<()>,
+    app: Arc<App>,
+}
+
+impl Connection {
+    async fn serve(mut self, stream: TcpStream, router: Router) {
+        tune(&stream);
+        let pace = Arc::new(Pace::new(Instant::now()));
+        let wire = Wire::new(stream, Arc::clone(&pace));
+        let connection = http1::Builder::new()
+            // Its times are those of its pace.
+            .header_read_timeout(None)
+            .keep_alive(self.place.is_some())
+            .max_buf_size(LONGEST_HEAD)
+            .serve_connection(TokioIo::new(wire.clone()), paced(router, &pace))
+            .with_upgrades();
+        let mut connection = pin!(connection);
+        tokio::select! {
+            ended = in_time(connection.as_mut(), &pace) => match ended {
+                Ok(result) => return told(result),
+                Err(Overdue::Head) => {
+                    self.app.counters.answered(StatusCode::REQUEST_TIMEOUT);
+                    return wire.farewell(TOO_SLOW);
+                }
+                Err(Overdue::Silent | Overdue::Idle | Overdue::Stalled) => return,
+                Err(Overdue::Old) => {}
+            },
+            _ = self.ending.changed() => {}
+        }
+        connection.as_mut().graceful_shutdown();
+        if let Ok(result) = timeout(FAREWELL, connection).await {
+            told(result);
+        }
+    }
+}
+
+fn tune(stream: &TcpStream) {
     let tuned = stream.set_nodelay(true).and_then(|()| {
         Ok(rustix::net::sockopt::set_socket_send_buffer_size(
-            &stream,
+            stream,
             SEND_BUFFER,
         )?)
     });
     if let Err(error) = tuned {
         tracing::debug!(%error, "a connection keeps the system's buffers");
     }
-    let connection = http1::Builder::new()
-        .timer(TokioTimer::new())
-        .header_read_timeout(HEAD)
-        .max_buf_size(LONGEST_HEAD)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
-        .with_upgrades();
-    let mut connection = pin!(connection);
-    tokio::select! {
-        result = connection.as_mut() => return told(result),
-        _ = ending.changed() => {}
-        () = tokio::time::sleep(LIFE) => {}
-    }
-    connection.as_mut().graceful_shutdown();
-    if let Ok(result) = tokio::time::timeout(FAREWELL, connection).await {
-        told(result);
-    }
+}
+
+/// The router, with the pace noted when a request is whole and when it is answered.
+fn paced(
+    router: Router,
+    pace: &Arc<Pace>,
+) -> impl Service<
+    hyper::Request<Incoming>,
+    Response = Response,
+    Error = Infallible,
+    Future = impl Future<Output = Result<Response, Infallible>> + Send + 'static,
+> + Send
++ 'static {
+    let (router, pace) = (TowerToHyperService::new(router), Arc::clone(pace));
+    service_fn(move |request| {
+        pace.asked(Instant::now());
+        let (answer, pace) = (router.call(request), Arc::clone(&pace));
+        async move {
+            let answer = answer.await;
+            pace.answered(Instant::now());
+            answer
+        }
+    })
+}
+
+/// Drives a connection to its end, or until it is overdue.
+async fn in_time<C: Future>(
+    mut connection: Pin<&mut C>,
+    pace: &Pace,
+) -> Result<C::Output, Overdue> {
+    let mut sleep = pin!(sleep_until(pace.deadline().0));
+    poll_fn(|context| {
+        // What the connection does sets the deadline anew, and nothing else does.
+        if let Poll::Ready(end) = connection.as_mut().poll(context) {
+            return Poll::Ready(Ok(end));
+        }
+        let (deadline, why) = pace.deadline();
+        if sleep.deadline() != deadline {
+            sleep.as_mut().reset(deadline);
+        }
+        sleep.as_mut().poll(context).map(|()| Err(why))
+    })
+    .await
 }
 
 fn told(result: Result<(), hyper::Error>) {

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use axum::http::StatusCode;
 
 /// Statuses that are counted apart; others are counted as their class.
-const STATUSES: [u16; 13] = [
-    400, 401, 403, 404, 405, 408, 409, 413, 415, 422, 426, 500, 503,
+const STATUSES: [u16; 14] = [
+    400, 401, 403, 404, 405, 408, 409, 413, 415, 422, 426, 500, 503, 507,
 ];
 
 /// Counts since the start.

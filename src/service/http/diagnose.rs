@@ -1,4 +1,4 @@
-//! Diagnoses of what was recorded: order one, ask how it stands, read its report.
+//! Diagnoses of what was recorded: order one, ask how it stands, cancel it, read its report.
 
 use std::sync::Arc;
 
@@ -66,6 +66,15 @@ pub async fn all(State(app): State<Arc<App>>) -> Response {
 /// `GET /api/diagnose/{id}`.
 pub async fn job(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Response, Refused> {
     Ok(fresh(&known(&app, &id)?))
+}
+
+/// `DELETE /api/diagnose/{id}`: the job as it stands now; one that runs ends within moments.
+pub async fn cancel(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<Response, Refused> {
+    let job = known(&app, &id)?;
+    Ok(fresh(&app.jobs.cancel(job.id)?))
 }
 
 /// `GET /api/diagnose/{id}/report`.

@@ -12,7 +12,9 @@ use axum::response::{IntoResponse, Response};
 
 use super::App;
 use super::counters::Counters;
-use crate::service::contract::{JointSnapshot, LinkHealth, Snapshot, TickStatistics};
+use crate::service::contract::{
+    DiskPart, DiskView, JointSnapshot, LinkHealth, Snapshot, TickStatistics,
+};
 use joint::{JOINT, flag};
 
 /// `GET /metrics`.
@@ -21,6 +23,7 @@ pub async fn metrics(State(app): State<Arc<App>>) -> Response {
     let mut text = Text::default();
     tick(&mut text, &snapshot.tick);
     link(&mut text, &snapshot.link);
+    disk(&mut text, &snapshot.disk);
     for (name, help, value) in JOINT {
         text.each(&snapshot.joints, name, help, value);
     }
@@ -150,6 +153,23 @@ fn link(text: &mut Text, link: &LinkHealth) {
     let samples = [([], link.clock_offset_s)];
     let help = "The robot's clock minus the service's.";
     text.metric("link_clock_offset_seconds", help, samples);
+}
+
+fn disk(text: &mut Text, disk: &DiskView) {
+    let failing = |what| disk.faults.iter().any(|fault| fault.what == what);
+    let samples = DiskPart::ALL.map(|what| ([("what", what.name())], Some(flag(failing(what)))));
+    let help = "Whether it cannot be written to the data folder now.";
+    text.metric("disk_failing", help, samples);
+    let since = disk.faults.iter().map(|fault| {
+        let labels = [("what", fault.what.name())];
+        (labels, Some(fault.since_unix_time_s))
+    });
+    let help = "Since when it cannot be written, seconds since 1970.";
+    text.metric("disk_failing_since_seconds", help, since);
+    let help = "Attempts to write to the data folder that failed.";
+    text.count("disk_failures_total", help, disk.failures);
+    let help = "Recordings that are not whole on the shelf.";
+    text.count("recordings_lost_total", help, disk.recordings_lost);
 }
 
 fn sensors(text: &mut Text, joints: &[JointSnapshot]) {

@@ -6,17 +6,19 @@
 //! | `GET /api/state`, `/api/estimates` | | [`Snapshot`](super::contract::Snapshot), estimates of it |
 //! | `GET /api/stream` | | WebSocket: state, batches of frames and events, what was lost |
 //! | `POST /api/move` | `{"joint", "target_deg" or "target_rad", "shaper"?}` | [`Accepted`](super::contract::Accepted) |
-//! | `POST /api/stop` | none or `{}` | the same |
+//! | `POST /api/stop` | none or `{}` | the same: which joints stop, and when they rest |
 //! | `POST /api/shaper` | `{"joint"?, "enabled"?, "adaptation"?, "kind"?, "mode"?}` | the same |
 //! | `POST /api/payload` | `{"mass_kg"}` | the same |
 //! | `GET /api/recordings`, `/api/recordings/{name}` | | the list; one as a tar archive |
 //! | `POST /api/recordings` | `{"joint"?, "recording"}` | begins (`true`) or ends one on demand |
 //! | `POST /api/diagnose` | `{"recording", "model"?}` | a [`Job`](super::jobs::Job) |
 //! | `GET /api/diagnose`, `/api/diagnose/{id}`, `/api/diagnose/{id}/report` | | all jobs; one; its page |
+//! | `DELETE /api/diagnose/{id}` | | cancels a job that waits or runs |
 //! | `GET /metrics` | | Prometheus text |
 //!
 //! Any error is `{"error": "a sentence"}`. Everything that a stranger may make large is bounded:
-//! bodies, headers, connections, streams, waiting jobs, and the time each may take.
+//! bodies, headers, connections, streams, downloads, waiting jobs, and the time each may take. A stop has
+//! connections of its own, and room among the requests that wait for the engine.
 
 mod answer;
 mod body;
@@ -24,17 +26,22 @@ mod commands;
 mod connections;
 mod counters;
 mod diagnose;
+mod download;
 mod guard;
 mod metrics;
+mod pace;
 mod page;
+mod pieces;
 mod recordings;
 mod stream;
 mod views;
+mod wire;
 
 use std::collections::BTreeMap;
 use std::future::Future;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
 use axum::middleware::from_fn_with_state;
@@ -47,13 +54,16 @@ use super::contract::Handle;
 use super::jobs::{Jobs, Report};
 use super::recorder::Recorder;
 use crate::signal::JointArc;
+use connections::Answers;
 use counters::Counters;
 use stream::Feed;
 
 /// The shortest token, bytes: 16 random ones are not guessed.
 const SHORTEST_TOKEN: usize = 16;
-/// WebSockets open at once.
+/// WebSockets open at once; they take no place of a connection.
 const STREAMS: usize = 64;
+/// Recordings sent at once: each takes a thread until it is taken.
+const DOWNLOADS: usize = 4;
 
 /// What the outside is given.
 #[derive(Clone, Debug)]
@@ -70,6 +80,8 @@ pub struct Settings {
     pub recorder: Option<Recorder>,
     /// What makes the report of a diagnosis.
     pub report: Report,
+    /// Time after which a diagnosis is given up.
+    pub diagnosis_limit: Duration,
 }
 
 /// Why the service does not listen.
@@ -100,6 +112,7 @@ struct App {
     feed: Feed,
     jobs: Jobs,
     streams: Arc<Semaphore>,
+    downloads: Arc<Semaphore>,
 }
 
 /// Checks where to listen, and with which token.
@@ -134,8 +147,11 @@ pub async fn serve(
     check(listener.local_addr()?, settings.token.as_deref())?;
     let most = settings.max_connections;
     let app = app(handle, settings)?;
-    let router = router(Arc::clone(&app));
-    connections::accept(listener, router, most, &app.counters, shutdown).await;
+    let answers = Answers {
+        all: router(Arc::clone(&app)),
+        stop_only: stop_only(Arc::clone(&app)),
+    };
+    connections::accept(listener, answers, most, &app, shutdown).await;
     Ok(())
 }
 
@@ -154,11 +170,12 @@ pub fn routes(handle: Handle, settings: Settings) -> Result<Router, HttpError> {
 fn app(handle: Handle, settings: Settings) -> Result<Arc<App>, HttpError> {
     Ok(Arc::new(App {
         feed: Feed::start(&handle),
-        jobs: Jobs::start(settings.report)?,
+        jobs: Jobs::start(settings.report, settings.diagnosis_limit)?,
         handle,
         settings,
         counters: Counters::default(),
         streams: Arc::new(Semaphore::new(STREAMS)),
+        downloads: Arc::new(Semaphore::new(DOWNLOADS)),
     }))
 }
 
@@ -175,14 +192,27 @@ fn router(app: Arc<App>) -> Router {
             "/api/recordings",
             get(recordings::list).post(recordings::record),
         )
-        .route("/api/recordings/{name}", get(recordings::download))
+        .route("/api/recordings/{name}", get(download::download))
         .route("/api/diagnose", get(diagnose::all).post(diagnose::order))
-        .route("/api/diagnose/{id}", get(diagnose::job))
+        .route(
+            "/api/diagnose/{id}",
+            get(diagnose::job).delete(diagnose::cancel),
+        )
         .route("/api/diagnose/{id}/report", get(diagnose::report))
         .route("/metrics", get(metrics::metrics));
     page::routes(api)
         .fallback(answer::not_found)
         .method_not_allowed_fallback(answer::not_allowed)
+        .layer(from_fn_with_state(Arc::clone(&app), guard::guard))
+        .with_state(app)
+}
+
+/// What a connection beyond the places is answered: a stop is obeyed, all else is refused.
+fn stop_only(app: Arc<App>) -> Router {
+    Router::new()
+        .route("/api/stop", post(commands::stop))
+        .fallback(answer::too_many)
+        .method_not_allowed_fallback(answer::too_many)
         .layer(from_fn_with_state(Arc::clone(&app), guard::guard))
         .with_state(app)
 }

@@ -22,6 +22,10 @@ const SVG: &str = "image/svg+xml";
 const PAGE: &str = include_str!("../../../assets/service/index.html");
 const STYLE: &str = include_str!("../../../assets/service/service.css");
 const SCRIPT: &str = include_str!("../../../assets/service/service.js");
+const ASK: &str = include_str!("../../../assets/service/ask.js");
+const DOM: &str = include_str!("../../../assets/service/dom.js");
+const KEYS: &str = include_str!("../../../assets/service/keys.js");
+const MOVES: &str = include_str!("../../../assets/service/moves.js");
 const CHARTS: &str = include_str!("../../../assets/service/charts.js");
 const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
 const ICON: &str = include_str!("../../../assets/service/icon.svg");
@@ -30,11 +34,15 @@ const UPLOT: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.iife.min.js
 const UPLOT_STYLE: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.min.css");
 
 /// Path, type and text of each file.
-const FILES: [(&str, &str, &str); 9] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("/", HTML, PAGE),
     ("/service.css", CSS, STYLE),
     ("/service.js", JS, SCRIPT),
+    ("/ask.js", JS, ASK),
     ("/charts.js", JS, CHARTS),
+    ("/dom.js", JS, DOM),
+    ("/keys.js", JS, KEYS),
+    ("/moves.js", JS, MOVES),
     ("/recordings.js", JS, RECORDINGS),
     ("/icon.svg", SVG, ICON),
     ("/report.css", CSS, REPORT_STYLE),

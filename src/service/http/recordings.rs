@@ -1,12 +1,11 @@
-//! Recordings: the list, one to take along, and recording on demand.
+//! Recordings: the list, and recording on demand.
 
 use std::sync::Arc;
 
 use axum::Json as Answer;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::StatusCode;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use serde::{Deserialize, Serialize};
 
 use super::App;
@@ -38,22 +37,6 @@ pub async fn list(State(app): State<Arc<App>>) -> Result<Response, Refused> {
         None => Vec::new(),
     };
     Ok(fresh(&list))
-}
-
-/// `GET /api/recordings/{name}`.
-pub async fn download(
-    State(app): State<Arc<App>>,
-    Path(name): Path<String>,
-) -> Result<Response, Refused> {
-    let wanted = name.clone();
-    let archive = on_disk(recorder(&app)?, move |shelf| shelf.archive(&wanted)).await?;
-    // A name that the shelf has is letters, digits, -, _ and dots.
-    let disposition = format!("attachment; filename=\"{name}.tar\"");
-    let headers = [
-        (CONTENT_TYPE, "application/x-tar".to_string()),
-        (CONTENT_DISPOSITION, disposition),
-    ];
-    Ok((headers, archive).into_response())
 }
 
 /// `POST /api/recordings`.

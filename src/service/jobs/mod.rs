@@ -1,23 +1,24 @@
 //! Diagnoses as jobs: one at a time, a few waiting, on threads that give way to everything else.
 
+mod job;
+mod list;
 mod work;
 
-use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
-use std::time::Instant;
+use std::sync::mpsc::{self, SyncSender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use serde::Serialize;
 use thiserror::Error;
 
 use crate::diagnosis::{Diagnosis, Traces};
 use crate::model::Model;
 use crate::report::Page;
+pub use job::{Job, Status};
+use list::List;
 
 /// Jobs that may wait; a diagnosis takes a minute, and nobody waits for longer than a few.
 const WAITING: usize = 4;
-/// Jobs that are remembered with their reports, of some hundred kilobytes each.
-const REMEMBERED: usize = 32;
 
 /// Makes the report of a diagnosis, for a model and recordings of these names.
 pub type Report = fn(&Diagnosis, &Traces, &str, &[String]) -> Page;
@@ -35,88 +36,59 @@ pub struct Order {
     pub model_name: String,
 }
 
-/// Where a job stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// Others are before it.
-    Waiting,
-    /// It is at work.
-    Running,
-    /// There is a verdict.
-    Done,
-    /// There will be none.
-    Failed,
-}
-
-/// A job as the outside sees it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Job {
-    /// Its number, counted up.
-    pub id: u64,
-    /// Name of the recording.
-    pub recording: String,
-    /// Where it stands.
-    pub status: Status,
-    /// The share of the work that is done, 0 to 1.
-    pub progress: f64,
-    /// What is being done.
-    pub doing: String,
-    /// How long it has worked, s.
-    pub seconds: f64,
-    /// Why it failed.
-    pub error: Option<String>,
-    /// What it says.
-    pub diagnosis: Option<Diagnosis>,
-    #[serde(skip)]
-    report: Option<Arc<str>>,
-    #[serde(skip)]
-    since: Option<Instant>,
-}
-
 /// No room for one more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{WAITING} diagnoses wait already; try again when one is done")]
 pub struct Full;
 
+/// Why a job cannot be cancelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum CancelError {
+    /// No such job, or no longer.
+    #[error("there is no diagnosis {id}, or no longer")]
+    Unknown {
+        /// The number asked for.
+        id: u64,
+    },
+    /// It has ended by itself.
+    #[error("diagnosis {id} has ended: it is {}", status.name())]
+    Ended {
+        /// The number asked for.
+        id: u64,
+        /// How it ended.
+        status: Status,
+    },
+}
+
 /// All jobs; cheap to clone. The thread that does them ends when the last clone goes.
 #[derive(Clone, Debug)]
 pub struct Jobs {
     list: Arc<Mutex<List>>,
-    orders: mpsc::Sender<(u64, Order)>,
-}
-
-#[derive(Debug, Default)]
-struct List {
-    last: u64,
-    jobs: VecDeque<Job>,
+    wake: SyncSender<()>,
 }
 
 impl Jobs {
-    /// Starts the thread that does them, which makes reports by `report`.
+    /// Starts the thread that does them, each for at most `limit`, and makes reports by `report`.
     ///
     /// # Errors
     /// What the system says where it makes no thread.
-    pub fn start(report: Report) -> std::io::Result<Self> {
-        let (orders, ordered) = mpsc::channel();
+    pub fn start(report: Report, limit: Duration) -> std::io::Result<Self> {
+        // One call that waits is enough: the thread then does all that there is.
+        let (wake, woken) = mpsc::sync_channel(1);
         let list = Arc::new(Mutex::new(List::default()));
         let mine = Arc::clone(&list);
         let thread = std::thread::Builder::new().name("quell-diagnosis".into());
         thread.spawn(move || {
-            while let Ok((id, order)) = ordered.recv() {
-                let progress = |done: f64, what: &str| {
-                    change(&mine, id, |job| {
-                        (job.progress, job.doing) = (done.clamp(0.0, 1.0), what.into());
-                    });
-                };
-                change(&mine, id, |job| {
-                    (job.status, job.since) = (Status::Running, Some(Instant::now()));
-                });
-                let result = work::diagnosed(&order, report, &progress);
-                change(&mine, id, |job| job.finish(result));
+            while woken.recv().is_ok() {
+                let next = || locked(&mine).begin(limit);
+                while let Some(next) = next() {
+                    let progress = |done: f64, what: &str| locked(&mine).tell(next.id, done, what);
+                    let result = work::diagnosed(&next.order, report, &next.stop, &progress);
+                    locked(&mine).end(next.id, result);
+                }
             }
         })?;
-        Ok(Self { list, orders })
+        Ok(Self { list, wake })
     }
 
     /// Adds a job, and says how it stands.
@@ -124,90 +96,37 @@ impl Jobs {
     /// # Errors
     /// [`Full`] where too many wait.
     pub fn add(&self, order: Order) -> Result<Job, Full> {
-        let mut list = locked(&self.list);
-        let waiting = |job: &&Job| job.status == Status::Waiting;
-        if list.jobs.iter().filter(waiting).count() >= WAITING {
-            return Err(Full);
-        }
-        list.last += 1;
-        let job = Job {
-            id: list.last,
-            recording: order.recording.clone(),
-            status: Status::Waiting,
-            progress: 0.0,
-            doing: "waiting".into(),
-            seconds: 0.0,
-            error: None,
-            diagnosis: None,
-            report: None,
-            since: None,
-        };
-        list.jobs.push_back(job.clone());
-        if list.jobs.len() > REMEMBERED {
-            list.jobs.pop_front();
-        }
-        // The thread lives as long as this sender.
-        self.orders.send((job.id, order)).map_err(|_| Full)?;
+        let job = locked(&self.list).add(order)?;
+        // Where a call waits already, the thread will see this job, too.
+        let _ = self.wake.try_send(());
         Ok(job)
+    }
+
+    /// Cancels a job: one that waits at once, one that runs within moments. To cancel twice is to cancel.
+    ///
+    /// # Errors
+    /// [`CancelError`] where there is nothing to cancel.
+    pub fn cancel(&self, id: u64) -> Result<Job, CancelError> {
+        locked(&self.list).cancel(id)
     }
 
     /// How a job stands; none where it is not known, or no longer.
     pub fn job(&self, id: u64) -> Option<Job> {
-        let list = locked(&self.list);
-        list.jobs.iter().find(|job| job.id == id).map(Job::now)
+        locked(&self.list).job(id).map(Job::now)
     }
 
     /// All that are remembered, oldest first, without what they say.
     pub fn all(&self) -> Vec<Job> {
-        let short = |job: &Job| Job {
-            diagnosis: None,
-            report: None,
-            ..job.now()
-        };
-        locked(&self.list).jobs.iter().map(short).collect()
+        locked(&self.list).jobs().map(Job::short).collect()
     }
 
     /// The report of a job that is done.
     pub fn report(&self, id: u64) -> Option<Arc<str>> {
-        self.job(id).and_then(|job| job.report)
-    }
-}
-
-impl Job {
-    fn now(&self) -> Self {
-        let since = self.since.map(|since| since.elapsed().as_secs_f64());
-        Self {
-            seconds: since.unwrap_or(self.seconds),
-            ..self.clone()
-        }
-    }
-
-    fn finish(&mut self, result: Result<work::Diagnosed, String>) {
-        self.seconds = self.now().seconds;
-        self.since = None;
-        match result {
-            Ok(done) => {
-                (self.status, self.progress) = (Status::Done, 1.0);
-                self.doing = "done".into();
-                self.report = Some(done.report.into());
-                self.diagnosis = Some(done.diagnosis);
-            }
-            Err(error) => {
-                self.status = Status::Failed;
-                self.doing = "failed".into();
-                self.error = Some(error);
-            }
-        }
+        locked(&self.list).job(id).and_then(Job::report)
     }
 }
 
 /// No holder can leave the list half changed: each change is one assignment after another of plain data.
 fn locked(list: &Mutex<List>) -> MutexGuard<'_, List> {
     list.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn change(list: &Mutex<List>, id: u64, change: impl FnOnce(&mut Job)) {
-    if let Some(job) = locked(list).jobs.iter_mut().find(|job| job.id == id) {
-        change(job);
-    }
 }

@@ -1,10 +1,13 @@
 //! One diagnosis, on threads that give way to everything else.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::available_parallelism;
+use std::time::{Duration, Instant};
 
 use super::{Order, Report};
-use crate::diagnosis::{Diagnosis, Options, Progress, diagnose};
+use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, Stop, diagnose};
 use crate::recording::Recording;
 
 /// The nicest that a thread can be: it gets what others leave.
@@ -18,22 +21,93 @@ pub struct Diagnosed {
     pub report: String,
 }
 
+/// Why nothing became of an order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// Nobody wants it any more.
+    Cancelled,
+    /// A sentence that says why.
+    Told(String),
+}
+
+/// Ends an order before its time: because it was cancelled, or has taken too long.
+#[derive(Clone)]
+pub struct Stopper {
+    cancelled: Arc<AtomicBool>,
+    since: Instant,
+    limit: Duration,
+}
+
+impl Stopper {
+    /// For an order that begins now.
+    pub fn new(limit: Duration) -> Self {
+        Self {
+            cancelled: Arc::default(),
+            since: Instant::now(),
+            limit,
+        }
+    }
+
+    /// Nobody wants it any more.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Relaxed);
+    }
+
+    fn asked(&self) -> bool {
+        self.cancelled.load(Relaxed) || self.since.elapsed() >= self.limit
+    }
+
+    fn why(&self) -> Failure {
+        if self.cancelled.load(Relaxed) {
+            return Failure::Cancelled;
+        }
+        let limit = self.limit.as_secs_f64();
+        let sentence = format!(
+            "the diagnosis was given up: it was not done within {limit} s \
+             (diagnosis.time_limit_s in the configuration)"
+        );
+        Failure::Told(sentence)
+    }
+}
+
 /// Does an order.
 ///
 /// # Errors
-/// A sentence where recording and model do not suit one another, or the work fails.
-pub fn diagnosed(order: &Order, report: Report, progress: Progress) -> Result<Diagnosed, String> {
+/// [`Failure`] where recording and model do not suit one another, the work fails, or is stopped.
+pub fn diagnosed(
+    order: &Order,
+    report: Report,
+    stop: &Stopper,
+    progress: Progress,
+) -> Result<Diagnosed, Failure> {
     // A robot must not stop because a recording is odd: what goes wrong in here is told, and no more.
-    let work = AssertUnwindSafe(|| on_nice_threads(|| work(order, report, progress)));
-    let broken = |_| "the diagnosis broke down; the log says where".to_string();
-    catch_unwind(work).map_err(broken)??
+    let work = AssertUnwindSafe(|| on_nice_threads(|| work(order, report, stop, progress)));
+    let broken = |_| Failure::Told("the diagnosis broke down; the log says where".into());
+    let done = catch_unwind(work).map_err(broken)??;
+    // Nobody waits for what was cancelled, also where it was done before it heard of it.
+    match stop.cancelled.load(Relaxed) {
+        true => Err(Failure::Cancelled),
+        false => done,
+    }
 }
 
-fn work(order: &Order, report: Report, progress: Progress) -> Result<Diagnosed, String> {
-    let recording = Recording::from_path(&order.path).map_err(|error| error.to_string())?;
-    let options = Options::default();
+fn work(
+    order: &Order,
+    report: Report,
+    stop: &Stopper,
+    progress: Progress,
+) -> Result<Diagnosed, Failure> {
+    let recording = Recording::from_path(&order.path).map_err(told)?;
+    let asked = stop.clone();
+    let options = Options {
+        stop: Stop::when(move || asked.asked()),
+        ..Options::default()
+    };
     let outcome = diagnose(&order.model, &[recording], &[], &options, progress);
-    let outcome = outcome.map_err(|error| error.to_string())?;
+    let outcome = outcome.map_err(|error| match error {
+        DiagnosisError::Stopped => stop.why(),
+        error => told(error),
+    })?;
     let names = [order.recording.clone()];
     let page = report(
         &outcome.diagnosis,
@@ -47,8 +121,12 @@ fn work(order: &Order, report: Report, progress: Progress) -> Result<Diagnosed, 
     })
 }
 
+fn told(error: impl std::fmt::Display) -> Failure {
+    Failure::Told(error.to_string())
+}
+
 /// Runs `work` in a pool of its own that leaves a core to the tick.
-fn on_nice_threads<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, String> {
+fn on_nice_threads<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
     let cores = available_parallelism().map_or(1, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(cores.saturating_sub(1).max(1))
@@ -59,6 +137,6 @@ fn on_nice_threads<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, String
                 tracing::warn!(%error, "a thread of the diagnosis keeps its usual priority");
             }
         });
-    let pool = pool.build().map_err(|error| error.to_string())?;
+    let pool = pool.build().map_err(told)?;
     Ok(pool.install(work))
 }

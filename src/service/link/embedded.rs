@@ -61,6 +61,10 @@ impl RobotLink for EmbeddedLink {
         self.counters.clock_offset_s = Some(self.arm.time() - now);
     }
 
+    fn carries_time(&self) -> bool {
+        true
+    }
+
     fn send(&mut self, now: f64, joint: usize, setpoint: &Setpoint) {
         if joint != 0 {
             return;

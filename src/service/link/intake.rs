@@ -129,20 +129,25 @@ impl Intake {
 
     /// Takes what a joint was measured in at one stamp (s on the robot's clock): counts what is in
     /// order and what is not, and hands on what is. `now` is on the service's clock, s.
+    ///
+    /// Without a stamp it counts as measured now. Nothing tells then how many are missing: what comes in
+    /// a burst was not measured in one.
     pub fn take(
         &mut self,
         joint: usize,
-        stamp: f64,
+        stamp: Option<f64>,
         quantities: impl Iterator<Item = (Quantity, [f64; 3])>,
         now: f64,
     ) {
         let Some(sequences) = self.sequences.get_mut(joint) else {
             return;
         };
+        let (stamp, stamped) = (stamp.unwrap_or(now), stamp.is_some());
         let (mut lost, mut doubled, mut older) = (0, false, false);
         for (quantity, value) in quantities {
             match sequences[index(quantity)].take(stamp) {
-                Order::Next { lost: more } => lost = lost.max(more),
+                Order::Next { lost: more } if stamped => lost = lost.max(more),
+                Order::Next { .. } => {}
                 Order::Restarted => self.offset.restart(),
                 Order::Doubled => {
                     doubled = true;

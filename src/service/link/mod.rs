@@ -14,7 +14,7 @@ pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
 pub use sequence::{Order, Sequence};
 pub use signature::{Key, Replay};
-pub use udp::{UdpLink, UdpSettings};
+pub use udp::{Ear, Heard, UdpLink, UdpSettings};
 #[cfg(feature = "zenoh")]
 pub use zenoh::{Node, ZenohBridge, ZenohLink};
 
@@ -31,6 +31,11 @@ pub trait RobotLink: Send {
     /// Takes what has come since the last tick, oldest first: `inbox` is not grown beyond its
     /// capacity, what finds no room waits or is counted. `now` is on the service's clock, s.
     fn receive(&mut self, now: f64, inbox: &mut Vec<Measured>);
+
+    /// Whether a setpoint tells the robot for which instant it is. Where it does not, a robot that simply
+    /// follows would jump if a tick that was missed were made up for: the command waits instead
+    /// ([`pace`](super::tick::pace)).
+    fn carries_time(&self) -> bool;
 
     /// Sends where a joint, counted from 0, shall be at the end of this control period.
     fn send(&mut self, now: f64, joint: usize, setpoint: &Setpoint);

@@ -10,14 +10,12 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use quell_shapers::Setpoint;
-use rtrb::{Consumer, RingBuffer};
 
 use super::datagram::write_setpoint;
-use super::intake::{Counts, Intake, Received};
-use super::{INBOX, Key, RobotLink};
-use crate::service::clock::{ServiceClock, unix_time};
+use super::{Key, RobotLink};
+use crate::service::clock::ServiceClock;
 use crate::service::contract::{LinkHealth, Measured};
-use receiver::Receiver;
+pub use receiver::{Ear, Heard};
 
 /// What the UDP link is told.
 #[derive(Clone, Debug)]
@@ -40,9 +38,7 @@ pub struct UdpLink {
     socket: UdpSocket,
     joints: Vec<String>,
     key: Option<Key>,
-    ring: Consumer<Received>,
-    counts: Arc<Counts>,
-    peer: Option<SocketAddr>,
+    heard: Heard,
     sequence: u64,
     sent: u64,
     failures: u64,
@@ -59,35 +55,24 @@ impl UdpLink {
     pub fn start(settings: UdpSettings, clock: ServiceClock) -> io::Result<Self> {
         let socket = UdpSocket::bind(settings.address)?;
         socket.set_nonblocking(true)?;
-        let (producer, ring) = RingBuffer::new(8 * INBOX * settings.joints.len());
-        let counts = Arc::new(Counts::default());
         let ending = Arc::new(AtomicBool::new(false));
-        let (joints, peer) = (settings.joints.clone(), settings.robot);
-        let key = settings.key.clone();
+        let (joints, key) = (settings.joints.clone(), settings.key.clone());
         // A number under a key is used once, also after the next start: there are fewer setpoints than
         // microseconds, and JSON's readers hold these to the last digit.
         let sequence = match &key {
-            Some(_) => (1e6 * unix_time()) as u64,
+            Some(_) => (1e6 * clock.unix_time()) as u64,
             None => 0,
         };
-        let intake = Intake::new(
-            joints.len(),
-            settings.watchdog,
-            producer,
-            Arc::clone(&counts),
-        );
-        let receiver = Receiver::new(socket.try_clone()?, settings, intake, clock);
-        let stop = Arc::clone(&ending);
+        let (ear, heard) = Ear::new(settings);
+        let (own, stop) = (socket.try_clone()?, Arc::clone(&ending));
         let receiver = std::thread::Builder::new()
             .name("quell-udp".into())
-            .spawn(move || receiver.run(&stop))?;
+            .spawn(move || ear.listen(&own, &clock, &stop))?;
         Ok(Self {
             socket,
             joints,
             key,
-            ring,
-            counts,
-            peer,
+            heard,
             sequence,
             sent: 0,
             failures: 0,
@@ -108,17 +93,15 @@ impl UdpLink {
 
 impl RobotLink for UdpLink {
     fn receive(&mut self, _now: f64, inbox: &mut Vec<Measured>) {
-        while inbox.len() < inbox.capacity() {
-            match self.ring.pop() {
-                Ok(Received::Measured(measured)) => inbox.push(measured),
-                Ok(Received::Peer(peer)) => self.peer = Some(peer),
-                Err(_) => break,
-            }
-        }
+        self.heard.receive(inbox);
+    }
+
+    fn carries_time(&self) -> bool {
+        true
     }
 
     fn send(&mut self, now: f64, joint: usize, setpoint: &Setpoint) {
-        let (Some(peer), Some(name)) = (self.peer, self.joints.get(joint)) else {
+        let (Some(peer), Some(name)) = (self.heard.peer(), self.joints.get(joint)) else {
             return;
         };
         self.sequence += 1;
@@ -140,8 +123,7 @@ impl RobotLink for UdpLink {
         LinkHealth {
             sent: self.sent,
             send_failures: self.failures,
-            peer: self.peer,
-            ..self.counts.counters()
+            ..self.heard.counters()
         }
     }
 }

@@ -4,8 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::log::{Log, Written};
-use super::{MCAP, Running, Shelf, ShelfError, Task};
+use super::running::Running;
+use super::task::Task;
+use super::{MCAP, Shelf, ShelfError};
 use crate::recording::{McapWriter, RecordingError};
+use crate::service::contract::{DiskPart, RecordingNews};
+use crate::service::disk::{Disk, beside};
 
 /// How often what has come is written down, s: what a kill may cost. As often as the file closes its
 /// chunks by itself.
@@ -18,11 +22,30 @@ pub struct Journal {
 }
 
 impl Journal {
-    fn begin(folder: &Path, log: &Log, joint: &str, epoch: f64) -> Result<Self, RecordingError> {
-        Ok(Self {
-            file: log.begin_mcap(&folder.join(MCAP), joint, epoch)?,
+    /// Begins a file with what has come so far. It takes its name then, so that one of before a failure
+    /// is there until this one has as much.
+    fn begin(
+        disk: &Disk,
+        path: &Path,
+        log: &Log,
+        joint: &str,
+        epoch: f64,
+    ) -> Result<Self, RecordingError> {
+        let path_of_new = beside(path);
+        let refused = |error| RecordingError::io(&path_of_new, &error);
+        let file = disk.storage().create(&path_of_new).map_err(refused)?;
+        let mut journal = Self {
+            file: log.begin_mcap(file, path, joint, epoch)?,
             written: log.nothing_written(),
-        })
+        };
+        journal.write(log, joint)?;
+        // What takes a name is on the medium; what comes later is there when the system writes it.
+        let storage = disk.storage();
+        let renamed = storage
+            .sync(&path_of_new)
+            .and_then(|()| storage.rename(&path_of_new, path));
+        renamed.map_err(refused)?;
+        Ok(journal)
     }
 
     fn write(&mut self, log: &Log, joint: &str) -> Result<(), RecordingError> {
@@ -32,29 +55,38 @@ impl Journal {
 }
 
 impl Running {
-    /// Writes down what has come since the last time. Where the disk refuses, the recording is still
-    /// kept at its end.
+    /// Writes down what has come since the last time. Where the disk refuses, the recording is begun
+    /// anew on it when there is room again, and is still kept at its end.
     fn write_down(&mut self, shelf: &Shelf, epoch: f64) {
-        if self.unwritten || !self.log.is_measured() {
+        let no_room = self.journal.is_none() && shelf.disk().is_failing(DiskPart::Recordings);
+        if self.unwritable || no_room || !self.log.is_measured() {
             return;
         }
-        if let Err(error) = self.try_to_write_down(shelf, epoch) {
-            tracing::warn!(%error, "a recording is not written down while it is made");
-            (self.unwritten, self.journal) = (true, None);
+        let written = self.try_to_write_down(shelf, epoch);
+        if let Err(error) = shelf.told(written) {
+            (self.journal, self.described) = (None, false);
+            self.unwritable = !error.is_disk();
+            if self.unwritable {
+                tracing::warn!(name = self.name, %error, "is not written down while it is made");
+            }
         }
     }
 
     fn try_to_write_down(&mut self, shelf: &Shelf, epoch: f64) -> Result<(), ShelfError> {
+        if !self.described {
+            shelf.begin(&self.name, &self.about)?;
+            self.described = true;
+        }
         let joint = &self.about.joint;
-        let journal = match &mut self.journal {
-            Some(journal) => journal,
+        match &mut self.journal {
+            Some(journal) => journal.write(&self.log, joint)?,
             None => {
-                let folder = shelf.begin(&self.name, &self.about)?;
-                let journal = Journal::begin(&folder, &self.log, joint, epoch)?;
-                self.journal.insert(journal)
+                let path = shelf.unfinished(&self.name).join(MCAP);
+                let journal = Journal::begin(shelf.disk(), &path, &self.log, joint, epoch)?;
+                self.journal = Some(journal);
             }
-        };
-        Ok(journal.write(&self.log, joint)?)
+        }
+        Ok(())
     }
 }
 
@@ -67,6 +99,7 @@ impl Task {
         self.written = now;
         let epoch = self.epoch();
         let (shelf, mut running) = (Arc::clone(&self.shelf), std::mem::take(&mut self.running));
+        let names: Vec<_> = running.iter().map(|one| one.name.clone()).collect();
         let work = tokio::task::spawn_blocking(move || {
             let all = running.iter_mut();
             all.for_each(|one| one.write_down(&shelf, epoch));
@@ -74,7 +107,15 @@ impl Task {
         });
         match work.await {
             Ok(running) => self.running = running,
-            Err(error) => tracing::error!(%error, "what was being recorded is lost"),
+            Err(error) => {
+                tracing::error!(%error, "what was being recorded is lost");
+                for name in names {
+                    self.shelf.disk().lost_recording();
+                    self.handle.tell(RecordingNews::Gone { name });
+                }
+            }
         }
+        let handle = &self.handle;
+        self.running.iter_mut().for_each(|one| one.tell(handle));
     }
 }

@@ -2,11 +2,16 @@
 
 use std::path::Path;
 
-use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role};
+use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role, Sink};
 use crate::service::contract::{Batch, Measured, Quantity};
 
 /// Rows that a channel may have: five minutes at 4 kHz. What comes later is left out.
 const MOST_ROWS: usize = 1_200_000;
+
+/// Wall times that a file may begin at, seconds since 1970: a day from either end of what a stamp of ROS 2
+/// can hold. A clock that is wrong by decades shall not cost the recording.
+const FIRST_DAY: f64 = 86_400.0;
+const LAST_DAY: f64 = i32::MAX as f64 - 86_400.0;
 
 /// Commands and measurements of one joint from one instant on.
 #[derive(Clone, Debug)]
@@ -124,13 +129,19 @@ impl Log {
         }
     }
 
-    /// The same as an MCAP file, in the order in which it happened. `epoch` is the wall time at which
-    /// the service's clock was 0, seconds since 1970.
+    /// The same into an MCAP file, in the order in which it happened. `path` stands in errors; `epoch`
+    /// is the wall time at which the service's clock was 0, seconds since 1970.
     ///
     /// # Errors
     /// [`RecordingError`] where the file cannot be written.
-    pub fn write_mcap(&self, path: &Path, joint: &str, epoch: f64) -> Result<(), RecordingError> {
-        let mut file = self.begin_mcap(path, joint, epoch)?;
+    pub fn write_mcap(
+        &self,
+        file: Sink,
+        path: &Path,
+        joint: &str,
+        epoch: f64,
+    ) -> Result<(), RecordingError> {
+        let mut file = self.begin_mcap(file, path, joint, epoch)?;
         self.write_on(&mut self.nothing_written(), &mut file, joint)?;
         file.finish()
     }
@@ -138,15 +149,17 @@ impl Log {
     /// An MCAP file without anything in it.
     ///
     /// # Errors
-    /// [`RecordingError`] where the file cannot be made.
+    /// [`RecordingError`] where the file cannot be written.
     pub fn begin_mcap(
         &self,
+        file: Sink,
         path: &Path,
         joint: &str,
         epoch: f64,
     ) -> Result<McapWriter, RecordingError> {
-        let wall = ((epoch + self.origin()) * 1e9).round() as i64;
-        McapWriter::create_at(path, &[joint], wall)
+        let wall = (epoch + self.origin()).clamp(FIRST_DAY, LAST_DAY);
+        let wall = (wall * 1e9).round() as i64;
+        McapWriter::on(file, path, &[joint], wall)
     }
 
     /// How far a file that is begun now has come.

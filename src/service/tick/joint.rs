@@ -4,10 +4,10 @@ use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
 use super::between::between;
-use super::messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, Start, Taken, Train, TrainOrder,
-};
+use super::hearing::{Change, FOLLOWED, Hearing, Watchdog};
+use super::messages::{AxisReport, Event, JointReport, NotTaken, Plan, Taken, TrainOrder};
 use super::pace::Stride;
+use super::taking::{put_in_force, ready};
 use crate::controller::{AxisMeasurement, AxisStatus, Controller, ringing_time};
 use crate::estimators::Estimate;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
@@ -33,8 +33,7 @@ pub struct JointTick {
     frozen: bool,
     /// Whether there is nothing to be heard but noise.
     quiet: bool,
-    heard: f64,
-    timeout: f64,
+    hearing: Hearing,
     move_id: u64,
     runs: bool,
     /// Since when the command stands still, s; not at all before the first move.
@@ -44,12 +43,12 @@ pub struct JointTick {
 }
 
 impl JointTick {
-    /// A joint that is not commanded yet. `timeout` (s) is the watchdog's; `registered` says whether
-    /// the frame of the sensor of the tip is known.
+    /// A joint that is not commanded yet. `registered` says whether the frame of the sensor of the tip
+    /// is known.
     pub fn new(
         index: usize,
         bounds: Bounds,
-        timeout: f64,
+        watchdog: Watchdog,
         adaptive: bool,
         registered: bool,
     ) -> Self {
@@ -67,8 +66,7 @@ impl JointTick {
             registered,
             frozen: false,
             quiet: false,
-            heard: f64::NEG_INFINITY,
-            timeout,
+            hearing: Hearing::new(watchdog),
             move_id: 0,
             runs: false,
             settled: Some(f64::NEG_INFINITY),
@@ -78,7 +76,7 @@ impl JointTick {
 
     /// From `now` (s) on the joint is commanded; gives the controller before back.
     pub fn begin(&mut self, controller: Box<Controller>, now: f64) -> Option<Box<Controller>> {
-        self.heard = self.heard.max(now);
+        self.hearing.begin(now);
         self.settled = Some(f64::NEG_INFINITY);
         self.sent = controller.planned().first().copied().unwrap_or_default();
         self.command = [self.sent; 2];
@@ -127,8 +125,8 @@ impl JointTick {
 
     /// Takes a measurement; marks it where it is refused.
     pub fn measure(&mut self, measured: &mut Measured) {
-        self.heard = measured.received;
         measured.refused = !self.guard.admits(measured, self.motion);
+        self.hearing.take(measured);
         let measurement = match measurement(measured) {
             Some(measurement) if !measured.refused => measurement,
             _ => return,
@@ -144,12 +142,35 @@ impl JointTick {
         }
     }
 
+    /// Gives a plan that waits for its time back, if it is the one of this number.
+    pub fn withdraw(&mut self, ticket: u64) -> Option<Event> {
+        let plan = self.waiting.take_if(|plan| plan.ticket == ticket)?;
+        Some(Event::NotTaken(plan, NotTaken::Withdrawn))
+    }
+
+    /// Looks whether the joint is still heard, or heard again; says so once.
+    pub fn look(&mut self, now: f64) -> Option<Event> {
+        self.controller.as_ref()?;
+        Some(match self.hearing.look(now)? {
+            Change::Lost => Event::Lost(self.index),
+            Change::Back(position) => Event::Back(self.index, position),
+        })
+    }
+
+    /// Takes moves again after it was not heard.
+    pub fn resume(&mut self) {
+        self.hearing.resume();
+    }
+
     /// Begins the plan that waits, if its time has come.
     pub fn take_plan(&mut self, tick: u64, time: f64) -> Option<Event> {
         let mut plan = self.waiting.take()?;
         let Some(controller) = self.controller.as_deref_mut() else {
             return Some(Event::NotTaken(plan, NotTaken::Idle));
         };
+        if !(plan.stops || self.hearing.allows_moves()) {
+            return Some(Event::NotTaken(plan, NotTaken::NotHeard));
+        }
         match ready(&plan, controller, tick) {
             Ok(true) => {}
             Ok(false) => {
@@ -189,7 +210,7 @@ impl JointTick {
 
     /// Hands on what was measured since the last tick.
     pub fn listen(&mut self, now: f64) {
-        let silent = self.is_silent(now);
+        let silent = self.hearing.is_silent(now);
         let Some(controller) = self.controller.as_deref_mut() else {
             return;
         };
@@ -220,6 +241,13 @@ impl JointTick {
                 .and_then(|axis| axis.status().estimate);
         }
         self.command = [self.command[1], next];
+    }
+
+    /// Whether the joint stands elsewhere than where it was left when it was not heard any more. It is
+    /// sent nothing then: a setpoint would be a jump.
+    pub fn is_displaced(&self, now: f64) -> bool {
+        let rests = self.settled.is_some_and(|since| now - since > FOLLOWED);
+        rests && self.hearing.is_displaced(self.sent.position)
     }
 
     /// What is to be sent after a stride, if the joint is commanded.
@@ -293,16 +321,12 @@ impl JointTick {
         JointReport {
             joint: self.index,
             axis: self.controller.as_deref().and_then(axis),
-            watchdog: match self.is_silent(now) {
+            watchdog: match self.hearing.is_silent(now) {
                 true => WatchdogState::Silent,
                 false => WatchdogState::Fine,
             },
             guard: *self.guard.report(),
         }
-    }
-
-    fn is_silent(&self, now: f64) -> bool {
-        now - self.heard > self.timeout
     }
 }
 
@@ -315,36 +339,6 @@ fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
     // A mode without damping rings for as long as the estimator looks back, forty periods.
     let rings = ringing_time(mode).min(40.0 * mode.damped_period());
     now - settled > rings
-}
-
-/// Whether a plan's time has come; installs the train that it needs.
-fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool, NotTaken> {
-    let train = match &plan.start {
-        Start::Tick(start) if *start < tick => return Err(NotTaken::Late),
-        Start::Tick(start) => return Ok(*start == tick),
-        Start::Rest(train) => train,
-    };
-    if !controller.is_settled() {
-        return Ok(false);
-    }
-    put_in_force(train, controller)?;
-    // A longer train takes over once the command has stood still for its length.
-    Ok(!controller.is_train_waiting(0))
-}
-
-/// Has a train take over once the joint rests, unless it is the next one already.
-fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTaken> {
-    let Some(axis) = controller.axes().first() else {
-        return Err(NotTaken::Idle);
-    };
-    if axis.status().retunes != train.retunes {
-        return Err(NotTaken::Outdated);
-    }
-    if *axis.next_train() == train.train && axis.status().shaped_for == train.known {
-        return Ok(());
-    }
-    let set = controller.set_train(0, train.shaper, &train.known, &train.train);
-    set.map_err(NotTaken::Train)
 }
 
 /// As the controller takes it; it has no use for an acceleration.

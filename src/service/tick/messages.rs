@@ -17,6 +17,10 @@ pub enum ToTick {
     Cease(usize),
     /// Take a plan.
     Plan(Box<Plan>),
+    /// Give the plan of this ticket back, if it still waits.
+    Withdraw(usize, u64),
+    /// Take moves again: a joint that was not heard stands where it was left.
+    Resume(usize),
     /// Take a train, once the joint rests.
     Train(Box<TrainOrder>),
     /// Whether the train of a joint follows the estimate.
@@ -47,6 +51,8 @@ pub struct Plan {
     pub samples: Option<SampledTrajectory>,
     /// When it begins.
     pub start: Start,
+    /// Whether it brings the joint to rest: that is taken whether the joint is heard or not.
+    pub stops: bool,
 }
 
 /// When a plan begins.
@@ -85,6 +91,10 @@ pub enum NotTaken {
     Refused(LoadError),
     /// Another plan came before this one could begin.
     Replaced,
+    /// The engine took it back before it could begin.
+    Withdrawn,
+    /// It leads somewhere, and the joint is not heard.
+    NotHeard,
 }
 
 /// Tick to engine, for the stream.
@@ -104,6 +114,10 @@ pub enum Event {
     NotTaken(Box<Plan>, NotTaken),
     /// The command of a joint stands still after the move of this number, since this time (s).
     Settled(usize, u64, f64),
+    /// A joint that is commanded is not heard any more: it takes no move until the engine has it resume.
+    Lost(usize),
+    /// A joint that was lost says again where its motor side stands, rad.
+    Back(usize, f64),
     /// A train was taken, or was out of date.
     Train(Box<TrainOrder>, Result<(), NotTaken>),
     /// To be dropped.

@@ -7,19 +7,24 @@
 //! is said in [`pace`]: the limits hold over the time that has really gone by between any two setpoints.
 
 pub mod between;
+mod hearing;
 mod joint;
 mod lateness;
 mod messages;
 pub mod pace;
+mod pulse;
 pub mod real_time;
+mod taking;
 mod thread;
 
+pub use hearing::{FOLLOWED, MOVED, Watchdog};
 pub use joint::JointTick;
 pub use lateness::Histogram;
 pub use messages::{
     AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Train,
     TrainOrder, WholeReport,
 };
+pub use pulse::Pulse;
 pub use thread::{TickThread, TickThreadSettings};
 
 use pace::{Pace, Stride};
@@ -87,8 +92,9 @@ impl Tick {
         let (tick_records, records) = RingBuffer::new(records as usize);
         let (tick_reports, reports) = RingBuffer::new(ROUNDS * joints.len());
         let (tick_whole, whole) = RingBuffer::new(ROUNDS);
+        let limits = joints.iter().map(JointTick::limits);
         let tick = Self {
-            pace: Pace::new(joints.iter().map(JointTick::limits), period),
+            pace: Pace::new(limits, period, link.carries_time()),
             inbox: Vec::with_capacity(INBOX * joints.len()),
             joints,
             link,
@@ -126,6 +132,7 @@ impl Tick {
         let moves = self.joints.iter().any(JointTick::is_moving);
         let stride = self.pace.stride(missed, moves);
         for index in 0..self.joints.len() {
+            self.look(index, now);
             self.joints[index].listen(now);
             self.advance(index, now, &stride);
             self.command(index, now, &stride);
@@ -173,6 +180,11 @@ impl Tick {
                 before.map(Event::Controller)
             }
             ToTick::Plan(plan) => self.joints.get_mut(plan.joint)?.expect(plan),
+            ToTick::Withdraw(joint, ticket) => self.joints.get_mut(joint)?.withdraw(ticket),
+            ToTick::Resume(joint) => {
+                self.joints.get_mut(joint)?.resume();
+                None
+            }
             ToTick::Train(order) => Some(self.joints.get_mut(order.joint)?.take_train(order)),
             ToTick::Adaptive(joint, adaptive) => {
                 self.joints.get_mut(joint)?.set_adaptive(adaptive);
@@ -198,6 +210,19 @@ impl Tick {
         }
     }
 
+    /// Looks whether a joint is heard: where nothing that came waits to be taken, as after a long time
+    /// without a tick, and where there is room left to answer orders as well.
+    fn look(&mut self, index: usize, now: f64) {
+        let is_behind = self.inbox.len() == self.inbox.capacity();
+        let has_room = self.rings.events.slots() > ORDERS * self.joints.len();
+        if has_room
+            && !is_behind
+            && let Some(event) = self.joints[index].look(now)
+        {
+            self.tell(event);
+        }
+    }
+
     /// Takes a joint's command through the periods of a stride.
     fn advance(&mut self, index: usize, now: f64, stride: &Stride) {
         for period in 1..=stride.periods {
@@ -213,14 +238,20 @@ impl Tick {
                 let _ = self.joints[index].setpoint(stride, self.period);
                 self.record_row(index, time);
             }
-            if let Some(event) = self.joints[index].take_settled(time) {
+            // In a slow start the setpoint is still on its way to where the command stands.
+            if stride.behind == 0.0
+                && let Some(event) = self.joints[index].take_settled(time)
+            {
                 self.tell(event);
             }
         }
     }
 
     fn command(&mut self, index: usize, now: f64, stride: &Stride) {
-        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period) {
+        let displaced = self.joints[index].is_displaced(now);
+        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period)
+            && !displaced
+        {
             self.link.send(now, index, &setpoint);
         }
         self.record_row(index, now);

@@ -1,15 +1,18 @@
-//! The thread that takes datagrams apart.
+//! What takes datagrams apart, and the thread that it runs on.
 
 use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
+use rtrb::{Consumer, RingBuffer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::UdpSettings;
 use crate::service::clock::ServiceClock;
-use crate::service::link::Replay;
+use crate::service::contract::{LinkHealth, Measured};
 use crate::service::link::datagram::{FromRobot, LONGEST};
-use crate::service::link::intake::{Intake, count};
+use crate::service::link::intake::{Counts, Intake, Received, count};
+use crate::service::link::{INBOX, Replay};
 
 /// How long it waits at a time, so that it sees that it shall end.
 const WAIT: Timespec = Timespec {
@@ -17,51 +20,91 @@ const WAIT: Timespec = Timespec {
     tv_nsec: 50_000_000,
 };
 
-pub(super) struct Receiver {
-    socket: UdpSocket,
+/// Takes a robot's datagrams apart, wherever they come from.
+pub struct Ear {
     settings: UdpSettings,
     intake: Intake,
-    clock: ServiceClock,
     peer: Option<SocketAddr>,
     last_heard: f64,
     replay: Replay,
 }
 
-impl Receiver {
-    pub fn new(
-        socket: UdpSocket,
-        settings: UdpSettings,
-        intake: Intake,
-        clock: ServiceClock,
-    ) -> Self {
-        Self {
-            socket,
-            peer: settings.robot,
-            settings,
-            intake,
-            clock,
-            last_heard: 0.0,
-            replay: Replay::default(),
-        }
-    }
+/// What an [`Ear`] has heard: the tick's end.
+pub struct Heard {
+    ring: Consumer<Received>,
+    counts: Arc<Counts>,
+    peer: Option<SocketAddr>,
+}
 
-    /// Takes datagrams until `ending` is set.
-    pub fn run(mut self, ending: &AtomicBool) {
-        // One byte more than the longest, so that one that was cut is seen.
-        let mut buffer = [0; LONGEST + 1];
-        while !ending.load(Relaxed) {
-            let mut waiting = [PollFd::new(&self.socket, PollFlags::IN)];
-            // An interrupted wait, or an error that a datagram sent earlier caused, ends below.
-            let _ = poll(&mut waiting, Some(&WAIT));
-            while let Ok((length, from)) = self.socket.recv_from(&mut buffer) {
-                self.take(&buffer[..length], from);
-                self.intake.counts().finished();
+impl Heard {
+    /// Takes what has come since the last time, oldest first; what finds no room in `inbox` waits.
+    pub fn receive(&mut self, inbox: &mut Vec<Measured>) {
+        while inbox.len() < inbox.capacity() {
+            match self.ring.pop() {
+                Ok(Received::Measured(measured)) => inbox.push(measured),
+                Ok(Received::Peer(peer)) => self.peer = Some(peer),
+                Err(_) => break,
             }
         }
     }
 
-    fn take(&mut self, bytes: &[u8], from: SocketAddr) {
-        let now = self.clock.now();
+    /// The robot's address, once it is known.
+    pub fn peer(&self) -> Option<SocketAddr> {
+        self.peer
+    }
+
+    /// What came so far.
+    pub fn counters(&self) -> LinkHealth {
+        LinkHealth {
+            peer: self.peer,
+            ..self.counts.counters()
+        }
+    }
+}
+
+impl Ear {
+    /// An ear for the robot that the settings speak of, and its end at the tick.
+    pub fn new(settings: UdpSettings) -> (Self, Heard) {
+        let joints = settings.joints.len();
+        let (producer, ring) = RingBuffer::new(8 * INBOX * joints);
+        let counts = Arc::new(Counts::default());
+        let intake = Intake::new(joints, settings.watchdog, producer, Arc::clone(&counts));
+        let heard = Heard {
+            ring,
+            counts,
+            peer: settings.robot,
+        };
+        let ear = Self {
+            peer: settings.robot,
+            settings,
+            intake,
+            last_heard: 0.0,
+            replay: Replay::default(),
+        };
+        (ear, heard)
+    }
+
+    /// Takes datagrams from a socket until `ending` is set.
+    pub(super) fn listen(mut self, socket: &UdpSocket, clock: &ServiceClock, ending: &AtomicBool) {
+        // One byte more than the longest, so that one that was cut is seen.
+        let mut buffer = [0; LONGEST + 1];
+        while !ending.load(Relaxed) {
+            let mut waiting = [PollFd::new(socket, PollFlags::IN)];
+            // An interrupted wait, or an error that a datagram sent earlier caused, ends below.
+            let _ = poll(&mut waiting, Some(&WAIT));
+            while let Ok((length, from)) = socket.recv_from(&mut buffer) {
+                self.hear(&buffer[..length], from, clock.now());
+            }
+        }
+    }
+
+    /// Takes a datagram that came `from` an address at `now` (s on the service's clock), and counts it.
+    pub fn hear(&mut self, bytes: &[u8], from: SocketAddr, now: f64) {
+        self.take(bytes, from, now);
+        self.intake.counts().finished();
+    }
+
+    fn take(&mut self, bytes: &[u8], from: SocketAddr, now: f64) {
         if !self.is_from_robot(from, now) {
             count(&self.intake.counts().foreign, 1);
             return;
@@ -93,7 +136,7 @@ impl Receiver {
         };
         self.adopt(from, now);
         self.intake
-            .take(joint, datagram.t, datagram.quantities(), now);
+            .take(joint, Some(datagram.t), datagram.quantities(), now);
     }
 
     fn is_from_robot(&self, from: SocketAddr, now: f64) -> bool {

@@ -23,7 +23,7 @@ use zenoh::qos::Priority;
 use super::intake::{Counts, Intake, Received, count};
 use super::{INBOX, RobotLink};
 use crate::recording::Encoder;
-use crate::service::clock::{ServiceClock, unix_time};
+use crate::service::clock::ServiceClock;
 use crate::service::config::{Config, MOST_JOINTS, ZenohConfig};
 use crate::service::contract::{LinkHealth, Measured, Quantity};
 use messages::{FLOAT64_MULTI_ARRAY, IMU, JOINT_STATE};
@@ -77,7 +77,7 @@ impl ZenohLink {
                 .map(|joint| joint.name.clone())
                 .collect(),
             intake: Mutex::new(intake),
-            origin: ((unix_time() - clock.now()) * 1e9) as i64,
+            origin: ((clock.unix_time() - clock.now()) * 1e9) as i64,
             clock,
         });
         let subscriptions = subscriptions(node, &config.zenoh, &ears)?;
@@ -116,6 +116,11 @@ impl RobotLink for ZenohLink {
                 inbox.push(measured);
             }
         }
+    }
+
+    /// `std_msgs/Float64MultiArray` has no field for it.
+    fn carries_time(&self) -> bool {
+        false
     }
 
     fn send(&mut self, _now: f64, joint: usize, setpoint: &Setpoint) {
@@ -233,7 +238,7 @@ impl Ears {
             count(&intake.counts().malformed, 1);
             return;
         };
-        let stamp = self.stamp(message.stamp, now);
+        let stamp = self.stamp(message.stamp);
         let mut known = false;
         for (name, position) in message.positions {
             if let Some(joint) = self.names.iter().position(|joint| joint == name) {
@@ -250,16 +255,13 @@ impl Ears {
             count(&intake.counts().malformed, 1);
             return;
         };
-        let stamp = self.stamp(message.stamp, now);
+        let stamp = self.stamp(message.stamp);
         let measured = (Quantity::TipAcceleration, message.acceleration);
         intake.take(joint, stamp, std::iter::once(measured), now);
     }
 
-    /// A stamp in s; when it came, where the sender sets none.
-    fn stamp(&self, stamp: i64, now: f64) -> f64 {
-        match stamp {
-            0 => now,
-            stamp => stamp.saturating_sub(self.origin) as f64 * 1e-9,
-        }
+    /// A stamp of a message, s; a sender that sets none leaves it 0.
+    fn stamp(&self, stamp: i64) -> Option<f64> {
+        (stamp != 0).then(|| stamp.saturating_sub(self.origin) as f64 * 1e-9)
     }
 }

@@ -1,0 +1,53 @@
+// What the last moves left, as bars.
+
+import { $, degrees, element, number } from "./dom.js";
+
+const BARS = 10; // moves that are shown
+
+/** The moves of a joint that ran to their end, oldest first: what another one leaves says nothing of its shaping. */
+export const whole = (moves, joint) => moves.filter((move) => move.joint === joint && !move.interrupted);
+
+/** The bars of a move: what is drawn, in which colour, and words behind it. */
+function bars(move, of) {
+  const [left, without] = [of(move, "residual"), of(move, "unshaped")];
+  const share = move.shaped && without && left !== null ? `, ${number((100 * left) / without, 2)} %` : "";
+  const own = { value: left, kind: move.shaped ? "with" : "without", words: share };
+  return move.shaped && without !== null ? [{ value: without, kind: "without", words: "" }, own] : [own];
+}
+
+/** Shows the last moves of a joint, newest first. */
+export function showMoves(moves, joint) {
+  const all = moves.filter((move) => move.joint === joint);
+  const shown = JSON.stringify([joint, all]);
+  if ($("bars").dataset.shown === shown) return;
+  $("bars").dataset.shown = shown;
+  const drawn = whole(all, joint).slice(-BARS).reverse();
+  const out = all.filter((move) => move.interrupted).length;
+  const note = [drawn.length ? "" : "No move yet.", out ? `Not shown: ${out} that ${out === 1 ? "was" : "were"} interrupted.` : ""];
+  const inMetres = drawn.every((move) => move.residual_rad === null || move.residual_m !== null);
+  const of = (move, what) => move[`${what}_${inMetres ? "m" : "rad"}`] ?? null;
+  const most = Math.max(...drawn.flatMap((move) => bars(move, of).map(({ value }) => value ?? 0)), 1e-12);
+  const rows = drawn.flatMap((move) => [name(move), track(bars(move, of), most, inMetres ? "mm" : "mrad")]);
+  $("bars").replaceChildren(...rows);
+  $("bars-note").textContent = note.filter(Boolean).join(" ");
+  $("bars-keys").hidden = !drawn.length;
+}
+
+function name(move) {
+  const words = [move.shaper === "none" ? "unshaped" : move.shaper.toUpperCase().replaceAll("_", " "), move.shaped && move.adaptive ? "adaptive" : "", move.payload_kg ? `${number(move.payload_kg)} kg` : ""];
+  const box = element("div", `${degrees(move.from_rad)}° to ${degrees(move.target_rad)}°`, { class: "name" });
+  box.append(element("small", words.filter(Boolean).join(", ")));
+  return box;
+}
+
+function track(bars, most, unit) {
+  const box = element("div", "", { class: "track" });
+  for (const { value, kind, words } of bars) {
+    const row = element("div", "", { class: "bar" });
+    const colour = element("i", "", { class: kind });
+    colour.style.width = `${(72 * (value ?? 0)) / most}%`;
+    row.append(colour, element("span", value === null ? "not measured" : `${number(1e3 * value, 2)} ${unit}${words}`));
+    box.append(row);
+  }
+  return box;
+}

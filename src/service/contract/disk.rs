@@ -1,0 +1,61 @@
+//! Whether the data folder takes what is to be kept.
+
+use serde::Serialize;
+
+/// How it goes with the data folder.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DiskView {
+    /// Whether all that is to be kept is kept.
+    pub state: DiskState,
+    /// What cannot be written now, and why; empty where all is fine.
+    pub faults: Vec<DiskFault>,
+    /// Attempts to write that failed since the start.
+    pub failures: u64,
+    /// Recordings since the start that are not whole on the shelf because of that.
+    pub recordings_lost: u64,
+}
+
+/// Whether all that is to be kept is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DiskState {
+    /// What was written last is on the disk.
+    #[default]
+    Fine,
+    /// Something cannot be written.
+    Failing,
+}
+
+/// What the service keeps on the disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DiskPart {
+    /// Moves and what is recorded on demand.
+    Recordings,
+    /// What was learned, and the list of moves.
+    State,
+}
+
+impl DiskPart {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Recordings, Self::State];
+
+    /// Name in the state, in metrics and in the log.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Recordings => "recordings",
+            Self::State => "state",
+        }
+    }
+}
+
+/// Something that cannot be written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DiskFault {
+    /// What it is.
+    pub what: DiskPart,
+    /// The file or folder, and what the system says; as of the first failure.
+    pub reason: String,
+    /// Since when, seconds since 1970.
+    pub since_unix_time_s: f64,
+}

@@ -1,0 +1,100 @@
+//! Which joints are commanded: from where they stand still, and while they are heard.
+
+use quell_shapers::Setpoint;
+
+use super::joint::Hearing;
+use super::{Engine, controller};
+use crate::service::contract::ServiceError;
+use crate::service::tick::{FOLLOWED, MOVED, ToTick};
+
+impl Engine {
+    /// Begins to command a joint that stands still at `position` (rad).
+    pub(super) fn begin(&mut self, index: usize, position: f64) {
+        let joint = &mut self.joints[index];
+        let mode = joint.wanted_mode.take().unwrap_or(joint.mode);
+        let made = controller(
+            &joint.config,
+            joint.standing_shaper(),
+            mode,
+            joint.sensor.clone(),
+            position,
+            self.config.period,
+        );
+        match made {
+            Ok(controller) => {
+                let start = Setpoint::at_rest(position);
+                let order = ToTick::Begin(index, Box::new(controller));
+                joint.began = self.rings.orders.push(order).is_ok();
+                (joint.report, joint.hearing) = (None, Hearing::Heard);
+                (joint.position, joint.mode, joint.retunes) = (start.position, mode, 0);
+                tracing::info!(joint = joint.config.name, position, "commanded from here");
+            }
+            Err(error) => tracing::warn!(joint = joint.config.name, "{error}"),
+        }
+    }
+
+    /// The embedded arm needs no waiting: it stands where it stands.
+    pub(super) fn begin_embedded(&mut self) {
+        if let Some(arm) = &self.arm {
+            let position = arm.true_motor_position();
+            self.begin(0, position);
+        }
+    }
+
+    /// A joint is not heard any more: what was asked for does not begin, and what runs is stopped.
+    pub(super) fn lost(&mut self, index: usize) {
+        let joint = &mut self.joints[index];
+        if !joint.began {
+            return;
+        }
+        tracing::warn!(joint = joint.config.name, "no measurement: stopped");
+        joint.hearing = Hearing::Lost;
+        let joint = joint.config.name.clone();
+        self.stop(index, ServiceError::NotHeard { joint });
+    }
+
+    /// It says again where its motor side stands, rad.
+    pub(super) fn back(&mut self, index: usize, position: f64) {
+        let joint = &mut self.joints[index];
+        if joint.began {
+            (joint.hearing, joint.motor) = (Hearing::Back, Some(position));
+        }
+    }
+
+    /// A joint that is heard again may go on where it was left; one that was moved may not.
+    pub(super) fn look_again(&mut self, index: usize, now: f64) {
+        let joint = &mut self.joints[index];
+        let settled = joint.running.as_ref().map(|running| running.settled);
+        let rests = settled.is_none_or(|since| since.is_some_and(|since| now - since > FOLLOWED));
+        if joint.hearing != Hearing::Back || !rests || joint.asked.is_some() {
+            return;
+        }
+        let motor = joint.motor.unwrap_or(joint.position);
+        if (motor - joint.position).abs() > MOVED {
+            tracing::warn!(joint = joint.config.name, "it was moved by something else");
+            self.cease(index);
+        } else if self.rings.orders.push(ToTick::Resume(index)).is_ok() {
+            joint.hearing = Hearing::Heard;
+        }
+    }
+
+    /// Ceases to command a joint until it stands still.
+    fn cease(&mut self, index: usize) {
+        self.finish(index);
+        let joint = &mut self.joints[index];
+        if let Some(axis) = joint.report.take().and_then(|report| report.axis) {
+            // The next controller counts from 0.
+            let counted = [
+                axis.status.retunes,
+                axis.status.corrections,
+                axis.status.refused,
+            ];
+            for (before, count) in joint.before.iter_mut().zip(counted) {
+                *before += u64::from(count);
+            }
+        }
+        joint.began = self.rings.orders.push(ToTick::Cease(index)).is_err();
+        joint.running = None;
+        joint.standstill.restart();
+    }
+}

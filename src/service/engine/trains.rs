@@ -1,0 +1,46 @@
+//! Trains that the tick is told to take at rest.
+
+use super::Engine;
+use super::planning::standing_train;
+use crate::service::tick::{NotTaken, ToTick, TrainOrder};
+
+impl Engine {
+    /// Orders the train that should be in force, if another one is.
+    pub(super) fn order_train(&mut self, index: usize) {
+        let joint = &mut self.joints[index];
+        if !joint.train_due || !joint.began {
+            return;
+        }
+        match standing_train(joint, joint.standing_shaper(), self.config.period) {
+            Ok(train) => {
+                let order = TrainOrder {
+                    joint: index,
+                    train,
+                };
+                let ordered = self.rings.orders.push(ToTick::Train(Box::new(order)));
+                self.joints[index].train_due = ordered.is_err();
+            }
+            Err(error) => {
+                tracing::warn!(joint = joint.config.name, "{error}");
+                joint.train_due = false;
+            }
+        }
+    }
+
+    /// The tick has taken a train, or not.
+    pub(super) fn train_answered(&mut self, order: &TrainOrder, answer: &Result<(), NotTaken>) {
+        let joint = &mut self.joints[order.joint];
+        match answer {
+            Ok(()) => {
+                let mode = order.train.known.mode;
+                if joint.mode != mode {
+                    joint.mode_since = self.clock.unix_time();
+                }
+                joint.mode = mode;
+                joint.wanted_mode = joint.wanted_mode.filter(|wanted| *wanted != mode);
+            }
+            Err(NotTaken::Outdated) => joint.train_due = true,
+            Err(why) => tracing::warn!(joint = joint.config.name, ?why, "a train was not taken"),
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Has states kept as they come, on a disk that may refuse them for a while.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
+
+use super::clock::ServiceClock;
+use super::state::{State, StateFile};
+
+/// How long after a failure a state is tried to be written again.
+const AGAIN: Duration = Duration::from_secs(1);
+
+/// Keeps states, always the newest. One that the disk refuses is tried again every second.
+pub struct Keeper {
+    file: StateFile,
+    states: Receiver<State>,
+    clock: ServiceClock,
+    /// What the disk has refused.
+    unsaved: Option<State>,
+    /// When it was refused last, s.
+    refused: f64,
+}
+
+impl Keeper {
+    /// One that has kept nothing yet.
+    pub fn new(file: StateFile, states: Receiver<State>, clock: ServiceClock) -> Self {
+        Self {
+            file,
+            states,
+            clock,
+            unsaved: None,
+            refused: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Keeps what comes until nobody sends any more; what is unsaved then is tried once more.
+    pub fn run(mut self) {
+        loop {
+            let next = match self.unsaved {
+                None => self.states.recv().map_err(RecvTimeoutError::from),
+                Some(_) => self.states.recv_timeout(AGAIN),
+            };
+            match next {
+                Ok(state) => self.keep(state),
+                Err(RecvTimeoutError::Timeout) => self.work(),
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        if let Some(state) = self.unsaved
+            && let Err(error) = self.file.save(&state)
+        {
+            tracing::error!(%error, "the service ends, and its last state is not kept");
+        }
+    }
+
+    /// Keeps what has come, or tries again what was refused: what [`Keeper::run`] does, without waiting.
+    pub fn work(&mut self) {
+        if let Ok(state) = self.states.try_recv() {
+            return self.keep(state);
+        }
+        let waited = self.clock.now() - self.refused >= AGAIN.as_secs_f64();
+        if let Some(state) = self.unsaved.take_if(|_| waited) {
+            self.keep(state);
+        }
+    }
+
+    fn keep(&mut self, state: State) {
+        let newest = self.states.try_iter().last().unwrap_or(state);
+        // The disk says what is wrong with it.
+        let refused = self.file.save(&newest).is_err();
+        self.unsaved = refused.then_some(newest);
+        if refused {
+            self.refused = self.clock.now();
+        }
+    }
+}

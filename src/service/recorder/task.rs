@@ -1,0 +1,361 @@
+//! What the recorder does: from the stream to the shelf.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{broadcast, mpsc, oneshot};
+
+use super::log::Log;
+use super::running::Running;
+use super::{About, RecordError, Shelf, ShelfError, shelf};
+use crate::service::contract::{
+    Batch, DiskPart, Event, Handle, MoveResult, MoveStart, RecordingNews,
+};
+
+/// Rest before a move that is recorded with it, s: the noise is measured there.
+const BEFORE: f64 = 1.0;
+/// Rest after it, s: what still rings tells the damping. Another move ends it at once.
+const AFTER: f64 = 1.0;
+/// How often a disk that has refused something is asked whether there is room again, s.
+const AGAIN: f64 = 1.0;
+
+/// What somebody wants of it.
+#[derive(Debug)]
+pub enum Demand {
+    /// A recording of a joint, until it is ended.
+    Begin {
+        /// The joint.
+        joint: String,
+        /// Its number, counted from 0.
+        index: usize,
+        /// Where the name goes.
+        reply: oneshot::Sender<Result<String, RecordError>>,
+    },
+    /// The end of it.
+    End {
+        /// Where the name goes.
+        reply: oneshot::Sender<Result<String, RecordError>>,
+    },
+    /// The end of the recorder.
+    Close {
+        /// Told when all is on the shelf.
+        reply: oneshot::Sender<()>,
+    },
+}
+
+/// The recorder's task.
+pub struct Task {
+    pub(super) handle: Handle,
+    pub(super) shelf: Arc<Shelf>,
+    /// What came last, for the rest before a move.
+    before: VecDeque<Arc<Batch>>,
+    pub(super) running: Vec<Running>,
+    /// When what has come was last written down, s on the service's clock.
+    pub(super) written: f64,
+    /// When the disk was last asked whether there is room, s on the service's clock.
+    asked: f64,
+    /// Whether something unfinished waits for room.
+    unfinished: bool,
+}
+
+impl Task {
+    /// One that has not heard anything yet.
+    pub fn new(handle: Handle, shelf: Arc<Shelf>) -> Self {
+        Self {
+            // The shelf could not be put in order.
+            unfinished: shelf.disk().is_failing(DiskPart::Recordings),
+            handle,
+            shelf,
+            before: VecDeque::new(),
+            running: Vec::new(),
+            written: f64::NEG_INFINITY,
+            asked: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Listens until it is closed, or nobody speaks any more.
+    pub async fn run(
+        mut self,
+        mut stream: broadcast::Receiver<Arc<Batch>>,
+        mut requests: mpsc::Receiver<Demand>,
+    ) {
+        loop {
+            tokio::select! {
+                batch = stream.recv() => match batch {
+                    Ok(batch) => self.take(batch).await,
+                    Err(RecvError::Lagged(lost)) => self.lost(lost),
+                    Err(RecvError::Closed) => break,
+                },
+                Some(demand) = requests.recv() => match demand {
+                    // Whoever asked may have gone.
+                    Demand::Begin { joint, index, reply } => {
+                        let _ = reply.send(self.begin(joint, index).await);
+                    }
+                    Demand::End { reply } => {
+                        let _ = reply.send(self.end().await);
+                    }
+                    Demand::Close { reply } => {
+                        while let Ok(batch) = stream.try_recv() {
+                            self.take(batch).await;
+                        }
+                        self.put_all().await;
+                        let _ = reply.send(());
+                        return;
+                    }
+                },
+            }
+        }
+        self.put_all().await;
+    }
+
+    async fn take(&mut self, batch: Arc<Batch>) {
+        for event in &batch.events {
+            if let Event::MoveStarted(start) = event {
+                self.ring_out(|one| one.about.joint == start.joint).await;
+                self.started(start);
+            }
+        }
+        self.running.iter_mut().for_each(|one| one.log.take(&batch));
+        let now = last_time(&batch);
+        for event in &batch.events {
+            if let Event::MoveEnded(result) = event {
+                self.ended(result, now);
+            }
+        }
+        self.ring_out(|one| one.until <= now).await;
+        self.look_for_room(now).await;
+        self.write_down(now).await;
+        let full = |one: &Running| one.id.is_none() && one.log.is_full();
+        if self.running.iter().any(full) {
+            tracing::warn!("a recording on demand has reached its longest and ends");
+            // It is there, and what goes wrong on the disk is told by `put`.
+            let _ = self.end().await;
+        }
+        self.remember(batch);
+    }
+
+    /// Keeps the batch as long as a move could begin that wants it.
+    fn remember(&mut self, batch: Arc<Batch>) {
+        let now = last_time(&batch);
+        self.before.push_back(batch);
+        let old = |first: &Arc<Batch>| last_time(first) < now - BEFORE;
+        while self.before.front().is_some_and(old) {
+            self.before.pop_front();
+        }
+    }
+
+    /// Keeps the recordings of moves that have ended and are no longer waited for.
+    async fn ring_out(&mut self, over: impl Fn(&Running) -> bool) {
+        let ended = |one: &Running| one.about.result.is_some() && over(one);
+        while let Some(index) = self.running.iter().position(ended) {
+            let running = self.running.remove(index);
+            // What goes wrong is told by `put`.
+            let _ = self.put(running).await;
+        }
+    }
+
+    async fn put_all(&mut self) {
+        while let Some(running) = self.running.pop() {
+            // What goes wrong is told by `put`.
+            let _ = self.put(running).await;
+        }
+    }
+
+    fn started(&mut self, start: &MoveStart) {
+        if let Some(name) = &start.recording {
+            let about = About {
+                number: self.shelf.number(),
+                joint: start.joint.clone(),
+                unix_time_s: start.unix_time_s,
+                ..About::default()
+            };
+            let from = start.time_s - BEFORE;
+            let name = shelf::name_of(name);
+            self.start(Some(start.id), name, start.joint_index, from, about);
+        }
+    }
+
+    fn start(&mut self, id: Option<u64>, name: String, joint: usize, from: f64, about: About) {
+        let mut log = Log::new(joint, from);
+        self.before.iter().for_each(|batch| log.take(batch));
+        self.running.push(Running::new(id, name, about, log));
+    }
+
+    fn ended(&mut self, result: &MoveResult, now: f64) {
+        let ended = |one: &&mut Running| one.id == Some(result.id) && one.about.result.is_none();
+        if let Some(running) = self.running.iter_mut().find(ended) {
+            running.about.result = Some(result.clone());
+            // The disk shall know it before the recording is whole.
+            running.described = false;
+            // What interrupted it has a recording of its own.
+            running.until = if result.interrupted { now } else { now + AFTER };
+        }
+    }
+
+    async fn begin(&mut self, joint: String, index: usize) -> Result<String, RecordError> {
+        if let Some(one) = self.running.iter().find(|one| one.id.is_none()) {
+            let joint = one.about.joint.clone();
+            return Err(RecordError::Running { joint });
+        }
+        let snapshot = self.handle.snapshot();
+        let wanted = format!("{}-{joint}", snapshot.unix_time_s.round());
+        let about = About {
+            number: self.shelf.number(),
+            joint,
+            unix_time_s: snapshot.unix_time_s,
+            ..About::default()
+        };
+        let described = about.clone();
+        // Whoever asks hears at once where the disk takes nothing.
+        let begun = self.on_disk(move |shelf| {
+            let name = shelf.free_name(&wanted);
+            match shelf.begin(&name, &described) {
+                Ok(_) => Ok(name),
+                refused => shelf.told(refused.map(|_| name)),
+            }
+        });
+        let name = begun.await.map_err(|reason| RecordError::NotKept {
+            name: "on demand".into(),
+            reason,
+        })?;
+        self.start(None, name.clone(), index, snapshot.time_s - BEFORE, about);
+        Ok(name)
+    }
+
+    async fn end(&mut self) -> Result<String, RecordError> {
+        let index = self.running.iter().position(|one| one.id.is_none());
+        let running = self.running.remove(index.ok_or(RecordError::NotRunning)?);
+        let name = running.name.clone();
+        let kept = self.put(running).await;
+        kept.map_err(|reason| RecordError::NotKept { name, reason })
+    }
+
+    fn lost(&mut self, batches: u64) {
+        tracing::warn!(batches, "the recorder was too slow: batches are lost");
+        let running = self.running.iter_mut();
+        running.for_each(|one| one.about.batches_lost += batches);
+        // The end of a move may have been among them.
+        let snapshot = self.handle.snapshot();
+        for result in &snapshot.moves {
+            self.ended(result, snapshot.time_s);
+        }
+    }
+
+    /// Puts a recording onto the shelf, and tells everybody whether it is there: under which name, or
+    /// why not.
+    async fn put(&mut self, mut running: Running) -> Result<String, String> {
+        let snapshot = self.handle.snapshot();
+        let joint = snapshot
+            .joints
+            .iter()
+            .find(|joint| joint.name == running.about.joint);
+        running.about.mode = joint.and_then(|joint| joint.mode);
+        running.about.payload_kg = snapshot.payload_kg;
+        running.about.duration_s = running.log.duration();
+        let epoch = self.epoch();
+        // Before the file is made anew.
+        running.journal = None;
+        let Running {
+            id,
+            name,
+            about,
+            log,
+            ..
+        } = running;
+        let wanted = name.clone();
+        let kept = self.on_disk(move |shelf| {
+            shelf.told(shelf.put(&wanted, &about, |draft| {
+                let (path, file) = draft.mcap()?;
+                log.write_mcap(file, &path, &about.joint, epoch)?;
+                draft.recording(&log.recording(&wanted, about.payload_kg))
+            }))
+        });
+        let kept = kept.await;
+        self.tell(id, &name, &kept);
+        self.tidy().await;
+        kept
+    }
+
+    fn tell(&mut self, id: Option<u64>, name: &str, kept: &Result<String, String>) {
+        if kept.as_ref().ok().is_none_or(|kept| kept != name) {
+            let name = name.to_owned();
+            self.handle.tell(RecordingNews::Gone { name });
+        }
+        match (kept, id) {
+            (Ok(name), Some(move_id)) => {
+                let name = name.clone();
+                self.handle.tell(RecordingNews::Kept { move_id, name });
+            }
+            (Ok(_), None) => {}
+            (Err(reason), _) => {
+                tracing::error!(name, "a recording is not whole on the shelf: {reason}");
+                self.shelf.disk().lost_recording();
+                self.unfinished = true;
+            }
+        }
+    }
+
+    /// Asks a disk that has refused something whether there is room again. Then what is left unfinished
+    /// is put onto the shelf as far as it came.
+    async fn look_for_room(&mut self, now: f64) {
+        let disk = self.shelf.disk();
+        if disk.is_failing(DiskPart::Recordings) && now - self.asked >= AGAIN {
+            self.asked = now;
+            // What it says, the disk remembers.
+            let _ = self.on_disk(|shelf| shelf.told(shelf.probe())).await;
+        }
+        if !self.unfinished || self.shelf.disk().is_failing(DiskPart::Recordings) {
+            return;
+        }
+        let being_made: Vec<_> = self.running.iter().map(|one| one.name.clone()).collect();
+        let salvaged = self.on_disk(move |shelf| {
+            let salvaged = shelf.salvage(&being_made);
+            match salvaged.is_ok() {
+                true => salvaged,
+                false => shelf.told(salvaged),
+            }
+        });
+        let Ok(salvaged) = salvaged.await else { return };
+        self.unfinished = false;
+        for (name, about) in salvaged {
+            if let Some(result) = about.result {
+                let move_id = result.id;
+                self.handle.tell(RecordingNews::Kept { move_id, name });
+            }
+        }
+    }
+
+    /// The wall time at which the service's clock was 0, seconds since 1970.
+    pub(super) fn epoch(&self) -> f64 {
+        let snapshot = self.handle.snapshot();
+        snapshot.unix_time_s - snapshot.time_s
+    }
+
+    async fn tidy(&self) {
+        match self.on_disk(Shelf::tidy).await {
+            Ok(gone) => {
+                for name in gone {
+                    self.handle.tell(RecordingNews::Gone { name });
+                }
+            }
+            Err(reason) => tracing::warn!("recordings take more than they may: {reason}"),
+        }
+    }
+
+    /// Does what waits for the disk on a thread that may wait. What goes wrong is no reason to stop.
+    async fn on_disk<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&Shelf) -> Result<T, ShelfError> + Send + 'static,
+    ) -> Result<T, String> {
+        let shelf = Arc::clone(&self.shelf);
+        let done = tokio::task::spawn_blocking(move || work(&shelf)).await;
+        let failed = |error| format!("the recorder's work on the disk failed: {error}");
+        done.map_err(failed)?.map_err(|error| error.to_string())
+    }
+}
+
+fn last_time(batch: &Batch) -> f64 {
+    let last = batch.ticks.last();
+    last.map_or(f64::NEG_INFINITY, |row| row.time)
+}

@@ -1,0 +1,276 @@
+//! The service without its threads: links, tick, engine and what is kept, put together.
+//!
+//! [`start`](super::start()) runs a station on threads by the system's clock. A test steps one by hand, by a
+//! simulated clock and over a link of its own.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+
+use nalgebra::Isometry3;
+use quell_shapers::{Mode, ShaperError, UncertainMode};
+use quell_trajectories::{PlanError, Planner};
+use thiserror::Error;
+
+use super::clock::ServiceClock;
+use super::config::{Config, JointConfig};
+use super::contract::{Handle, Snapshot, channels};
+use super::disk::{Disk, FolderError};
+use super::engine::{Engine, EngineParts, Hearing, Joint, Registrar};
+use super::guard::Bounds;
+use super::keeper::Keeper;
+use super::kept::Kept;
+use super::link::{EmbeddedLink, RobotLink};
+use super::recorder::{Shelf, ShelfError};
+use super::state::State;
+use super::tick::{JointTick, Pulse, Tick, Watchdog};
+use crate::closed_loop::{ClosedLoopError, commission};
+use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
+use crate::signal::{Clock, DeformationSensor};
+
+/// Displacement of the embedded arm's commissioning move, rad: as `quell move`, 30 degrees or less.
+const COMMISSIONING: f64 = 0.25;
+
+/// Why the service does not start.
+#[derive(Debug, Error)]
+pub enum StartError {
+    /// A socket or a thread.
+    #[error("{what}: {error}")]
+    System {
+        /// What was tried.
+        what: String,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// The data folder is another service's, or not to be had.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// The folder of recordings is not to be had.
+    #[error(transparent)]
+    Shelf(#[from] ShelfError),
+    /// Something is asked for that is not part of this build.
+    #[error("{feature} is not part of this build: cargo build --release --features {feature}")]
+    NotBuilt {
+        /// The feature that has it.
+        feature: &'static str,
+    },
+    /// The embedded arm cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The embedded arm's tracker cannot be registered.
+    #[error(transparent)]
+    Commissioning(#[from] ClosedLoopError),
+    /// There is no planner.
+    #[error(transparent)]
+    Planner(#[from] PlanError),
+    /// A joint's belief cannot be shaped for at this rate.
+    #[error("{joint}: {reason}")]
+    Belief {
+        /// The joint.
+        joint: String,
+        /// Why.
+        reason: ShaperError,
+    },
+}
+
+/// The robot: what it is reached over, and what is known of it where it is simulated.
+pub struct RobotParts {
+    /// The link.
+    pub link: Box<dyn RobotLink>,
+    /// The embedded arm, as it is at the start.
+    arm: Option<ArmSimulation>,
+    /// Its tip's sensor, registered.
+    sensor: Option<DeformationSensor>,
+}
+
+impl RobotParts {
+    /// A robot of which nothing is known but how it is reached.
+    pub fn over(link: Box<dyn RobotLink>) -> Self {
+        let (arm, sensor) = (None, None);
+        Self { link, arm, sensor }
+    }
+
+    /// The arm, its tracker registered by a slow move that takes no time.
+    ///
+    /// # Errors
+    /// [`StartError`] where it cannot be simulated or registered.
+    pub fn embedded(config: &Config) -> Result<Self, StartError> {
+        let joint = &config.joints[0];
+        let options = SimulationOptions {
+            seed: 1,
+            ..SimulationOptions::default()
+        };
+        let mut arm = ArmSimulation::new(&config.description, joint.index, &options)?;
+        let registration = commission(&mut arm, COMMISSIONING, joint.limits)?;
+        let (frame, clock) = (registration.sensor_to_base, registration.clock);
+        Ok(Self {
+            sensor: Some(DeformationSensor::new(*arm.arc(), frame, clock)),
+            link: Box::new(EmbeddedLink::new(arm.clone(), config.period)),
+            arm: Some(arm),
+        })
+    }
+}
+
+/// Everything that runs, not yet running.
+pub struct Station {
+    /// Ticks, by their clock.
+    pub(super) pulse: Pulse,
+    pub(super) engine: Engine,
+    pub(super) keeper: Keeper,
+    handle: Handle,
+    shelf: Option<Arc<Shelf>>,
+}
+
+impl Station {
+    /// Puts everything together over what an earlier life has left in the data folder, which is on `disk`.
+    ///
+    /// # Errors
+    /// [`StartError`] where something that the configuration asks for is not to be had.
+    pub fn assemble(
+        config: Config,
+        clock: ServiceClock,
+        robot: RobotParts,
+        disk: Disk,
+    ) -> Result<Self, StartError> {
+        let disk = disk.on_clock(clock.clone());
+        let Kept { shelf, file, state } = Kept::open(&config, &disk)?;
+        let joints: Vec<_> = config
+            .joints
+            .iter()
+            .map(|joint| made(joint, &config, &robot, &state, &clock))
+            .collect::<Result<_, _>>()?;
+        let watchdog = Watchdog {
+            timeout: config.watchdog.as_secs_f64(),
+            stops: config.watchdog_stops,
+        };
+        let ticks = joints.iter().enumerate().map(|(index, joint)| {
+            let registered = robot.sensor.is_some();
+            JointTick::new(index, bounds(joint), watchdog, joint.adaptation, registered)
+        });
+        let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
+        let (handle, ends) = channels(Snapshot {
+            version: env!("CARGO_PKG_VERSION"),
+            robot: config.robot.name(),
+            ..Snapshot::default()
+        });
+        let (saver, states) = channel();
+        Ok(Self {
+            pulse: Pulse::new(tick, clock.clone()),
+            keeper: Keeper::new(file, states, clock.clone()),
+            engine: Engine::new(EngineParts {
+                config,
+                clock,
+                ends,
+                rings,
+                joints,
+                arm: robot.arm,
+                state,
+                saver,
+                disk,
+                planner: Planner::new(1)?,
+            }),
+            handle,
+            shelf,
+        })
+    }
+
+    /// What the outside holds of it.
+    pub fn handle(&self) -> Handle {
+        self.handle.clone()
+    }
+
+    /// What has been recorded, for the recorder; none where nothing is.
+    pub fn shelf(&self) -> Option<Arc<Shelf>> {
+        self.shelf.clone()
+    }
+
+    /// Runs the tick that is due next.
+    pub fn beat(&mut self) {
+        self.pulse.beat();
+    }
+
+    /// Has the engine do what is to be done now, and keeps what it has learned.
+    pub fn work(&mut self) {
+        self.engine.work();
+        self.keeper.work();
+    }
+
+    /// Has the engine answer what is asked, and nothing else: requests come between its rounds.
+    pub fn answer(&mut self) {
+        self.engine.answer_all();
+    }
+}
+
+fn made(
+    joint: &JointConfig,
+    config: &Config,
+    robot: &RobotParts,
+    state: &State,
+    clock: &ServiceClock,
+) -> Result<Joint, StartError> {
+    let sensor = robot.sensor.clone();
+    let own = match joint.arc {
+        Some(arc) => DeformationSensor::new(arc, Isometry3::identity(), Clock::REFERENCE),
+        None => DeformationSensor::without_arc(Clock::REFERENCE),
+    };
+    let remembered = state
+        .joints
+        .get(&joint.name)
+        .and_then(|state| state.with_payload(0.0));
+    let learned = remembered.and_then(|learned| Mode::try_from(learned.mode).ok());
+    let designed = |mode: Mode| {
+        let known = UncertainMode::believed(mode);
+        joint.shaper.on_grid_for(&known, config.period)
+    };
+    let usable = learned.filter(|mode| designed(*mode).is_ok());
+    let mode = usable.unwrap_or(joint.belief);
+    designed(mode).map_err(|reason| StartError::Belief {
+        joint: joint.name.clone(),
+        reason,
+    })?;
+    let since = match (usable, remembered) {
+        (Some(_), Some(remembered)) => remembered.unix_time_s,
+        _ => clock.unix_time(),
+    };
+    Ok(Joint {
+        sensor: sensor.unwrap_or(own),
+        shaper: joint.shaper,
+        shaping: joint.shaping,
+        adaptation: joint.adaptation,
+        mode,
+        wanted_mode: None,
+        mode_since: since,
+        train_due: false,
+        retunes: 0,
+        before: [0; 3],
+        report: None,
+        position: 0.0,
+        began: false,
+        hearing: Hearing::Heard,
+        stop_due: false,
+        running: None,
+        asked: None,
+        ordered: Vec::new(),
+        standstill: Default::default(),
+        motor: None,
+        registrar: robot.sensor.is_none().then(Registrar::default),
+        config: joint.clone(),
+    })
+}
+
+fn bounds(joint: &Joint) -> Bounds {
+    Bounds {
+        limits: joint.config.limits,
+        radius: joint.config.arc.map_or(f64::INFINITY, |arc| arc.radius()),
+        deformation: joint.config.deformation_range,
+        resolution: joint.config.encoder_resolution,
+    }
+}
+
+/// With what was tried.
+pub(super) fn system(what: impl std::fmt::Display, error: io::Error) -> StartError {
+    StartError::System {
+        what: what.to_string(),
+        error,
+    }
+}

@@ -1,0 +1,34 @@
+//! When a plan or a train is taken, and why not.
+
+use super::messages::{NotTaken, Plan, Start, Train};
+use crate::controller::Controller;
+
+/// Whether a plan's time has come; installs the train that it needs.
+pub fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool, NotTaken> {
+    let train = match &plan.start {
+        Start::Tick(start) if *start < tick => return Err(NotTaken::Late),
+        Start::Tick(start) => return Ok(*start == tick),
+        Start::Rest(train) => train,
+    };
+    if !controller.is_settled() {
+        return Ok(false);
+    }
+    put_in_force(train, controller)?;
+    // A longer train takes over once the command has stood still for its length.
+    Ok(!controller.is_train_waiting(0))
+}
+
+/// Has a train take over once the joint rests, unless it is the next one already.
+pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTaken> {
+    let Some(axis) = controller.axes().first() else {
+        return Err(NotTaken::Idle);
+    };
+    if axis.status().retunes != train.retunes {
+        return Err(NotTaken::Outdated);
+    }
+    if *axis.next_train() == train.train && axis.status().shaped_for == train.known {
+        return Ok(());
+    }
+    let set = controller.set_train(0, train.shaper, &train.known, &train.train);
+    set.map_err(NotTaken::Train)
+}

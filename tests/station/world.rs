@@ -1,0 +1,379 @@
+//! A station stepped by hand: a simulated clock, a robot that says what it is told to, and what it received.
+
+use std::net::SocketAddr;
+use std::path::Path;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex};
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
+
+use quell::service::clock::{ServiceClock, SimulatedTime};
+use quell::service::config::{Config, Overrides, RobotKind};
+use quell::service::contract::{
+    Accepted, Handle, JointSnapshot, LinkHealth, Measured, Request, ServiceError, Snapshot,
+};
+use quell::service::disk::Disk;
+use quell::service::link::{Ear, Heard, RobotLink, UdpSettings};
+use quell::service::station::{RobotParts, Station};
+use quell_shapers::Setpoint;
+use quell_trajectories::Limits;
+
+pub const PERIOD: f64 = 0.004;
+pub const WATCHDOG: f64 = 0.06;
+/// So fast that a move takes some hundred ticks.
+pub const LIMITS: Limits = Limits {
+    velocity: 2.0,
+    acceleration: 30.0,
+    jerk: 600.0,
+};
+/// A motor side that stands still for so many ticks is commanded.
+pub const STANDSTILL: usize = 80;
+const ROBOT: SocketAddr =
+    SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 40_000);
+
+/// What the robot received, with the time of the tick that it was sent at, s.
+pub type Sent = (f64, Setpoint);
+
+/// A link whose other end is in this process.
+struct Wire {
+    heard: Heard,
+    sent: Arc<Mutex<Vec<Sent>>>,
+    timed: bool,
+}
+
+impl RobotLink for Wire {
+    fn receive(&mut self, _now: f64, inbox: &mut Vec<Measured>) {
+        self.heard.receive(inbox);
+    }
+
+    fn carries_time(&self) -> bool {
+        self.timed
+    }
+
+    fn send(&mut self, now: f64, _joint: usize, setpoint: &Setpoint) {
+        self.sent.lock().expect("no panic").push((now, *setpoint));
+    }
+
+    fn counters(&self) -> LinkHealth {
+        self.heard.counters()
+    }
+}
+
+/// A robot whose motor side follows at once, and what it is doing.
+#[derive(Debug, Default)]
+pub struct Robot {
+    pub position: f64,
+    pub silent: bool,
+    /// Switched off, it does not follow.
+    pub off: bool,
+    /// Its clock minus the service's, s.
+    pub ahead: f64,
+    /// What it has said and what is on its way still.
+    held: Vec<String>,
+    /// So many datagrams go out later, in one.
+    pub holds: usize,
+    /// So many are not believed, its clock having started anew.
+    unbelieved: usize,
+}
+
+/// A request, and who waits for its answer.
+pub struct Asked {
+    pub request: Request,
+    /// How many were asked before.
+    pub number: usize,
+    /// When, s.
+    pub at: f64,
+    answer: Pin<Box<dyn Future<Output = Result<Accepted, ServiceError>>>>,
+}
+
+/// A request that was answered.
+pub struct Answered {
+    pub request: Request,
+    /// How many were asked before.
+    pub number: usize,
+    /// When it was asked, s.
+    pub at: f64,
+    pub answer: Result<Accepted, ServiceError>,
+}
+
+pub fn config(data: &Path) -> Config {
+    let overrides = Overrides {
+        robot: Some(RobotKind::Udp),
+        data: Some(data.to_path_buf()),
+        rate: Some(1.0 / PERIOD),
+        ..Overrides::default()
+    };
+    let mut config = Config::load(None, &overrides).expect("defaults");
+    config.watchdog = Duration::from_secs_f64(WATCHDOG);
+    config.joints[0].limits = LIMITS;
+    config
+}
+
+pub struct World {
+    pub station: Station,
+    pub handle: Handle,
+    pub clock: ServiceClock,
+    pub time: SimulatedTime,
+    pub robot: Robot,
+    /// Ticks until the engine works again.
+    pub engine_sleeps: usize,
+    /// When the robot was heard last, s.
+    pub heard: f64,
+    ear: Ear,
+    sent: Arc<Mutex<Vec<Sent>>>,
+    asked: Vec<Asked>,
+    count: usize,
+}
+
+impl World {
+    /// A service that starts while the wall shows `unix_time`, and a robot that stands at `position`.
+    pub fn start(config: Config, unix_time: f64, position: f64, timed: bool) -> Self {
+        Self::start_on(Disk::default(), config, unix_time, position, timed)
+    }
+
+    /// The same over a data folder on this disk.
+    pub fn start_on(
+        disk: Disk,
+        config: Config,
+        unix_time: f64,
+        position: f64,
+        timed: bool,
+    ) -> Self {
+        let (clock, time) = ServiceClock::simulated(unix_time);
+        let (ear, heard) = Ear::new(UdpSettings {
+            address: ROBOT,
+            robot: None,
+            joints: vec!["joint_1".into()],
+            watchdog: config.watchdog,
+            key: None,
+        });
+        let sent: Arc<Mutex<Vec<Sent>>> = Arc::default();
+        let wire = Wire {
+            heard,
+            sent: Arc::clone(&sent),
+            timed,
+        };
+        let robot = RobotParts::over(Box::new(wire));
+        let station = Station::assemble(config, clock.clone(), robot, disk).expect("a station");
+        Self::over(station, clock, time, (ear, sent), position)
+    }
+
+    /// A service with the embedded arm. What it is sent is not seen.
+    pub fn embedded(config: Config) -> Self {
+        let (clock, time) = ServiceClock::simulated(1e9);
+        let robot = RobotParts::embedded(&config).expect("an arm");
+        let settings = UdpSettings {
+            address: ROBOT,
+            robot: None,
+            joints: Vec::new(),
+            watchdog: config.watchdog,
+            key: None,
+        };
+        let disk = Disk::default();
+        let station = Station::assemble(config, clock.clone(), robot, disk).expect("a station");
+        let (ear, _) = Ear::new(settings);
+        let mut world = Self::over(station, clock, time, (ear, Arc::default()), 0.0);
+        world.robot.silent = true;
+        world
+    }
+
+    fn over(
+        station: Station,
+        clock: ServiceClock,
+        time: SimulatedTime,
+        (ear, sent): (Ear, Arc<Mutex<Vec<Sent>>>),
+        position: f64,
+    ) -> Self {
+        Self {
+            handle: station.handle(),
+            station,
+            clock,
+            time,
+            robot: Robot {
+                position,
+                ahead: 86_412.5,
+                ..Robot::default()
+            },
+            engine_sleeps: 0,
+            heard: 0.0,
+            ear,
+            sent,
+            asked: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// One whose joint is commanded.
+    pub fn commanded(config: Config, timed: bool) -> Self {
+        let mut world = Self::start(config, 1e9, 0.0, timed);
+        for _ in 0..STANDSTILL {
+            world.step();
+        }
+        assert!(!world.sent().is_empty(), "the joint is commanded");
+        world
+    }
+
+    /// A control period: the robot speaks, the tick runs, the engine works, answers are heard.
+    pub fn step(&mut self) -> Vec<Answered> {
+        self.speak();
+        let before = self.sent.lock().expect("no panic").len();
+        self.station.beat();
+        if let Some((_, last)) = self.sent.lock().expect("no panic")[before..].last()
+            && !self.robot.off
+        {
+            self.robot.position = last.position;
+        }
+        match self.engine_sleeps {
+            0 => self.station.work(),
+            _ => self.engine_sleeps -= 1,
+        }
+        self.answers()
+    }
+
+    /// Steps, and gives every answer.
+    pub fn steps(&mut self, count: usize) -> Vec<Answered> {
+        (0..count).flat_map(|_| self.step()).collect()
+    }
+
+    fn speak(&mut self) {
+        if self.robot.silent {
+            return;
+        }
+        let now = self.clock.now();
+        self.robot.held.push(format!(
+            "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e}}}",
+            now + self.robot.ahead,
+            self.robot.position,
+        ));
+        if self.robot.holds > 0 {
+            self.robot.holds -= 1;
+            return;
+        }
+        for datagram in self.robot.held.drain(..) {
+            self.ear.hear(datagram.as_bytes(), ROBOT, now);
+            match self.robot.unbelieved {
+                0 => self.heard = now,
+                _ => self.robot.unbelieved -= 1,
+            }
+        }
+    }
+
+    /// The robot's clock starts anew: it takes some stamps until that is believed.
+    pub fn restart_robot_clock(&mut self) {
+        self.robot.ahead += 1e4;
+        self.robot.unbelieved = 8;
+    }
+
+    /// Something comes from the robot's address.
+    pub fn hear(&mut self, bytes: &[u8]) {
+        self.ear.hear(bytes, ROBOT, self.clock.now());
+    }
+
+    pub fn ask(&mut self, request: Request) {
+        let (handle, own) = (self.handle.clone(), request.clone());
+        let mut answer: Asked = Asked {
+            request,
+            number: self.count,
+            at: self.clock.now(),
+            answer: Box::pin(async move { handle.ask(own).await }),
+        };
+        self.count += 1;
+        // The request goes out when it is polled first.
+        let poll = answer.poll();
+        assert!(poll.is_pending(), "the engine has not worked since");
+        self.asked.push(answer);
+    }
+
+    pub fn go(&mut self, target: f64) {
+        self.ask(Request::Move {
+            joint: "joint_1".into(),
+            target,
+            shaper: None,
+        });
+    }
+
+    /// Requests that wait for their answers.
+    pub fn waiting(&self) -> &[Asked] {
+        &self.asked
+    }
+
+    fn answers(&mut self) -> Vec<Answered> {
+        let mut answered = Vec::new();
+        for mut asked in std::mem::take(&mut self.asked) {
+            match asked.poll() {
+                Poll::Pending => self.asked.push(asked),
+                Poll::Ready(answer) => answered.push(Answered {
+                    request: asked.request,
+                    number: asked.number,
+                    at: asked.at,
+                    answer,
+                }),
+            }
+        }
+        answered
+    }
+
+    /// Time goes by without a tick; the robot speaks on.
+    pub fn miss(&mut self, ticks: usize) {
+        for _ in 0..ticks {
+            self.speak();
+            self.time.advance_to(self.clock.now() + PERIOD);
+        }
+    }
+
+    pub fn sent(&self) -> Vec<Sent> {
+        self.sent.lock().expect("no panic").clone()
+    }
+
+    pub fn last(&self) -> Option<Sent> {
+        self.sent.lock().expect("no panic").last().copied()
+    }
+
+    pub fn snapshot(&self) -> Arc<Snapshot> {
+        self.handle.snapshot()
+    }
+
+    pub fn joint(&self) -> JointSnapshot {
+        self.snapshot().joints[0].clone()
+    }
+}
+
+impl Asked {
+    fn poll(&mut self) -> Poll<Result<Accepted, ServiceError>> {
+        let mut context = Context::from_waker(Waker::noop());
+        self.answer.as_mut().poll(&mut context)
+    }
+}
+
+/// What of two setpoints in succession no plan within the limits makes, in words.
+pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
+    use quell::service::tick::pace::bridged;
+    let allowed = 1.0 + 1e-9;
+    let apart = ((now.0 - before.0) / PERIOD).round();
+    let stood = apart as u64 > bridged(PERIOD) + 1;
+    let gone = if timed { apart * PERIOD } else { PERIOD };
+    let (from, to) = (before.1, now.1);
+    let way = to.position - from.position;
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = LIMITS;
+    let too_much = |what: &str, value: f64, most: f64| {
+        (value.abs() > most)
+            .then(|| format!("{what} {value:e}, {most:e} allowed: {before:?} {now:?}"))
+    };
+    too_much("velocity", to.velocity, velocity * allowed)
+        .or_else(|| too_much("acceleration", to.acceleration, acceleration * allowed))
+        .or_else(|| match stood {
+            true => too_much("step after a gap", way, jerk * PERIOD.powi(3)),
+            false => {
+                let change = (to.acceleration - from.acceleration) / gone;
+                let mean = 0.5 * (from.velocity + to.velocity);
+                // The trapezoidal rule's error where the jerk is bounded.
+                let bound = jerk * gone.powi(3) / 6.0 * allowed + 1e-13;
+                too_much("jerk", change, jerk * allowed + 1e-6)
+                    .or_else(|| too_much("jump", way - gone * mean, bound))
+            }
+        })
+}
