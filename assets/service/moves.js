@@ -9,7 +9,7 @@ export const whole = (moves, joint) => moves.filter((move) => move.joint === joi
 
 /** The bars of a move: what is drawn, in which colour, and words behind it. */
 function bars(move, of) {
-  const [left, without] = [of(move, "residual"), of(move, "unshaped")];
+  const [left, without] = [of(move, "vibration"), of(move, "unshaped_vibration")];
   const share = move.shaped && without && left !== null ? `, ${number((100 * left) / without, 2)} %` : "";
   const own = { value: left, kind: move.shaped ? "with" : "without", words: share };
   return move.shaped && without !== null ? [{ value: without, kind: "without", words: "" }, own] : [own];
@@ -24,7 +24,7 @@ export function showMoves(moves, joint) {
   const drawn = whole(all, joint).slice(-BARS).reverse();
   const out = all.filter((move) => move.interrupted).length;
   const note = [drawn.length ? "" : "No move yet.", out ? `Not shown: ${out} that ${out === 1 ? "was" : "were"} interrupted.` : ""];
-  const inMetres = drawn.every((move) => move.residual_rad === null || move.residual_m !== null);
+  const inMetres = drawn.every((move) => move.vibration_rad === null || move.vibration_m !== null);
   const of = (move, what) => move[`${what}_${inMetres ? "m" : "rad"}`] ?? null;
   const most = Math.max(...drawn.flatMap((move) => bars(move, of).map(({ value }) => value ?? 0)), 1e-12);
   const rows = drawn.flatMap((move) => [name(move), track(bars(move, of), most, inMetres ? "mm" : "mrad")]);

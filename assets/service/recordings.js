@@ -16,7 +16,7 @@ export async function listRecordings() {
     const what = element("td", `${entry.joint}, ${new Date(1e3 * entry.unix_time_s).toLocaleString()}`);
     what.append(element("small", entry.name));
     const { result } = entry;
-    const left = !result ? "–" : result.interrupted ? "interrupted" : result.residual_m != null ? `${number(1e3 * result.residual_m, 2)} mm` : result.residual_rad != null ? `${number(1e3 * result.residual_rad, 2)} mrad` : "–";
+    const left = !result ? "–" : result.interrupted ? "interrupted" : result.vibration_m != null ? `${number(1e3 * result.vibration_m, 2)} mm` : result.vibration_rad != null ? `${number(1e3 * result.vibration_rad, 2)} mrad` : "–";
     const button = element("button", "Diagnose", { type: "button", "aria-label": `Diagnose ${entry.name}` });
     button.onclick = () => diagnose(entry.name);
     const link = element("a", "Download", { href: withToken(`/api/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });

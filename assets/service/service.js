@@ -152,8 +152,8 @@ function showFigures(now) {
   const { estimate, mode } = now;
   const truth = now.true_mode ? `in truth ${number(now.true_mode.frequency_hz, 4)} Hz` : "";
   const word = !estimate ? "move to learn it" : estimate.refused || (estimate.converged ? "settled" : "not yet settled");
-  const last = whole(state.moves, now.name).filter((move) => move.unshaped_rad && move.residual_rad !== null).pop();
-  const share = last && last.shaped ? number((100 * last.residual_rad) / last.unshaped_rad, 2) : null;
+  const last = whole(state.moves, now.name).filter((move) => move.unshaped_vibration_rad && move.vibration_rad !== null).pop();
+  const share = last && last.shaped ? number((100 * last.vibration_rad) / last.unshaped_vibration_rad, 2) : null;
   $("figures").replaceChildren(
     // Before the robot has said where it stands nothing is commanded.
     now.phase === "waiting" ? figure("position", "–", "deg", "not heard yet") : figure("position", degrees(now.command_rad), "deg", `target ${degrees(now.target_rad)} deg`),

@@ -35,6 +35,8 @@ enum Filter {
 struct Run {
     sent: Vec<Setpoint>,
     deformation: Vec<f64>,
+    /// Amplitude of the vibration at the end.
+    left: f64,
 }
 
 impl Case {
@@ -99,7 +101,12 @@ impl Case {
             sent.push(out);
             deformation.push(joint.delta);
         }
-        Run { sent, deformation }
+        let left = joint.amplitude();
+        Run {
+            sent,
+            deformation,
+            left,
+        }
     }
 
     /// Ticks at which neither the plan nor what the longest train makes of it accelerates.
@@ -193,6 +200,7 @@ proptest! {
             let own = adaptive.deformation[k].abs();
             prop_assert!(own <= other + most, "{own} at tick {k}, {other} without, {most} allowed");
         }
+        prop_assert!(adaptive.left <= kept.left + most, "{} and {}", adaptive.left, kept.left);
         let peaks = peak_ratios(adaptive.sent.iter().copied(), &case.limits(), case.tick);
         prop_assert!(peaks.worst() <= 1.0 + 1e-9, "{peaks:?}");
         let end = case.command.distance;

@@ -114,6 +114,10 @@ impl Channels {
             residual_m: Some(0.0),
             unshaped_rad: Some(0.0),
             unshaped_m: Some(0.0),
+            vibration_rad: Some(0.0),
+            vibration_m: Some(0.0),
+            unshaped_vibration_rad: Some(0.0),
+            unshaped_vibration_m: Some(0.0),
             recording: Some(String::new()),
             ..MoveResult::default()
         };

@@ -1,5 +1,6 @@
 //! What a move left of its mode: measured after its end, and what it would have left unshaped.
 
+use nalgebra::Complex;
 use quell_shapers::Mode;
 
 /// Periods after the end of a command in which the amplitude is measured.
@@ -8,6 +9,8 @@ const PERIODS: f64 = 2.0;
 /// are half and twice the belief, and neighbours differ by less than what two periods resolve.
 const TRIED: i32 = 14;
 const RATIO: f64 = 1.05;
+/// Change of a tick's increment that is rounding of positions, rad.
+pub const STEADY: f64 = 1e-12;
 /// Samples that a fit of four numbers needs so that noise is averaged.
 const FEWEST: usize = 12;
 
@@ -26,6 +29,18 @@ pub fn amplitude(samples: &[(f64, f64)], mode: Mode, sure: bool) -> Option<f64> 
         })
         .min_by(|a, b| a.variance.total_cmp(&b.variance))?;
     Some(best.amplitude)
+}
+
+/// The largest [`amplitude`] of any two periods of a stretch, looked at each period.
+pub fn largest(samples: &[(f64, f64)], mode: Mode, sure: bool) -> Option<f64> {
+    let (first, last) = (samples.first()?.0, samples.last()?.0);
+    let periods = ((last - first) / mode.damped_period()) as usize;
+    let windows = (0..periods.max(1)).filter_map(|k| {
+        let from = first + k as f64 * mode.damped_period();
+        let start = samples.partition_point(|(time, _)| *time < from);
+        amplitude(&samples[start..], mode, sure)
+    });
+    windows.reduce(f64::max)
 }
 
 struct Fit {
@@ -85,6 +100,28 @@ pub fn unshaped(planned: &[f64], period: f64, mode: Mode) -> f64 {
     re.hypot(im)
 }
 
+/// The largest amplitude that planned positions make beside their acceleration, as [`unshaped`] has it: in cruise
+/// and at the end.
+///
+/// A velocity of `du` a tick forces `du / (1 - exp(lambda T))`: that is no vibration.
+pub fn unshaped_in_all(planned: &[f64], period: f64, mode: Mode) -> f64 {
+    let pole = Complex::new(-mode.decay_rate(), mode.damped_frequency()) * period;
+    let turn = pole.exp();
+    let forced = (Complex::new(1.0, 0.0) - turn).inv();
+    let mut state = Complex::new(0.0, 0.0);
+    let mut before = 0.0;
+    let mut largest = unshaped(planned, period, mode);
+    for pair in planned.windows(2) {
+        let increment = pair[1] - pair[0];
+        state = state * turn + increment;
+        if (increment - before).abs() <= STEADY {
+            largest = largest.max((state - forced * increment).norm());
+        }
+        before = increment;
+    }
+    largest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,6 +141,24 @@ mod tests {
         let searched = amplitude(&decay, wrong, false).expect("samples");
         assert!((known / 2e-4 - 1.0).abs() < 1e-9, "{known:e}");
         assert!((searched / 2e-4 - 1.0).abs() < 0.05, "{searched:e}");
+    }
+
+    #[test]
+    fn val_a_ramp_rings_in_cruise_as_at_its_end() {
+        let mode = Mode::from_hertz(10.0, 0.0).expect("a mode");
+        // 7.25 periods of constant velocity: begin and end leave v / omega each.
+        let ramp: Vec<f64> = (0..=725)
+            .map(|k| f64::from(k) * 1e-3)
+            .chain([0.725; 3])
+            .collect();
+        let alone = 1.0 / mode.natural_frequency();
+        let largest = unshaped_in_all(&ramp, 0.001, mode);
+        let both = unshaped(&ramp, 0.001, mode);
+        // Sums for integrals: (omega T)^2 / 24, and half a tick of phase.
+        assert!((both / alone - 2f64.sqrt()).abs() < 0.05, "{both:e}");
+        assert!((largest - both).abs() < 1e-9, "{largest:e}");
+        let cruise = unshaped_in_all(&ramp[..700], 0.001, mode);
+        assert!((cruise / alone - 1.0).abs() < 0.01, "{cruise:e}");
     }
 
     #[test]

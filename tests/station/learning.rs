@@ -96,3 +96,44 @@ fn what_is_learned_calms_the_next_move_and_outlives_a_kill() {
     let left = first.residual_rad.expect("measured");
     assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
 }
+
+/// A long move is judged in cruise, too: the adaptive one is never worse than the one that keeps a wrong belief.
+#[test]
+fn the_whole_of_a_long_move_is_judged() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = embedded(data.path());
+    let unshaped = go(&mut world, 2.9, Some("none"));
+    let all = unshaped.vibration_rad.expect("measured");
+    assert!(
+        all >= unshaped.residual_rad.expect("measured"),
+        "{unshaped:?}"
+    );
+    let believe = |adaptation: bool| {
+        Request::Shaping(ShapingChange {
+            mode: Some(ModeValue {
+                frequency_hz: 10.15,
+                damping_ratio: 0.084,
+            }),
+            adaptation: Some(adaptation),
+            ..ShapingChange::default()
+        })
+    };
+    world.ask(believe(false));
+    world.steps(1);
+    let kept = go(&mut world, 0.0, None);
+    world.ask(believe(true));
+    world.steps(1);
+    let adaptive = go(&mut world, 2.9, None);
+    assert!(!kept.adaptive && adaptive.adaptive);
+    let [kept, adaptive_one] = [&kept, &adaptive].map(|done| done.vibration_rad.expect("measured"));
+    assert!(
+        adaptive_one <= kept + 0.05 * all,
+        "{adaptive_one:e}, {kept:e} kept, {all:e} unshaped"
+    );
+    // The servo (30 Hz) passes 8 Hz within a quarter.
+    let forecast = adaptive.unshaped_vibration_rad.expect("a forecast");
+    assert!(
+        (forecast / all - 1.0).abs() < 0.25,
+        "{forecast:e} for {all:e}"
+    );
+}

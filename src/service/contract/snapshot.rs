@@ -272,6 +272,14 @@ pub struct MoveResult {
     pub unshaped_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub unshaped_m: Option<f64>,
+    /// Largest amplitude of the deformation in the whole move, in cruise and after the command has ended, rad.
+    pub vibration_rad: Option<f64>,
+    /// The same along the tip's arc, m.
+    pub vibration_m: Option<f64>,
+    /// What the same plan would have made unshaped in the whole move, rad, as `unshaped_rad`.
+    pub unshaped_vibration_rad: Option<f64>,
+    /// The same along the tip's arc, m.
+    pub unshaped_vibration_m: Option<f64>,
     /// Name of its recording, which is on the disk, whole or growing. Absent where none is, or not yet.
     pub recording: Option<String>,
 }

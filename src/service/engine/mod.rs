@@ -5,6 +5,7 @@
 
 mod axis;
 mod commanding;
+mod cruise;
 mod joint;
 mod orders;
 mod planning;

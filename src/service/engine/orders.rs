@@ -5,6 +5,7 @@
 //! is what the joint does.
 
 use super::Engine;
+use super::cruise::Cruise;
 use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
@@ -320,6 +321,11 @@ impl Engine {
             recording,
         };
         self.batch.events.push(Told::MoveStarted(start.clone()));
+        let longest = match &taken.plan.start {
+            Start::Rest(train) => train.train.duration(),
+            // Of the train in force in motion it is only known that no shaper is longer than two periods.
+            Start::Tick(_) => 2.0 * joint.mode.damped_period(),
+        };
         joint.running = Some(Running {
             start,
             recording: None,
@@ -334,6 +340,7 @@ impl Engine {
             settled: None,
             planned: Vec::new(),
             after: Vec::new(),
+            cruise: Cruise::new(longest),
         });
         // A number is not given twice, though the service be killed.
         self.save();

@@ -3,6 +3,7 @@
 use quell_shapers::Mode;
 use quell_trajectories::{AxisState, SampledTrajectory};
 
+use super::cruise::Cruise;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::ringing;
 use crate::service::tick::FOLLOWED;
@@ -41,6 +42,8 @@ pub struct Running {
     pub planned: Vec<f64>,
     /// Deformation after its end: stamp, rad, m.
     pub after: Vec<(f64, f64, f64)>,
+    /// Deformation in cruise.
+    pub cruise: Cruise,
 }
 
 impl Running {
@@ -61,7 +64,10 @@ impl Running {
     /// Takes what was commanded and measured at a tick.
     pub fn take(&mut self, row: &TickRow) {
         match self.settled {
-            None if self.planned.len() < LONGEST => self.planned.push(row.planned),
+            None if self.planned.len() < LONGEST => {
+                self.planned.push(row.planned);
+                self.cruise.take(row);
+            }
             Some(settled) if row.time > settled + FOLLOWED => self.listen(row),
             _ => {}
         }
@@ -102,6 +108,16 @@ impl Running {
             true => Some(ringing::unshaped(self.planned_motion(), period, mode)),
             false => residual,
         };
+        let cruise = self.cruise.vibration(mode, sure);
+        let vibration = residual.map(|residual| cruise.map_or(residual, |most| most.max(residual)));
+        let unshaped_vibration = match self.shaped {
+            true => Some(ringing::unshaped_in_all(
+                self.planned_motion(),
+                period,
+                mode,
+            )),
+            false => vibration,
+        };
         let along_arc = |angle: Option<f64>| Some(angle? * radius?);
         let end = self
             .settled
@@ -123,6 +139,10 @@ impl Running {
             residual_m: along_arc(residual),
             unshaped_rad: unshaped,
             unshaped_m: along_arc(unshaped),
+            vibration_rad: vibration,
+            vibration_m: along_arc(vibration),
+            unshaped_vibration_rad: unshaped_vibration,
+            unshaped_vibration_m: along_arc(unshaped_vibration),
             recording: self.recording.clone(),
         }
     }

@@ -227,6 +227,14 @@ fn moves(text: &mut Text, snapshot: &Snapshot) {
     text.each(&snapshot.joints, "unshaped_radians", help, |j| {
         last(j)?.unshaped_rad
     });
+    let help = "Largest vibration of the last move, in cruise and after its end.";
+    text.each(&snapshot.joints, "vibration_radians", help, |j| {
+        last(j)?.vibration_rad
+    });
+    let help = "Largest vibration that it would have made unshaped.";
+    text.each(&snapshot.joints, "unshaped_vibration_radians", help, |j| {
+        last(j)?.unshaped_vibration_rad
+    });
 }
 
 fn http(text: &mut Text, counters: &Counters) {
