@@ -30,6 +30,7 @@ extern crate std;
 mod adaptive_filter;
 mod ahead;
 mod buffer;
+mod candidates;
 mod complex;
 mod correction;
 mod cross_fade;
