@@ -89,6 +89,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             profiles: forecast.profiles(None),
             unshaped: energy(&unshaped),
             slack: request.dead_band * largest(&unshaped),
+            negligible: request.dead_band * request.dead_band * energy(&unshaped),
         })
     }
 

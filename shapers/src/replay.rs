@@ -60,6 +60,8 @@ pub(crate) struct Present {
     pub slack: f64,
     /// Energy of that of the planned input as it is.
     pub unshaped: f64,
+    /// Energy that is not worth a correction.
+    pub negligible: f64,
 }
 
 /// The command as it goes on without a new correction, and what becomes of the modes.
@@ -122,7 +124,7 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         if possible && self.is_allowed(&alone, 0..BINS) {
             take(best, Choice { energy, ..as_is });
         }
-        for wanted in wanted {
+        for wanted in wanted.iter().filter(|wanted| self.is_worth(wanted)) {
             let after = self.profiles(Some(wanted));
             let quarter = self.meters[0].quarter;
             for order in [Order::Value, Order::Slope] {
@@ -178,6 +180,19 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
             during.push(profile);
         }
         (self.is_allowed(&during, 0..bins) && self.is_allowed(after, bins..BINS)).then_some(energy)
+    }
+
+    /// Whether what a correction would take away decays with more than a negligible energy.
+    fn is_worth(&self, wanted: &[ModalState]) -> bool {
+        let modes = self.meters.iter().zip(wanted);
+        let energy: f64 = modes
+            .map(|(meter, state)| meter.exact().decay(*state))
+            .sum();
+        // Where steps are dropped, others must undo those that have begun.
+        self.total != 0.0
+            || self
+                .present
+                .is_none_or(|present| energy > present.negligible)
     }
 
     /// Whether the vibration in the given quarter periods does not exceed that of the present command.
