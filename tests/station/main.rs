@@ -8,5 +8,6 @@ mod learning;
 mod model;
 mod oracle;
 mod sequence;
+mod stops;
 mod untimed;
 mod world;

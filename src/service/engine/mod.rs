@@ -67,6 +67,8 @@ pub struct Engine {
     batch: Batch,
     batch_since: f64,
     tickets: u64,
+    /// Number of the last request to stop.
+    last_stop: Option<u64>,
     stopping: Option<f64>,
 }
 
@@ -114,6 +116,7 @@ impl Engine {
             batch: Batch::default(),
             batch_since: 0.0,
             tickets: 0,
+            last_stop: None,
             stopping: None,
         };
         engine.begin_embedded();
@@ -128,7 +131,7 @@ impl Engine {
 
     /// Answers what is asked now.
     pub fn answer_all(&mut self) {
-        while let Ok(envelope) = self.ends.requests.try_recv() {
+        while let Some(envelope) = self.ends.requests.try_recv() {
             self.answer(envelope);
         }
     }
