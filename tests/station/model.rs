@@ -79,7 +79,7 @@ impl Refusal {
             Self::Everything => true,
             Self::State => !recordings,
             Self::Recordings => recordings,
-            Self::Each(count) => call % count == 0,
+            Self::Each(count) => call.is_multiple_of(count),
             Self::After(count) => call - calls >= count,
         }
     }
