@@ -1,6 +1,5 @@
-//! A disk that refuses, and one that looks whether what takes a name is on the medium.
+//! A disk that refuses.
 
-use std::collections::BTreeSet;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -55,6 +54,7 @@ impl Storage for Faulty {
             inside: FileSystem.create(path)?,
             path: path.into(),
             disk: self.clone(),
+            full: false,
         }))
     }
 
@@ -83,61 +83,27 @@ struct File {
     inside: Sink,
     path: PathBuf,
     disk: Faulty,
+    /// Whether it has taken the beginning of something only.
+    full: bool,
 }
 
 impl Write for File {
-    /// A disk takes the beginning of what it has no room for.
+    /// A disk takes the beginning of what it has no room for, and refuses the rest when that comes.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if let Err(full) = self.disk.allows(&self.path) {
-            self.inside.write_all(&bytes[..bytes.len() / 2])?;
-            return Err(full);
+        if std::mem::take(&mut self.full) {
+            return Err(io::ErrorKind::StorageFull.into());
         }
-        self.inside.write(bytes)
+        match self.disk.allows(&self.path) {
+            Ok(()) => self.inside.write(bytes),
+            Err(full) if bytes.len() < 2 => Err(full),
+            Err(_) => {
+                self.full = true;
+                self.inside.write(&bytes[..bytes.len() / 2])
+            }
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         self.inside.flush()
-    }
-}
-
-/// The file system, which panics where something takes a name that a power failure could leave empty.
-#[derive(Debug, Default)]
-pub struct Wary {
-    unsynced: Mutex<BTreeSet<PathBuf>>,
-    pub renamed: Mutex<Vec<PathBuf>>,
-}
-
-impl Storage for Wary {
-    fn create(&self, path: &Path) -> io::Result<Sink> {
-        self.unsynced.lock().expect("no panic").insert(path.into());
-        FileSystem.create(path)
-    }
-
-    fn create_folder(&self, path: &Path) -> io::Result<()> {
-        FileSystem.create_folder(path)
-    }
-
-    fn sync(&self, path: &Path) -> io::Result<()> {
-        self.unsynced.lock().expect("no panic").remove(path);
-        // A folder's names are on the medium with it.
-        let mut renamed = self.renamed.lock().expect("no panic");
-        renamed.retain(|to| to.parent() != Some(path));
-        FileSystem.sync(path)
-    }
-
-    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        let unsynced = self.unsynced.lock().expect("no panic");
-        let left = unsynced.iter().find(|path| path.starts_with(from));
-        assert_eq!(left, None, "{} takes a name", from.display());
-        self.renamed.lock().expect("no panic").push(to.into());
-        FileSystem.rename(from, to)
-    }
-
-    fn remove(&self, path: &Path) -> io::Result<()> {
-        let mut unsynced = self.unsynced.lock().expect("no panic");
-        unsynced.retain(|one| !one.starts_with(path));
-        let mut renamed = self.renamed.lock().expect("no panic");
-        renamed.retain(|one| !one.starts_with(path));
-        FileSystem.remove(path)
     }
 }

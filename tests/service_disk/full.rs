@@ -9,8 +9,9 @@ use quell::service::disk::{Disk, Storage};
 use quell::service::recorder::{RecordError, Recorder, Shelf};
 use tokio::sync::mpsc::UnboundedReceiver;
 
-use super::faulty::{Faulty, Wary};
+use super::faulty::Faulty;
 use super::moves::a_move;
+use super::wary::Wary;
 use super::{BOUNDS, check_recording, names};
 
 fn runtime() -> tokio::runtime::Runtime {

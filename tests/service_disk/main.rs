@@ -13,6 +13,7 @@ mod process;
 mod retention;
 mod salvage;
 mod service;
+mod wary;
 
 use std::path::Path;
 

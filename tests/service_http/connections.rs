@@ -160,7 +160,7 @@ fn recordings_that_nobody_takes_are_sent_to_a_few_at_once() {
 }
 
 #[test]
-fn requests_that_wait_for_the_engine_leave_room_for_a_stop() {
+fn a_stop_goes_before_the_requests_that_wait_for_the_engine() {
     let runtime = tokio::runtime::Builder::new_current_thread().build();
     runtime.unwrap().block_on(async {
         let (handle, mut ends) = channels(Snapshot::default());
@@ -170,7 +170,10 @@ fn requests_that_wait_for_the_engine_leave_room_for_a_stop() {
             let request = Request::Payload { mass: 1.0 };
             waiting.spawn(async move { handle.ask(request).await });
         }
-        yield_now().await;
+        // Each has been sent or refused once this task comes again and again.
+        for _ in 0..100 {
+            yield_now().await;
+        }
         let mut refused = 0;
         while let Some(answer) = waiting.try_join_next() {
             assert_eq!(answer.unwrap(), Err(ServiceError::Busy));
@@ -182,12 +185,12 @@ fn requests_that_wait_for_the_engine_leave_room_for_a_stop() {
             duration_s: 0.0,
             joints: Vec::new(),
         };
-        while let Some(envelope) = ends.requests.recv().await {
-            if envelope.request == Request::Stop {
-                envelope.reply.send(Ok(done.clone())).unwrap();
-                break;
-            }
-        }
+        yield_now().await;
+        let first = ends.requests.recv().await.unwrap();
+        assert_eq!(first.request, Request::Stop);
+        first.reply.send(Ok(done.clone())).unwrap();
+        let next = ends.requests.recv().await.unwrap();
+        assert!(next.number < first.number, "it was asked before");
         assert_eq!(stop.await.unwrap(), Ok(done));
     });
 }

@@ -1,9 +1,13 @@
 //! The service without its threads, stepped by a simulated clock: nothing here depends on a machine that is
 //! quiet.
 
+#[path = "../service_disk/faulty.rs"]
+mod faulty;
 mod heard;
 mod learning;
 mod model;
+mod oracle;
 mod sequence;
+mod stops;
 mod untimed;
 mod world;

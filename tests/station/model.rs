@@ -3,30 +3,25 @@
 //! What is judged is what comes out: setpoints, answers, the state that is shown, what is on disk. A few
 //! hundred sequences here; `QUELL_SEQUENCES=10000` makes the campaign.
 
+use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 
 use proptest::prelude::*;
 use quell::recording::Recording;
-use quell::service::contract::{Accepted, Phase, Request, ServiceError, ShapingChange};
+use quell::service::contract::{Request, ShapingChange};
 use quell::service::disk::Disk;
 use quell::service::recorder::Recorder;
 use quell::service::state::StateFile;
-use quell_shapers::Setpoint;
 
-use super::world::{
-    Answered, Asked, PERIOD, STANDSTILL, Sent, WATCHDOG, World, beyond_limits, config,
-};
+use super::faulty::Faulty;
+use super::oracle::Oracle;
+use super::world::{Asked, PERIOD, STANDSTILL, World, config};
 
 /// Sequences where nobody asks for more.
 const SEQUENCES: u32 = 400;
-/// Seconds after an answer within which a stop begins, beside its own duration: it is planned 20 ms
-/// ahead, and the train of four periods at most lasts on.
-const STOP_SLACK: f64 = 0.02 + 0.4 + 3.0 * PERIOD;
-/// A slow start after a long gap falls back by so much, s: 1 / k of the limits, rounded up.
-const SLOW_START: f64 = 0.25;
-/// Steps after which what is told of is written down: a quarter of a second, and the engine may sleep.
-const WRITTEN: usize = 120;
 const JOINT: &str = "joint_1";
+const MCAP: &str = "recording.mcap";
 
 /// What somebody does.
 #[derive(Clone, Debug)]
@@ -54,12 +49,51 @@ enum Op {
     TicksMissed(usize),
     EngineSleeps(usize),
     WallJumps(f64),
-    /// The state cannot be written, or can be again.
-    DiskRefuses(bool),
+    DiskRefuses(Refusal),
     /// The file of the state is cut.
     StateIsCut(usize),
     /// The process is killed, and another one started.
     Kill,
+}
+
+/// What the disk refuses.
+#[derive(Clone, Copy, Debug)]
+enum Refusal {
+    Nothing,
+    Everything,
+    State,
+    Recordings,
+    /// One call in so many.
+    Each(u64),
+    /// Everything after so many calls more: it is full in the middle of something. What a kill leaves at
+    /// that call is the same.
+    After(u64),
+}
+
+impl Refusal {
+    /// Whether a call is refused, where `calls` came before this was so.
+    fn refuses(self, calls: u64, call: u64, path: &Path) -> bool {
+        let recordings = path.iter().any(|part| part == "recordings");
+        match self {
+            Self::Nothing => false,
+            Self::Everything => true,
+            Self::State => !recordings,
+            Self::Recordings => recordings,
+            Self::Each(count) => call.is_multiple_of(count),
+            Self::After(count) => call - calls >= count,
+        }
+    }
+}
+
+fn refusal() -> impl Strategy<Value = Refusal> {
+    prop_oneof![
+        4 => Just(Refusal::Nothing),
+        1 => Just(Refusal::Everything),
+        1 => Just(Refusal::State),
+        1 => Just(Refusal::Recordings),
+        1 => (2..9u64).prop_map(Refusal::Each),
+        4 => (0..60u64).prop_map(Refusal::After),
+    ]
 }
 
 fn op() -> impl Strategy<Value = Op> {
@@ -83,230 +117,46 @@ fn op() -> impl Strategy<Value = Op> {
         2 => prop_oneof![1..6usize, 6..100usize, 700..900usize].prop_map(Op::TicksMissed),
         1 => (1..40usize).prop_map(Op::EngineSleeps),
         1 => prop_oneof![Just(-1e7), Just(1e7), -5.0..5.0f64].prop_map(Op::WallJumps),
-        1 => any::<bool>().prop_map(Op::DiskRefuses),
+        2 => refusal().prop_map(Op::DiskRefuses),
         1 => (0..400usize).prop_map(Op::StateIsCut),
         2 => Just(Op::Kill),
     ]
 }
 
-/// Why the command may move.
-#[derive(Clone, Debug, PartialEq)]
-enum Licence {
-    /// Nobody has asked for anything.
-    None,
-    /// A move runs to its target.
-    Move { target: f64 },
-    /// The joint was told to stop: by this time it rests, wherever that is.
-    Stop { until: f64 },
-}
-
-/// What a service that does as it is told would do.
-struct Oracle {
-    licence: Licence,
-    /// Whether a move was asked for and not answered before the last step.
-    asked: bool,
-    /// The last request that was obeyed.
-    obeyed: usize,
-    seen: usize,
-    last: Option<Sent>,
-    /// When the robot was silent last for about as long as the watchdog allows, s: it may have stopped what
-    /// ran.
-    silent: f64,
-    /// When what runs was asked for, s.
-    asked_at: f64,
-    /// When a slow start after a gap may still go on, s.
-    slow_until: f64,
-    timed: bool,
-}
-
-impl Oracle {
-    fn new(timed: bool) -> Self {
-        Self {
-            licence: Licence::None,
-            seen: 0,
-            last: None,
-            asked: false,
-            obeyed: 0,
-            silent: f64::NEG_INFINITY,
-            asked_at: 0.0,
-            slow_until: 0.0,
-            timed,
-        }
-    }
-
-    fn hear(&mut self, answered: &Answered, now: f64) -> Result<(), TestCaseError> {
-        match (&answered.request, &answered.answer) {
-            // One that began is ended by what was asked for later.
-            (Request::Move { target, .. }, Ok(Accepted::Move { .. }))
-                if answered.number >= self.obeyed =>
-            {
-                self.licence = Licence::Move { target: *target };
-                self.asked_at = answered.at;
-                self.obeyed = answered.number;
-            }
-            (Request::Stop, answer) => {
-                let Ok(Accepted::Stop { duration_s, .. }) = answer else {
-                    return Err(TestCaseError::fail(format!("a stop: {answer:?}")));
-                };
-                let slow = if now < self.slow_until {
-                    SLOW_START
-                } else {
-                    0.0
-                };
-                let until = now + duration_s + STOP_SLACK + slow;
-                self.licence = Licence::Stop { until };
-                self.obeyed = answered.number;
-            }
-            (_, Err(ServiceError::Gone)) => prop_assert!(false, "the engine has ended"),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// Judges what was sent since.
-    fn judge(&mut self, world: &World) -> Result<(), TestCaseError> {
-        let sent = world.sent();
-        for &now in &sent[self.seen..] {
-            self.take(now, world)?;
-        }
-        self.seen = sent.len();
-        Ok(())
-    }
-
-    fn take(&mut self, now: Sent, world: &World) -> Result<(), TestCaseError> {
-        let Some(before) = self.last.replace(now) else {
-            prop_assert!(
-                rests(&now.1) && now.1.position == world.robot.position,
-                "{now:?}"
-            );
-            return Ok(());
-        };
-        if now.1.position == before.1.position && rests(&now.1) && rests(&before.1) {
-            return Ok(());
-        }
-        // A joint that was moved by something else is commanded anew from where it stands.
-        let anew = (now.1.position - world.robot.position).abs() < 1e-9 && rests(&now.1);
-        if anew && now.0 - before.0 > 0.1 && rests(&before.1) {
-            return Ok(());
-        }
-        prop_assert_eq!(beyond_limits(before, now, self.timed), None);
-        match self.licence {
-            _ if self.asked => {}
-            Licence::None => prop_assert!(false, "nobody asked for {before:?} {now:?}"),
-            Licence::Move { .. } => {}
-            Licence::Stop { until } => {
-                prop_assert!(
-                    now.0 <= until,
-                    "it goes on after a stop until {until}: {now:?}"
-                );
-            }
-        }
-        Ok(())
-    }
-
-    /// What the state shows is what was sent.
-    fn compare(&mut self, world: &World) -> Result<(), TestCaseError> {
-        let snapshot = world.snapshot();
-        let (Some(joint), Some((_, last))) = (snapshot.joints.first(), self.last) else {
-            return Ok(());
-        };
-        if let Some((_, shown)) = world
-            .sent()
-            .iter()
-            .rfind(|(time, _)| *time == snapshot.time_s)
-        {
-            prop_assert_eq!(joint.command_rad, shown.position);
-            prop_assert_eq!(joint.command_rad_s, shown.velocity);
-        }
-        // Published some ticks ago, it may be older than what was sent last.
-        let fresh = world.clock.now() - snapshot.time_s < 0.5 * PERIOD;
-        if fresh && joint.phase == Phase::Rest {
-            prop_assert!(rests(&last), "it shows rest: {last:?}");
-        }
-        if let Licence::Move { target } = &self.licence
-            && fresh
-            && self.silent < self.asked_at
-            && joint.phase == Phase::Moving
-        {
-            prop_assert_eq!(joint.target_rad, *target);
-        }
-        Ok(())
-    }
-
-    /// What the robot's silence, or time without a tick, means for what runs.
-    fn watch(&mut self, world: &World) {
-        let now = world.clock.now();
-        let silence = now - world.heard;
-        if silence > WATCHDOG - 2.0 * PERIOD {
-            self.silent = now;
-        }
-        let noticed = silence > WATCHDOG + 3.0 * PERIOD && world.engine_sleeps == 0;
-        if noticed && let Licence::Move { .. } = self.licence {
-            // The longest stop from full speed, within the limits.
-            let slow = if now < self.slow_until {
-                SLOW_START
-            } else {
-                0.0
-            };
-            let until = now + 0.2 + STOP_SLACK + slow;
-            self.licence = Licence::Stop { until };
-        }
-    }
-
-    fn delayed(&mut self, by: f64, now: f64) {
-        self.slow_until = now + 2.0 * SLOW_START;
-        if let Licence::Stop { until } = &mut self.licence {
-            *until += by + SLOW_START;
-        }
-    }
-
-    /// Everything rests, and where it should.
-    fn judge_end(&self, world: &World) -> Result<(), TestCaseError> {
-        let Some((_, last)) = self.last else {
-            return Ok(());
-        };
-        prop_assert!(rests(&last), "it does not come to rest: {last:?}");
-        if let Licence::Move { target } = self.licence
-            && self.silent < self.asked_at
-        {
-            prop_assert_eq!(last.position, target);
-        }
-        let joint = world.joint();
-        prop_assert!(
-            matches!(joint.phase, Phase::Rest | Phase::Waiting),
-            "{:?}",
-            joint.phase
-        );
-        Ok(())
-    }
-}
-
-fn rests(setpoint: &Setpoint) -> bool {
-    setpoint.velocity == 0.0 && setpoint.acceleration == 0.0
+/// The same, with more of what concerns the disk: long enough runs that recordings come onto the shelf.
+fn op_with_disk() -> impl Strategy<Value = Op> {
+    prop_oneof![
+        4 => op(),
+        4 => (-0.6..0.6f64).prop_map(|target| Op::Move { target, shaper: None }),
+        4 => (20..350usize).prop_map(Op::Run),
+        4 => refusal().prop_map(Op::DiskRefuses),
+        2 => Just(Op::Kill),
+    ]
 }
 
 /// A life of the service after the other over one folder.
 struct Lives {
     data: tempfile::TempDir,
+    disk: Faulty,
     world: World,
     oracle: Oracle,
     recorder: Option<(tokio::runtime::Runtime, Recorder)>,
-    /// Recordings that some life has told of, and after how many steps.
-    told: Vec<(String, usize)>,
-    steps: usize,
+    /// Recordings that some life has told of.
+    told: BTreeSet<String>,
     records: bool,
 }
 
 impl Lives {
     fn new(timed: bool, records: bool) -> Self {
         let data = tempfile::tempdir().expect("a folder");
+        let disk = Faulty::new(|_, _| false);
         let mut lives = Self {
-            world: World::start(own(data.path(), records), 1e9, 0.0, timed),
+            world: begin(&disk, own(data.path(), records), 1e9, 0.0, timed),
             data,
+            disk,
             oracle: Oracle::new(timed),
             recorder: None,
-            told: Vec::new(),
-            steps: 0,
+            told: BTreeSet::new(),
             records,
         };
         lives.record();
@@ -328,15 +178,11 @@ impl Lives {
         }
     }
 
-    /// The recorder takes what has come: it answers nothing before.
+    /// The recorder takes what has come before it answers.
     fn catch_up(&self) {
         if let Some((runtime, recorder)) = &self.recorder {
-            for _ in 0..3 {
-                assert!(
-                    runtime.block_on(recorder.end()).is_err(),
-                    "none runs on demand"
-                );
-            }
+            let ended = runtime.block_on(recorder.end());
+            assert!(ended.is_err(), "none runs on demand: {ended:?}");
         }
     }
 
@@ -345,7 +191,6 @@ impl Lives {
         self.oracle.asked = self.world.waiting().iter().any(is_move);
         let answered = self.world.step();
         let now = self.world.clock.now();
-        self.steps += 1;
         self.catch_up();
         // What is sent before the answer is heard is of the tick before it.
         self.oracle.judge(&self.world)?;
@@ -357,11 +202,10 @@ impl Lives {
             self.oracle.compare(&self.world)?;
         }
         if self.records {
-            for result in &self.world.snapshot().moves {
-                let known = |name: &&String| self.told.iter().all(|(told, _)| told != *name);
-                let news = result.recording.as_ref().filter(known).cloned();
-                self.told.extend(news.map(|name| (name, self.steps)));
-            }
+            let snapshot = self.world.snapshot();
+            let named = snapshot.moves.iter();
+            self.told
+                .extend(named.filter_map(|result| result.recording.clone()));
         }
         Ok(())
     }
@@ -375,29 +219,56 @@ impl Lives {
         let left = tempfile::tempdir().expect("a folder");
         copy(self.data.path(), left.path());
         self.recorder = None;
-        self.told.retain(|(_, since)| self.steps - since > WRITTEN);
         let before = &self.world;
         let (unix_time, position) = (before.clock.unix_time(), before.robot.position);
         let (timed, silent) = (self.oracle.timed, before.robot.silent);
-        self.world = World::start(own(left.path(), self.records), unix_time, position, timed);
+        let config = own(left.path(), self.records);
+        self.world = begin(&self.disk, config, unix_time, position, timed);
         self.world.robot.silent = silent;
         self.data = left;
         self.oracle = Oracle::new(timed);
         self.record();
-        self.judge_shelf()?;
+        self.judge_recordings()?;
         self.run(if silent { 10 } else { STANDSTILL })
     }
 
-    fn judge_shelf(&self) -> Result<(), TestCaseError> {
-        if let Some((_, recorder)) = &self.recorder {
-            for (name, _) in &self.told {
-                let folder = recorder.shelf().path(name);
-                let folder = folder.map_err(|error| TestCaseError::fail(error.to_string()))?;
-                let read = Recording::from_path(folder);
-                prop_assert!(read.is_ok(), "{name}: {:?}", read.err());
-            }
+    /// What was told of is there: on the shelf, or beside it as far as it came.
+    fn judge_recordings(&mut self) -> Result<(), TestCaseError> {
+        let folder = self.data.path().join("recordings");
+        for name in &self.told {
+            let shelved = folder.join(name);
+            let read = match shelved.exists() {
+                true => Recording::from_path(shelved),
+                false => Recording::from_path(folder.join(format!(".unfinished-{name}/{MCAP}"))),
+            };
+            prop_assert!(read.is_ok(), "{name}: {:?}", read.err());
         }
+        self.told.extend(self.shelved()?);
         Ok(())
+    }
+
+    fn shelved(&self) -> Result<BTreeSet<String>, TestCaseError> {
+        let Some((_, recorder)) = &self.recorder else {
+            return Ok(BTreeSet::new());
+        };
+        let list = recorder.shelf().list();
+        let list = list.map_err(|error| TestCaseError::fail(error.to_string()))?;
+        Ok(list.into_iter().map(|entry| entry.name).collect())
+    }
+
+    /// With room on the disk, and some time after the last move, all are whole on the shelf.
+    fn judge_shelf(&mut self) -> Result<(), TestCaseError> {
+        self.judge_recordings()?;
+        let shelved = self.shelved()?;
+        let missing: Vec<_> = self.told.difference(&shelved).collect();
+        prop_assert!(missing.is_empty(), "not on the shelf: {missing:?}");
+        Ok(())
+    }
+
+    fn refuse(&self, refusal: Refusal) {
+        let calls = self.disk.calls();
+        self.disk
+            .refuse(move |call, path| refusal.refuses(calls, call, path));
     }
 
     fn apply(&mut self, op: &Op) -> Result<(), TestCaseError> {
@@ -433,7 +304,7 @@ impl Lives {
             }
             Op::EngineSleeps(ticks) => world.engine_sleeps = *ticks,
             Op::WallJumps(by) => world.time.jump_wall(*by),
-            Op::DiskRefuses(refuses) => refuse(self.data.path(), *refuses),
+            Op::DiskRefuses(refusal) => self.refuse(*refusal),
             Op::StateIsCut(length) => cut(self.data.path(), *length),
             Op::Kill => self.kill()?,
         }
@@ -449,6 +320,18 @@ impl Lives {
         robot.position += by;
         Ok(())
     }
+}
+
+/// A life over what is on this disk.
+fn begin(
+    disk: &Faulty,
+    config: quell::service::config::Config,
+    unix_time: f64,
+    position: f64,
+    timed: bool,
+) -> World {
+    let disk = Disk::new(Arc::new(disk.clone()));
+    World::start_on(disk, config, unix_time, position, timed)
 }
 
 fn own(data: &Path, records: bool) -> quell::service::config::Config {
@@ -468,16 +351,6 @@ fn copy(from: &Path, to: &Path) {
             false => drop(std::fs::copy(entry.path(), &target).expect("a file")),
         }
     }
-}
-
-/// A folder stands where the new state would be written.
-fn refuse(data: &Path, refuses: bool) {
-    let beside = data.join("state.json.new");
-    // It may be so already.
-    let _ = match refuses {
-        true => std::fs::create_dir(&beside),
-        false => std::fs::remove_dir(&beside),
-    };
 }
 
 fn cut(data: &Path, length: usize) {
@@ -502,7 +375,9 @@ fn live(ops: &[Op], timed: bool, records: bool) -> Result<(), TestCaseError> {
     for op in ops {
         lives.apply(op)?;
         lives.step()?;
+        lives.judge_recordings()?;
     }
+    lives.refuse(Refusal::Nothing);
     lives.world.robot.silent = false;
     lives.world.robot.holds = 0;
     lives.run(300)?;
@@ -510,7 +385,9 @@ fn live(ops: &[Op], timed: bool, records: bool) -> Result<(), TestCaseError> {
     if records {
         // Twice what a recording takes after its move.
         lives.run(500)?;
+        lives.judge_shelf()?;
         lives.kill()?;
+        lives.judge_shelf()?;
     }
     let file = StateFile::within(lives.data.path(), Disk::default());
     let _ = file.load();
@@ -533,7 +410,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: sequences().cases.div_ceil(20), ..sequences() })]
 
     #[test]
-    fn no_recording_is_lost_that_was_told_of(ops in prop::collection::vec(op(), 1..14)) {
+    fn no_recording_is_lost_that_was_told_of(
+        ops in prop::collection::vec(op_with_disk(), 1..20),
+    ) {
         live(&ops, true, true)?;
     }
 }

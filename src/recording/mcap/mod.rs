@@ -10,6 +10,7 @@ mod definition;
 mod file;
 mod mend;
 mod message;
+mod prefix;
 mod record;
 mod recording;
 mod records;

@@ -2,6 +2,7 @@
 
 use super::cdr::Encoder;
 use super::message::{self, Definition, FLOAT, JointState};
+use super::prefix::Prefix;
 use super::topic;
 use crate::recording::error::{Problem, RecordingError};
 use crate::recording::{Role, Sink};
@@ -44,7 +45,7 @@ const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 /// ```
 pub struct McapWriter {
     path: PathBuf,
-    out: Writer<NoSeek<BufWriter<Sink>>>,
+    out: Writer<NoSeek<BufWriter<Prefix>>>,
     /// Wall time of the recorder's zero, ns since 1970.
     origin: i64,
     joints: Vec<String>,
@@ -88,7 +89,7 @@ impl McapWriter {
         // Nothing is written twice, so that the file on the disk ends with a whole chunk at all times.
         let out = options()
             .chunk_size(None)
-            .create(NoSeek::new(BufWriter::new(file)));
+            .create(NoSeek::new(BufWriter::new(Prefix::of(file))));
         Ok(Self {
             out: out.map_err(|error| refused(path, error))?,
             path: path.into(),

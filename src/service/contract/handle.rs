@@ -1,15 +1,14 @@
 //! The ends of the channels between engine and outside.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
 use super::{Accepted, Batch, RecordingNews, Request, ServiceError, Snapshot};
 
-/// Requests that may wait; one more is refused at once.
+/// Stops that may wait, and requests of all other kinds; one more is refused at once.
 const REQUESTS: usize = 64;
-/// Of these, so many are kept for stops.
-const KEPT_FOR_STOP: usize = 8;
 /// Batches that a slow reader may be behind, some 10 s; then it loses the oldest.
 const BATCHES: usize = 512;
 
@@ -18,6 +17,8 @@ const BATCHES: usize = 512;
 pub struct Envelope {
     /// What is asked for.
     pub request: Request,
+    /// How many requests came before it.
+    pub number: u64,
     /// Where the answer goes.
     pub reply: oneshot::Sender<Result<Accepted, ServiceError>>,
 }
@@ -25,7 +26,9 @@ pub struct Envelope {
 /// What the outside holds of the engine; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Handle {
-    requests: mpsc::Sender<Envelope>,
+    stops: mpsc::Sender<Envelope>,
+    others: mpsc::Sender<Envelope>,
+    count: Arc<AtomicU64>,
     snapshot: watch::Receiver<Arc<Snapshot>>,
     stream: broadcast::Sender<Arc<Batch>>,
     recordings: mpsc::UnboundedSender<RecordingNews>,
@@ -35,7 +38,7 @@ pub struct Handle {
 #[derive(Debug)]
 pub struct EngineEnds {
     /// What is asked for.
-    pub requests: mpsc::Receiver<Envelope>,
+    pub requests: Requests,
     /// Where the state of everything is published.
     pub snapshot: watch::Sender<Arc<Snapshot>>,
     /// Where batches go; nobody need listen.
@@ -44,20 +47,51 @@ pub struct EngineEnds {
     pub recordings: mpsc::UnboundedReceiver<RecordingNews>,
 }
 
+/// What is asked for, as it reaches the engine: a stop before all else. What was asked before a stop has a
+/// lower number than that, though it comes after it.
+#[derive(Debug)]
+pub struct Requests {
+    stops: mpsc::Receiver<Envelope>,
+    others: mpsc::Receiver<Envelope>,
+}
+
+impl Requests {
+    /// Waits for the next request; none where nobody can ask any more. Cancelled, it loses none.
+    pub async fn recv(&mut self) -> Option<Envelope> {
+        tokio::select! {
+            biased;
+            Some(stop) = self.stops.recv() => Some(stop),
+            other = self.others.recv() => other,
+        }
+    }
+
+    /// The next request that is there already.
+    pub fn try_recv(&mut self) -> Option<Envelope> {
+        let stop = self.stops.try_recv();
+        stop.or_else(|_| self.others.try_recv()).ok()
+    }
+}
+
 /// Both ends, for the engine or for one that stands in for it in a test.
 pub fn channels(first: Snapshot) -> (Handle, EngineEnds) {
-    let (requests, requested) = mpsc::channel(REQUESTS);
+    let (stops, stops_asked) = mpsc::channel(REQUESTS);
+    let (others, others_asked) = mpsc::channel(REQUESTS);
     let (publish, snapshot) = watch::channel(Arc::new(first));
     let (stream, _) = broadcast::channel(BATCHES);
     let (tell, recordings) = mpsc::unbounded_channel();
     let ends = EngineEnds {
-        requests: requested,
+        requests: Requests {
+            stops: stops_asked,
+            others: others_asked,
+        },
         snapshot: publish,
         stream: stream.clone(),
         recordings,
     };
     let handle = Handle {
-        requests,
+        stops,
+        others,
+        count: Arc::default(),
         snapshot,
         stream,
         recordings: tell,
@@ -71,21 +105,20 @@ impl Handle {
     /// # Errors
     /// [`ServiceError`] where it is refused; [`ServiceError::Busy`] where too many requests wait.
     pub async fn ask(&self, request: Request) -> Result<Accepted, ServiceError> {
-        let needed = match request {
-            Request::Stop => 1,
-            _ => 1 + KEPT_FOR_STOP,
-        };
-        if self.requests.capacity() < needed && !self.requests.is_closed() {
-            return Err(ServiceError::Busy);
-        }
         let (reply, answer) = oneshot::channel();
-        let envelope = Envelope { request, reply };
-        self.requests
-            .try_send(envelope)
-            .map_err(|error| match error {
-                mpsc::error::TrySendError::Full(_) => ServiceError::Busy,
-                mpsc::error::TrySendError::Closed(_) => ServiceError::Gone,
-            })?;
+        let lane = match request {
+            Request::Stop => &self.stops,
+            _ => &self.others,
+        };
+        let envelope = Envelope {
+            request,
+            number: self.count.fetch_add(1, SeqCst),
+            reply,
+        };
+        lane.try_send(envelope).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => ServiceError::Busy,
+            mpsc::error::TrySendError::Closed(_) => ServiceError::Gone,
+        })?;
         answer.await.unwrap_or(Err(ServiceError::Gone))
     }
 

@@ -14,7 +14,7 @@ mod stream;
 
 pub use disk::{DiskFault, DiskPart, DiskState, DiskView};
 pub use error::{ErrorKind, ServiceError};
-pub use handle::{EngineEnds, Envelope, Handle, channels};
+pub use handle::{EngineEnds, Envelope, Handle, Requests, channels};
 pub use recording::RecordingNews;
 pub use request::{Accepted, ModeValue, Request, ShapingChange, Stopping};
 pub use snapshot::{

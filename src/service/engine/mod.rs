@@ -68,6 +68,8 @@ pub struct Engine {
     batch: Batch,
     batch_since: f64,
     tickets: u64,
+    /// Number of the last request to stop.
+    last_stop: Option<u64>,
     stopping: Option<f64>,
 }
 
@@ -115,6 +117,7 @@ impl Engine {
             batch: Batch::default(),
             batch_since: 0.0,
             tickets: 0,
+            last_stop: None,
             stopping: None,
         };
         engine.begin_embedded();
@@ -129,7 +132,7 @@ impl Engine {
 
     /// Answers what is asked now.
     pub fn answer_all(&mut self) {
-        while let Ok(envelope) = self.ends.requests.try_recv() {
+        while let Some(envelope) = self.ends.requests.try_recv() {
             self.answer(envelope);
         }
     }

@@ -14,10 +14,18 @@ const HEAVIEST: f64 = 120.0;
 impl Engine {
     /// Answers a request, at once or once the tick has said what became of it.
     pub(super) fn answer(&mut self, envelope: Envelope) {
-        let Envelope { request, reply } = envelope;
+        let Envelope {
+            request,
+            number,
+            reply,
+        } = envelope;
         // What the tick has done by now is known before it is told something else.
         self.hear_all();
         let answer = match request {
+            // A stop goes before what waits, and holds for it.
+            Request::Move { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
             Request::Move {
                 joint,
                 target,
@@ -27,6 +35,7 @@ impl Engine {
                 Err(error) => Err(error),
             },
             Request::Stop => {
+                self.last_stop = self.last_stop.max(Some(number));
                 let joints = self.stop_all(&ServiceError::Stopped);
                 let durations = joints.iter().filter_map(|joint| joint.duration_s);
                 Ok(Accepted::Stop {

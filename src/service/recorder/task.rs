@@ -82,6 +82,8 @@ impl Task {
     ) {
         loop {
             tokio::select! {
+                // What has come belongs to what is asked for after it.
+                biased;
                 batch = stream.recv() => match batch {
                     Ok(batch) => self.take(batch).await,
                     Err(RecvError::Lagged(lost)) => self.lost(lost),

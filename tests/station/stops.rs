@@ -1,0 +1,59 @@
+//! A stop does not wait behind moves, and what was asked before it does not begin after it.
+
+use quell::service::contract::{Accepted, Request, ServiceError};
+
+use super::world::{World, config};
+
+/// Moves that wait while the engine does something else.
+const MOVES: usize = 20;
+
+#[test]
+fn no_move_that_was_asked_before_a_stop_begins_after_it() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    for _ in 0..MOVES {
+        world.go(0.5);
+    }
+    world.ask(Request::Stop);
+    // It is not held back by the stop: nothing has to be stopped.
+    world.go(-0.3);
+    let answered = world.steps(200);
+    assert_eq!(answered.len(), MOVES + 2);
+    for answer in answered {
+        match (answer.number, &answer.request) {
+            (_, Request::Stop) => {
+                let Ok(Accepted::Stop { joints, .. }) = answer.answer else {
+                    panic!("{:?}", answer.answer);
+                };
+                assert!(joints.is_empty(), "no move was begun before it: {joints:?}");
+            }
+            (number, _) if number < MOVES => {
+                assert_eq!(answer.answer, Err(ServiceError::Stopped), "{number}");
+            }
+            _ => assert!(answer.answer.is_ok(), "{:?}", answer.answer),
+        }
+    }
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(-0.3));
+    assert!(world.sent().iter().all(|(_, sent)| sent.position <= 0.0));
+}
+
+#[test]
+fn moves_that_wait_do_not_delay_the_stop_of_one_that_runs() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    world.go(1.5);
+    world.steps(40);
+    for _ in 0..MOVES {
+        world.go(-1.0);
+    }
+    world.ask(Request::Stop);
+    let answered = world.steps(1);
+    let stopped = answered.iter().find(|one| one.request == Request::Stop);
+    let Some(Ok(Accepted::Stop { joints, .. })) = stopped.map(|one| &one.answer) else {
+        panic!("the stop is answered at once");
+    };
+    assert_eq!(joints.len(), 1);
+    world.steps(200);
+    let at = world.last().expect("setpoints").1;
+    assert!(at.velocity == 0.0 && at.position < 1.0, "{at:?}");
+}
