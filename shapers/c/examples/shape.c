@@ -55,7 +55,7 @@ int main(void) {
             for (int k = 0; k < MOVE / 2; k++) ahead[k] = planned(tick + 1 + k);
             quell_limits limits = {10.0, 100.0, INFINITY};
             quell_correction correction;
-            status = quell_filter_retune(filter, &second, &identified, 1, limits, ahead, MOVE / 2, &correction);
+            status = quell_filter_retune(filter, &second, &identified, 1, 0.005, limits, ahead, MOVE / 2, &correction);
             if (failed("retune", status)) return 1;
             printf("correction of %.3f s, at rest in %.3f s\n", correction.duration, correction.until_rest);
         }

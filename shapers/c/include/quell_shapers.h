@@ -131,13 +131,15 @@ typedef struct {
 
 /* Goes over to another train in motion, and takes away what the wrong one has left of the given modes (1 to 3, the
  * first sets the pace). Of all ways that begin now and keep the limits, the one of least vibration over the rest of
- * the move is taken; where none is better than the present command, nothing is changed (QUELL_NOT_WORTH). A mode
- * counts as known to 5 % (one standard deviation). `planned` are the setpoints of the `remaining` ticks to come,
+ * the move is taken; where none is better than the present command, nothing is changed (QUELL_NOT_WORTH). `spread` says
+ * how well the modes are known, 0 or above: one standard deviation of the frequencies as a fraction, and of the
+ * damping ratios. `planned` are the setpoints of the `remaining` ticks to come,
  * after which the plan stays where it is. Call it between two ticks, or while no step is taken. Where it is refused
  * nothing is changed: call it again a quarter period later. `correction` may be null. */
 quell_status quell_filter_retune(quell_filter *filter, const quell_train *train, const quell_mode *modes,
-                                 size_t count, quell_limits limits, const quell_setpoint *planned,
-                                 size_t remaining, quell_correction *correction);
+                                 size_t count, double spread, quell_limits limits,
+                                 const quell_setpoint *planned, size_t remaining,
+                                 quell_correction *correction);
 
 /* Vibration that the command leaves in a mode, in units of the position. */
 typedef struct {

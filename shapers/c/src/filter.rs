@@ -4,7 +4,7 @@ use crate::data::{Correction, PlainMode, PlainResidual, PlainSetpoint, PlainTrai
 use crate::memory::{Filter, filter, look_at, make, slice, write};
 use crate::status::{Status, code};
 use core::ffi::c_void;
-use quell_shapers::{CORRECTED_MODES, Mode, Retune, Setpoint, UncertainMode};
+use quell_shapers::{CORRECTED_MODES, Retune, Setpoint, UncertainMode};
 
 /// `quell_filter_init` of the header.
 ///
@@ -93,6 +93,7 @@ pub unsafe extern "C" fn quell_filter_retune(
     train: *const PlainTrain,
     modes: *const PlainMode,
     count: usize,
+    spread: f64,
     limits: PlainSetpoint,
     planned: *const PlainSetpoint,
     remaining: usize,
@@ -113,7 +114,15 @@ pub unsafe extern "C" fn quell_filter_retune(
         {
             *mode = plain.checked()?;
         }
-        let outcome = retuned(found, &train, &modes[..count], limits, planned);
+        if !(spread >= 0.0 && spread.is_finite()) {
+            return Err(Status::Range);
+        }
+        let known = modes.map(|mode| UncertainMode {
+            mode,
+            natural_frequency_std: spread * mode.natural_frequency(),
+            damping_ratio_std: spread,
+        });
+        let outcome = retuned(found, &train, &known[..count], limits, planned);
         let done = Correction::of(outcome)?;
         if !correction.is_null() {
             // SAFETY: as the caller promises.
@@ -127,17 +136,13 @@ pub unsafe extern "C" fn quell_filter_retune(
 fn retuned(
     found: &mut Filter,
     train: &quell_shapers::GridTrain,
-    modes: &[Mode],
+    modes: &[UncertainMode],
     limits: PlainSetpoint,
     planned: &[PlainSetpoint],
 ) -> quell_shapers::RetuneOutcome {
-    let mut known = [UncertainMode::believed(modes[0]); CORRECTED_MODES];
-    for (known, mode) in known.iter_mut().zip(modes) {
-        *known = UncertainMode::believed(*mode);
-    }
     let request = Retune {
         train,
-        modes: &known[..modes.len()],
+        modes,
         limits: limits.into(),
         dead_band: 0.0,
         resolution: 0.0,

@@ -93,7 +93,11 @@ fn retune(filter: &mut AdaptiveFilter) {
     let identified = Mode::from_hertz(9.0, 0.04).unwrap();
     let request = Retune {
         train: &Zvd.on_grid(identified, TICK).unwrap(),
-        modes: &[UncertainMode::believed(identified)],
+        modes: &[UncertainMode {
+            mode: identified,
+            natural_frequency_std: 0.005 * identified.natural_frequency(),
+            damping_ratio_std: 0.005,
+        }],
         dead_band: 0.0,
         resolution: 0.0,
         limits: MotionLimits {
