@@ -9,7 +9,7 @@ use super::client::Client;
 use super::process::{arguments, go, start, until};
 
 /// Longest file, blocks of 1024 bytes: more than a state, less than a move.
-const BLOCKS: u32 = 16;
+const BLOCKS: u32 = 6;
 
 #[test]
 fn a_disk_that_takes_no_moves_is_told_everywhere_and_moves_go_on() {
