@@ -66,7 +66,7 @@ impl Scenario<'_> {
     fn due(&self, k: usize, correcting: bool) -> Option<Mode> {
         let &(when, mode) = self.retunes.iter().rfind(|(when, _)| *when <= k)?;
         let quarter = (0.25 * mode.damped_period() / self.tick) as usize;
-        (k == when || (k - when) % quarter == 0 && !correcting).then_some(mode)
+        (k == when || (k - when).is_multiple_of(quarter) && !correcting).then_some(mode)
     }
 
     fn run(&self) -> Run {
@@ -267,9 +267,9 @@ fn val_two_modes_are_cancelled_at_once() {
     let mut filter = AdaptiveFilter::new(tick, 500, 3000);
     let mut joints = modes.map(|mode| (Joint::new(mode, tick), Joint::new(mode, tick)));
     let exact = modes.map(|mode| known(mode, 0.0));
-    let mut k = 0;
+    let mut k = 0_usize;
     while k < 1200 || !filter.is_settled() {
-        if k >= 200 && k % 30 == 0 && !filter.is_correcting() {
+        if k >= 200 && k.is_multiple_of(30) && !filter.is_correcting() {
             let request = request(&train, &exact, command.limits());
             let remaining = command.ticks(tick).saturating_sub(k);
             filter.retune(&request, remaining, |ahead| {
@@ -412,7 +412,7 @@ fn val_vibration_of_an_earlier_move_is_cancelled_too() {
         let (mut joint, mut unshaped) = (Joint::new(truth, tick), Joint::new(truth, tick));
         let end = second + PUBLISHED.ticks(tick);
         for k in 1..=1200 {
-            let due = k >= second + 100 && k % 15 == 0 && !filter.is_correcting();
+            let due = k >= second + 100 && k.is_multiple_of(15) && !filter.is_correcting();
             if due && filter.train() != &right {
                 let exact = [known(truth, 0.0)];
                 let request = request(&right, &exact, limits);

@@ -91,7 +91,7 @@ impl Case {
         let mut joint = Joint::new(self.truth, tick);
         let (mut sent, mut deformation) = (Vec::new(), Vec::new());
         for k in 0..self.ticks() {
-            let due = k >= from && (k - from) % quarter == 0 && !filter.is_correcting();
+            let due = k >= from && (k - from).is_multiple_of(quarter) && !filter.is_correcting();
             if kind == Filter::Adaptive && due {
                 let planned = |ahead: usize| self.command.at((k + ahead) as f64 * tick);
                 filter.retune(&request, moving.saturating_sub(k), planned);
