@@ -169,11 +169,6 @@ impl Comb {
         (self.count - 1) * self.spacing + self.ticks
     }
 
-    /// Tick at which the last step ends.
-    pub fn end(&self) -> u64 {
-        self.start + self.span() as u64
-    }
-
     /// Start of the `i`-th step.
     fn start_of(&self, i: usize) -> u64 {
         self.start + (i * self.spacing) as u64

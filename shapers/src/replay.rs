@@ -110,70 +110,82 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
 
     /// Looks for a way of less vibration than `best`: with no correction, and with each that takes `wanted` away.
     /// Whether there is one that keeps the limits, however much it vibrates.
-    pub fn improve(
-        &self,
-        best: &mut Option<Choice>,
-        as_is: Choice,
-        wanted: &[&[ModalState]],
-    ) -> bool {
+    pub fn improve(&self, best: &mut Option<Choice>, as_is: Choice, wanted: &[ModalState]) -> bool {
         let excess = self.excess();
-        let mut possible = self.total == 0.0 && excess.is_none();
         let alone = self.profiles(None);
-        let energy = energy(&alone);
         // Where steps are dropped, the sum of those that have begun must be undone.
+        let mut possible = self.total == 0.0 && excess.is_none();
         if possible && self.is_allowed(&alone, 0..BINS) {
+            let energy = energy(&alone);
             take(best, Choice { energy, ..as_is });
         }
-        for wanted in wanted.iter().filter(|wanted| self.is_worth(wanted)) {
-            let after = self.profiles(Some(wanted));
-            let quarter = self.meters[0].quarter;
-            for order in [Order::Value, Order::Slope] {
-                for (count, width) in COMBS {
-                    let comb = Comb {
-                        start: self.ahead.tick,
-                        count,
-                        spacing: quarter,
-                        ticks: width * quarter,
-                    };
-                    let most = best.map_or(f64::INFINITY, |best| best.energy);
-                    let found = self
-                        .attempt(&comb, (order, wanted), excess)
-                        .and_then(|plan| {
-                            possible = true;
-                            let energy = self.energy(&plan, &after, most)?;
-                            let plan = Some(plan);
-                            Some(Choice {
-                                plan,
-                                energy,
-                                ..as_is
-                            })
-                        });
-                    if let Some(choice) = found {
-                        take(best, choice);
-                    }
-                }
+        if !self.is_worth(wanted) {
+            return possible;
+        }
+        let after = self.profiles(Some(wanted));
+        let orders = [Order::Value, Order::Slope];
+        for (order, (count, width)) in orders
+            .iter()
+            .flat_map(|order| COMBS.map(|comb| (order, comb)))
+        {
+            let most = best.map_or(f64::INFINITY, |best| best.energy);
+            let comb = self.comb(count, width);
+            if self.energy_after(&comb, &after) >= most {
+                continue;
+            }
+            let Some(plan) = self.attempt(&comb, (*order, wanted), excess) else {
+                continue;
+            };
+            possible = true;
+            if let Some(energy) = self.energy(&plan, &after, most) {
+                let plan = Some(plan);
+                take(
+                    best,
+                    Choice {
+                        plan,
+                        energy,
+                        ..as_is
+                    },
+                );
             }
         }
         possible
     }
 
+    /// A comb that begins now.
+    fn comb(&self, count: usize, width: usize) -> Comb {
+        let quarter = self.meters[0].quarter;
+        Comb {
+            start: self.ahead.tick,
+            count,
+            spacing: quarter,
+            ticks: width * quarter,
+        }
+    }
+
+    /// The vibration after a correction.
+    fn energy_after(&self, comb: &Comb, after: &[Profile]) -> f64 {
+        let bins = comb.span().div_ceil(self.meters[0].quarter);
+        after.iter().map(|profile| profile.energy_after(bins)).sum()
+    }
+
     /// The vibration with a correction, if it is below `most`, and nowhere above that of the present command.
     fn energy(&self, plan: &Plan, after: &[Profile], most: f64) -> Option<f64> {
-        let span = (plan.comb.end() - self.ahead.tick) as usize;
+        let span = plan.comb.span();
         let bins = span.div_ceil(self.meters[0].quarter);
-        let mut energy = 0.0;
+        let mut energy = self.energy_after(&plan.comb, after);
         let mut during: Each<Profile> = Each::new();
-        for ((meter, past), after) in self.meters.iter().zip(&self.past).zip(after) {
-            let rest = after.energy_after(span.div_ceil(meter.quarter));
+        for (meter, past) in self.meters.iter().zip(&self.past) {
             let mut profile = Profile::from(*past, self.sent);
-            meter.follow(&mut profile, span, most - energy - rest, |k| {
+            meter.follow(&mut profile, span, most - energy, |k| {
                 let (base, planned) = self.command(k);
-                let added =
-                    plan.comb
-                        .output(self.tick(k), self.ahead.sample_time, &plan.amplitudes);
+                let tick = self.tick(k);
+                let added = plan
+                    .comb
+                    .output(tick, self.ahead.sample_time, &plan.amplitudes);
                 (sum(base, added), planned)
             });
-            energy += profile.energy + rest;
+            energy += profile.energy;
             if energy >= most {
                 return None;
             }
@@ -208,7 +220,7 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         (order, wanted): (Order, &[ModalState]),
         excess: Option<usize>,
     ) -> Option<Plan> {
-        let to = (comb.end() - self.ahead.tick) as usize;
+        let to = comb.span();
         let outside = excess.is_some_and(|last| last > to);
         if outside || comb.count < order.fewest_steps(wanted.len()) {
             return None;

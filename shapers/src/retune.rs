@@ -15,7 +15,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// `planned(k)` is the input at the `k`-th tick from now, `1 <= k <= remaining`; after that it
     /// stays where it is. The output is simulated ahead with a cross-fade to the new train. What everything
     /// sent and to be sent will leave, `phi = sum du_k exp(-lambda t_k)`, `lambda = -xi omega + j omega_d`, differs by
-    /// `d` from what is wanted: what the new train leaves of everything planned up to now, or nothing at all.
+    /// `d` from what is wanted: what the new train leaves of everything planned up to now; nothing, once the plan has ended.
     /// `N` smooth steps that begin at once, a quarter period apart, take the difference away; their amplitudes are
     /// the smallest (least norm) with
     ///
@@ -41,7 +41,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// have begun run to their end, the others are replaced (or, if the limits cannot be kept without them,
     /// added to). After the end of the command it cancels what still rings.
     ///
-    /// No allocation. Cost: the horizon, 6 times the remaining ticks times the taps, and up to 120 corrections
+    /// No allocation. Cost: the horizon, 6 times the remaining ticks times the taps, and up to 60 corrections
     /// of at most 7 periods; most are discarded early.
     pub fn retune(
         &mut self,
@@ -144,7 +144,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             schedule: &schedule,
         };
         let rest = self.simulate(Some(change), remaining)?;
-        let span = plan.map_or(0, |plan| plan.comb.end() - self.tick) as usize;
+        let span = plan.map_or(0, |plan| plan.comb.span());
         let end = rest.max(span);
         let forecast = self.forecast_of(request, (remaining, rest), known, (&change, total), None);
         let peaks = forecast.peaks(plan.as_ref(), end);
