@@ -16,7 +16,7 @@ use quell::service::state::StateFile;
 
 use super::faulty::Faulty;
 use super::oracle::Oracle;
-use super::world::{Asked, PERIOD, STANDSTILL, World, config};
+use super::world::{Asked, STANDSTILL, World, config};
 
 /// Sequences where nobody asks for more.
 const SEQUENCES: u32 = 400;
@@ -300,7 +300,7 @@ impl Lives {
             Op::TicksMissed(ticks) => {
                 world.miss(*ticks);
                 let now = world.clock.now();
-                self.oracle.delayed(*ticks as f64 * PERIOD, now);
+                self.oracle.delayed(*ticks, now);
             }
             Op::EngineSleeps(ticks) => world.engine_sleeps = *ticks,
             Op::WallJumps(by) => world.time.jump_wall(*by),
@@ -392,6 +392,37 @@ fn live(ops: &[Op], timed: bool, records: bool) -> Result<(), TestCaseError> {
     let file = StateFile::within(lives.data.path(), Disk::default());
     let _ = file.load();
     Ok(())
+}
+
+#[test]
+fn a_joint_may_count_as_not_heard_where_measurements_find_no_room() {
+    let far = Op::Move {
+        target: 0.3,
+        shaper: None,
+    };
+    let missed = Op::TicksMissed(700);
+    let nothing = Op::Shaping {
+        enabled: None,
+        kind: None,
+    };
+    let before = [
+        far.clone(),
+        missed.clone(),
+        missed.clone(),
+        Op::RobotIsSilent,
+        Op::RobotClockStartsAnew,
+    ];
+    live(&before, false, false).expect("a move that was asked for before");
+    let after = [
+        missed.clone(),
+        missed,
+        Op::Burst(8),
+        far,
+        nothing.clone(),
+        Op::Run(3),
+        nothing,
+    ];
+    live(&after, false, false).expect("a move that was asked for after");
 }
 
 proptest! {

@@ -11,6 +11,9 @@ use super::world::{Answered, PERIOD, Sent, WATCHDOG, World, beyond_limits};
 const STOP_SLACK: f64 = 0.02 + 0.4 + 3.0 * PERIOD;
 /// A slow start after a long gap falls back by so much, s: 1 / k of the limits, rounded up.
 const SLOW_START: f64 = 0.25;
+/// Measurements that wait for a tick; one more is lost. And so many are taken in each.
+const WAITING: usize = 8 * INBOX;
+const INBOX: usize = 128;
 
 /// Why the command may move.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +42,9 @@ pub struct Oracle {
     asked_at: f64,
     /// When a slow start after a gap may still go on, s.
     slow_until: f64,
+    /// Measurements that no tick has taken yet, where some were lost for that.
+    unread: usize,
+    lost: bool,
     pub timed: bool,
 }
 
@@ -53,6 +59,8 @@ impl Oracle {
             silent: f64::NEG_INFINITY,
             asked_at: 0.0,
             slow_until: 0.0,
+            unread: 0,
+            lost: false,
             timed,
         }
     }
@@ -163,6 +171,12 @@ impl Oracle {
         if silence > WATCHDOG - 2.0 * PERIOD {
             self.silent = now;
         }
+        // Of too many measurements the last are lost: the joint is not heard until one comes that is not.
+        self.unread = self.unread.saturating_sub(INBOX - 1);
+        if self.lost {
+            self.silent = now;
+            self.lost = self.unread > 0 || silence > 1.5 * PERIOD;
+        }
         let noticed = silence > WATCHDOG + 3.0 * PERIOD && world.engine_sleeps == 0;
         if noticed && let Licence::Move { .. } = self.licence {
             // The longest stop from full speed, within the limits.
@@ -176,7 +190,10 @@ impl Oracle {
         }
     }
 
-    pub fn delayed(&mut self, by: f64, now: f64) {
+    pub fn delayed(&mut self, ticks: usize, now: f64) {
+        let by = ticks as f64 * PERIOD;
+        self.unread += ticks;
+        self.lost |= self.unread > WAITING;
         self.slow_until = now + 2.0 * SLOW_START;
         if let Licence::Stop { until } = &mut self.licence {
             *until += by + SLOW_START;
