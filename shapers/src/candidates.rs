@@ -210,18 +210,15 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
                 (&change, total),
                 Some(present),
             );
-            let mut wanted = forecast.left();
-            // What is still to be planned for leaves what the train leaves of it; then nothing is to be left.
-            if remaining > 0 {
-                wanted = self.replayed(request, remaining, known, &wanted, fade > 0);
-            }
+            let left = forecast.left();
+            let replayed = self.replayed(request, remaining, known, &left, fade > 0);
             let as_is = Choice {
                 plan: None,
                 fade,
                 superseded,
                 energy: f64::INFINITY,
             };
-            if forecast.improve(&mut best, as_is, &wanted) {
+            if forecast.improve(&mut best, as_is, [&replayed, &left]) {
                 refusal = Refusal::NotWorth(0.0);
             }
         }

@@ -108,9 +108,14 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         .collect()
     }
 
-    /// Looks for a way of less vibration than `best`: with no correction, and with each that takes `wanted` away.
+    /// Looks for a way of less vibration than `best`: with no correction, and with each that takes one of `wanted` away.
     /// Whether there is one that keeps the limits, however much it vibrates.
-    pub fn improve(&self, best: &mut Option<Choice>, as_is: Choice, wanted: &[ModalState]) -> bool {
+    pub fn improve(
+        &self,
+        best: &mut Option<Choice>,
+        as_is: Choice,
+        wanted: [&[ModalState]; 2],
+    ) -> bool {
         let excess = self.excess();
         let alone = self.profiles(None);
         // Where steps are dropped, the sum of those that have begun must be undone.
@@ -119,9 +124,29 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
             let energy = energy(&alone);
             take(best, Choice { energy, ..as_is });
         }
-        if !self.is_worth(wanted) {
-            return possible;
+        let [replayed, left] = wanted;
+        possible |= self.correct(best, as_is, replayed, excess);
+        let between = left.iter().zip(replayed).map(|(left, own)| left.less(*own));
+        // Most trains leave nothing: then both are the same. What a train leaves by its design waits for the end.
+        let ended = self.ahead.planned.is_empty();
+        if (ended || self.is_worth(replayed)) && self.is_worth(&between.collect::<Each<_>>()) {
+            possible |= self.correct(best, as_is, left, excess);
         }
+        possible
+    }
+
+    /// As [`Self::improve`], with corrections that take `wanted` away.
+    fn correct(
+        &self,
+        best: &mut Option<Choice>,
+        as_is: Choice,
+        wanted: &[ModalState],
+        excess: Option<usize>,
+    ) -> bool {
+        if !self.is_worth(wanted) {
+            return false;
+        }
+        let mut possible = false;
         let after = self.profiles(Some(wanted));
         let orders = [Order::Value, Order::Slope];
         for (order, (count, width)) in orders

@@ -15,7 +15,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// `planned(k)` is the input at the `k`-th tick from now, `1 <= k <= remaining`; after that it
     /// stays where it is. The output is simulated ahead with a cross-fade to the new train. What everything
     /// sent and to be sent will leave, `phi = sum du_k exp(-lambda t_k)`, `lambda = -xi omega + j omega_d`, differs by
-    /// `d` from what is wanted: what the new train leaves of everything planned up to now; nothing, once the plan has ended.
+    /// `d` from what is wanted: what the new train leaves of everything planned up to now, or nothing at all.
     /// `N` smooth steps that begin at once, a quarter period apart, take the difference away; their amplitudes are
     /// the smallest (least norm) with
     ///
