@@ -13,7 +13,10 @@ pub fn start(verbose: u8) {
         _ => "trace",
     };
     let filter = EnvFilter::try_from_env("QUELL_LOG").unwrap_or_else(|_| EnvFilter::new(level));
+    // Where the log cannot be written (a full disk), its loss must not end what is logged: the subscriber would print
+    // of its own failure, and panic where that fails, too.
     tracing_subscriber::fmt()
+        .log_internal_errors(false)
         .with_env_filter(filter)
         .with_writer(io::stderr)
         .with_target(false)

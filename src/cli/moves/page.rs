@@ -74,6 +74,15 @@ fn sentence(comparison: &Comparison) -> String {
     )
 }
 
+/// When the tip has settled, in words.
+fn settled(trace: &MoveTrace) -> String {
+    let time = trace.settling_time(SETTLED);
+    time.map_or_else(
+        || "later than watched".to_owned(),
+        |time| format!("{time:.2} s"),
+    )
+}
+
 fn figures(comparison: &Comparison) -> Vec<Figure> {
     let unshaped = comparison.trace(MoveKind::Unshaped);
     let next = comparison.trace(MoveKind::AdaptiveNext);
@@ -84,15 +93,8 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
         )
         .unit("mm")
         .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
-        Figure::new(
-            "settled after",
-            next.settling_time(SETTLED).unwrap_or(f64::NAN),
-            "s",
-        )
-        .note(format!(
-            "{:.2} s unshaped, to 0.05 mm",
-            unshaped.settling_time(SETTLED).unwrap_or(f64::NAN)
-        )),
+        Figure::text("settled after", settled(next))
+            .note(format!("{} unshaped, to 0.05 mm", settled(unshaped))),
         Figure::new("added delay", next.added_delay() * 1e3, "ms").note("of the command"),
     ];
     if let Some(learned) = Learned::from(comparison) {
@@ -107,12 +109,10 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
                 .unit("Hz")
                 .note(truth),
         );
-        let ms = learned.converged_at.map_or(f64::NAN, |time| time * 1e3);
-        let periods = learned.periods().unwrap_or(f64::NAN);
-        figures.push(
-            Figure::new("learned after", ms, "ms")
-                .note(format!("{periods:.1} periods after the move began")),
-        );
+        if let (Some(time), Some(periods)) = (learned.converged_at, learned.periods()) {
+            let figure = Figure::new("learned after", time * 1e3, "ms");
+            figures.push(figure.note(format!("{periods:.1} periods after the move began")));
+        }
     }
     figures
 }
