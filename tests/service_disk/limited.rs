@@ -1,5 +1,6 @@
 //! A real limit: the system lets the process write no more than some kilobytes into a file.
 
+use std::fs::File;
 use std::process::Command;
 
 use rustix::process::{Pid, Resource, Rlimit, prlimit};
@@ -18,7 +19,9 @@ fn a_disk_that_takes_no_moves_is_told_everywhere_and_moves_go_on() {
     let limited = format!("trap '' XFSZ; ulimit -S -f {BLOCKS}; exec \"$@\"");
     let mut command = Command::new("bash");
     command.args(["-c", &limited, "bash", env!("CARGO_BIN_EXE_quell")]);
-    let process = start(command.args(arguments(data.path())));
+    // The log is on that disk, too: what cannot be logged ends nothing.
+    let log = File::create(data.path().join("log")).expect("a log");
+    let process = start(command.args(arguments(data.path())).stderr(log));
     let mut client = Client::new(process.address);
     let state = until(&mut client, "/api/state", "it runs", |state| {
         state["joints"][0]["phase"] == "rest"
