@@ -5,6 +5,7 @@ mod small;
 use assert_cmd::Command;
 use proptest::prelude::*;
 use serde_json::Value;
+use small::MANIFEST;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -12,21 +13,6 @@ use tempfile::TempDir;
 
 /// Time, motor position and deformation of a sample, s and rad.
 type Row = [f64; 3];
-
-const MANIFEST: &str = r#"name = "joint"
-[[channel]]
-role = "motor_position"
-file = "data.csv"
-time = "time_s"
-column = "motor_rad"
-unit = "rad"
-[[channel]]
-role = "deformation"
-file = "data.csv"
-time = "time_s"
-column = "deformation_rad"
-unit = "rad"
-"#;
 
 /// A move there and back of a joint that rings.
 fn good() -> Vec<Row> {

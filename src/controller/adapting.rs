@@ -118,11 +118,9 @@ impl Axis {
         next: &GridTrain,
         ahead: &Ahead<'_>,
     ) -> Option<Decision> {
-        let known_better = || !self.corrected.is_near(estimate.mode);
-        if self.filter.is_correcting() && !known_better() {
-            return None;
-        }
-        if !self.adaptation.may_correct(estimate, next) {
+        // A correction under way is made anew only for an estimate beyond the error of its own.
+        let corrects_for_it = self.filter.is_correcting() && self.corrected.is_near(estimate.mode);
+        if corrects_for_it || !self.adaptation.may_correct(estimate, next) {
             return None;
         }
         let present = self.next_train();

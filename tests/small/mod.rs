@@ -13,7 +13,8 @@ const FREQUENCY: f64 = 4.0 * TAU;
 const DAMPING: f64 = 0.05;
 const NOISE: f64 = 6e-6;
 
-const MANIFEST: &str = r#"name = "joint"
+/// Of a motor position and a deformation in `data.csv`.
+pub const MANIFEST: &str = r#"name = "joint"
 [[channel]]
 role = "motor_position"
 file = "data.csv"
