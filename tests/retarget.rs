@@ -130,12 +130,13 @@ fn rest(position: f64) -> [AxisState; 1] {
     [AxisState::at_rest(position)]
 }
 
-/// What a mid-move event leaves, rad, and the loop.
+/// What a mid-move event leaves, rad, and the loop. A plan that is refused changes nothing.
 fn interrupted(error: f64, shaper: Option<&str>, at: usize, target: Option<f64>) -> (f64, Loop) {
     let planner = Planner::new(1).expect("a planner");
     let first = planner.plan(&rest(0.0), &rest(0.5), &[LIMITS]);
+    let first = first.expect("a plan");
     let mut running = Loop::new(error, shaper);
-    running.load(&first.expect("a plan"));
+    running.load(&first);
     running.run(at);
     // While a correction is under way, a plan that goes to the limits at once may not be possible.
     let plan = loop {
@@ -155,6 +156,10 @@ fn interrupted(error: f64, shaper: Option<&str>, at: usize, target: Option<f64>)
         }
         assert!(running.sent.len() < at + LONGEST_CORRECTION);
     };
+    let mut unasked = Loop::new(error, shaper);
+    unasked.load(&first);
+    unasked.run(running.sent.len() - 1);
+    assert_eq!(unasked.sent, running.sent);
     let left = running.ringing();
     let end = plan.end()[0].position;
     assert_eq!(running.sent.last().map(|s| s.position), Some(end));
@@ -216,4 +221,10 @@ fn a_plan_that_does_not_continue_the_motion_is_refused() {
     );
     running.settle();
     assert_eq!(running.planned().position, 0.5);
+}
+
+#[test]
+fn a_plan_is_refused_for_no_longer_than_the_correction_lasts() {
+    let (_, running) = interrupted(-0.152_448_846_282_620_18, Some("zv"), 140, Some(0.0));
+    running.check().expect("the limits are kept");
 }

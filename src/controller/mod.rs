@@ -154,13 +154,10 @@ impl Controller {
         }
         // From rest the first sample is sent too: the same position for a tick more.
         let cursor = usize::from(self.is_moving());
-        if let Err((axis, reason)) = self.follow(Some(&plan), cursor) {
-            let present = self.plan.take();
-            // The present plan's corrections, which were possible a tick ago, are restored.
-            let _ = self.follow(present.as_ref(), self.cursor);
-            self.plan = present;
+        if let Err((axis, reason)) = self.prepare(&plan, cursor) {
             return Err((plan, LoadError::Correction { axis, reason }));
         }
+        self.axes.iter_mut().for_each(Axis::take_new_plan);
         if self.is_settled() {
             self.axes.iter_mut().for_each(Axis::begin_move);
         }
@@ -168,15 +165,11 @@ impl Controller {
         Ok(self.plan.replace(plan))
     }
 
-    /// Makes the corrections that are under way anew for a plan.
-    fn follow(
-        &mut self,
-        plan: Option<&SampledTrajectory>,
-        cursor: usize,
-    ) -> Result<(), (usize, Refusal)> {
+    /// Looks for corrections that go on with a plan, for all axes, before any is taken.
+    fn prepare(&mut self, plan: &SampledTrajectory, cursor: usize) -> Result<(), (usize, Refusal)> {
         for (index, axis) in self.axes.iter_mut().enumerate() {
-            let ahead = Ahead::new(plan, index, cursor, self.planned[index]);
-            axis.follow(&ahead).map_err(|refusal| (index, refusal))?;
+            let ahead = Ahead::new(Some(plan), index, cursor, self.planned[index]);
+            axis.prepare(&ahead).map_err(|refusal| (index, refusal))?;
         }
         Ok(())
     }
