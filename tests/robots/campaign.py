@@ -26,8 +26,8 @@ import urllib.request
 ARM = pathlib.Path(__file__).with_name("udp_arm.py")
 # Steps of the arm a second.
 ARM_RATE = 1000.0
-# Limits hold for corrections, too; a slow start after missed ticks may exceed the jerk by 1 % as sampled.
-SLOW_START = 1.01
+# Limits hold for corrections and slow starts, too, but for rounding.
+ROUNDING = 1 + 1e-9
 # Buffers and threads of the service have come to their size after so many moves; what grows from then on is a leak.
 MOVES_TO_SIZE = 20
 # A longer silence has stopped the robot: after it the command starts slowly, from where it was.
@@ -306,7 +306,7 @@ def judge_residuals(verdict, done, jump):
 
 
 def judge_setpoints(verdict, log, limits, rate, joints=1):
-    velocity, acceleration, jerk = (SLOW_START * limit for limit in limits)
+    velocity, acceleration, jerk = (ROUNDING * limit for limit in limits)
     period, last, count, gaps, late = 1.0 / rate, {}, 0, 0, 0
     worst = dict.fromkeys(("velocity", "acceleration", "jerk", "position jump"), 0.0)
     with open(log) as file:
@@ -329,7 +329,7 @@ def judge_setpoints(verdict, log, limits, rate, joints=1):
                     ("velocity", abs(now["velocity"]) / velocity),
                     ("acceleration", abs(now["acceleration"]) / acceleration),
                     ("jerk", (change - 1e-6) / jerk),
-                    ("position jump", (jump - 1e-13) / (jerk * gone**3 / 6)),
+                    ("position jump", (jump - 1e-13) / (jerk * gone**3 * 5 / 24)),
                 ):
                     worst[key] = max(worst[key], value)
             elif before:

@@ -348,8 +348,7 @@ impl Asked {
 /// What of two setpoints in succession no plan within the limits makes, in words.
 pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
     use quell::service::tick::pace::bridged;
-    // A slow start after missed ticks may exceed the jerk by 1 % as sampled.
-    let allowed = 1.01;
+    let allowed = 1.0 + 1e-9;
     let apart = ((now.0 - before.0) / PERIOD).round();
     let stood = apart as u64 > bridged(PERIOD) + 1;
     let gone = if timed { apart * PERIOD } else { PERIOD };
@@ -371,8 +370,8 @@ pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
             false => {
                 let change = (to.acceleration - from.acceleration) / gone;
                 let mean = 0.5 * (from.velocity + to.velocity);
-                // The trapezoidal rule's error where the jerk is bounded.
-                let bound = jerk * gone.powi(3) / 6.0 * allowed + 1e-13;
+                // The trapezoidal rule's error where the jerk is bounded, and that of velocities between two samples.
+                let bound = jerk * gone.powi(3) * (1.0 / 12.0 + 1.0 / 8.0) * allowed + 1e-13;
                 too_much("jerk", change, jerk * allowed + 1e-6)
                     .or_else(|| too_much("jump", way - gone * mean, bound))
             }

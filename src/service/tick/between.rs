@@ -32,3 +32,18 @@ pub fn between([from, to]: [Setpoint; 2], share: f64, period: f64) -> Setpoint {
         acceleration: bend / (period * period),
     }
 }
+
+/// [`between`] with the linear velocity and acceleration: these keep every limit that the setpoints keep, and their
+/// slopes are mean acceleration and mean jerk of the period. They differ from the derivatives of the position by up
+/// to `j h^2 / 8` and `j h / 2`, with `j` the limit of the jerk and `h` the period.
+pub fn within_limits(pair: [Setpoint; 2], share: f64, period: f64) -> Setpoint {
+    if share >= 1.0 {
+        return pair[1];
+    }
+    let linear = |of: fn(Setpoint) -> f64| of(pair[0]) + share * (of(pair[1]) - of(pair[0]));
+    Setpoint {
+        position: between(pair, share, period).position,
+        velocity: linear(|setpoint| setpoint.velocity),
+        acceleration: linear(|setpoint| setpoint.acceleration),
+    }
+}

@@ -3,7 +3,7 @@
 use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
-use super::between::between;
+use super::between::within_limits;
 use super::hearing::{Change, FOLLOWED, Hearing, Watchdog};
 use super::messages::{AxisReport, Event, JointReport, NotTaken, Plan, Taken, TrainOrder};
 use super::pace::Stride;
@@ -253,7 +253,7 @@ impl JointTick {
     /// What is to be sent after a stride, if the joint is commanded.
     pub fn setpoint(&mut self, stride: &Stride, period: f64) -> Option<Setpoint> {
         self.controller.as_ref()?;
-        let at = between(self.command, 1.0 - stride.behind, period);
+        let at = within_limits(self.command, 1.0 - stride.behind, period);
         let setpoint = Setpoint {
             position: at.position,
             velocity: at.velocity * stride.rate,

@@ -32,7 +32,8 @@
 //!
 //! by `r' = 2 k sqrt(r) (1 - r)` and `r'' = 2 k^2 (1 - 3 r) (1 - r)`: the sum over its bound is largest at
 //! r = 1 for the acceleration; for the jerk `r^1.5 <= (1 + r + r^2) / 3` and `|1 - 3 r| <= 1 + r + r^2`
-//! make the two terms beside `J r^3` less than `(2 A k + 2 V k^2) (1 - r^3)`. The command falls back by
+//! make the two terms beside `J r^3` less than `(2 A k + 2 V k^2) (1 - r^3)`. Between two setpoints `x'` and `x''`
+//! are linear, so that the bounds hold for what is sent, too. The command falls back by
 //! 1 / k in all, which is made a whole number of periods, so that it ends on its own samples.
 
 use quell_trajectories::Limits;
