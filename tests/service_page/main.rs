@@ -2,6 +2,7 @@
 //! read, and any error of its scripts fails the test. Without Chromium this is skipped with a word.
 
 mod browser;
+mod disk;
 mod keys;
 mod process;
 mod radians;
