@@ -1,21 +1,18 @@
-//! Quell: adaptive input shaping for flexible robot joints.
+//! Adaptive input shaping for flexible robot joints, and diagnosis of what a model of them lacks.
 //!
-//! Rooms, lowest floor first: [`signal`] and [`recording`], [`estimators`], [`plant`] and
-//! [`adaptation`], [`controller`], [`report`], [`cli`]. A room uses only rooms below it.
+//! The crate gathers the libraries of the workspace under one name.
 
-pub mod adaptation;
+pub use quell_control::{adaptation, controller, estimators};
+pub use quell_diagnosis as diagnosis;
+pub use quell_identification as identification;
+pub use quell_model as model;
+pub use quell_model::effects;
+pub use quell_proof as proof;
+pub use quell_recording as recording;
+pub use quell_report as report;
+pub use quell_signal as signal;
+pub use quell_simulation::{closed_loop, plant};
+
 pub mod batch;
 pub mod cli;
-pub mod closed_loop;
-pub mod controller;
-pub mod diagnosis;
-pub mod effects;
-pub mod estimators;
-pub mod identification;
-pub mod model;
-pub mod plant;
-pub mod proof;
-pub mod recording;
-pub mod report;
 pub mod service;
-pub mod signal;

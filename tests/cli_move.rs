@@ -7,7 +7,7 @@ use tempfile::TempDir;
 fn bad_input_is_refused() {
     let folder = TempDir::new().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    let robot = include_str!("../src/plant/rx170.toml");
+    let robot = include_str!("../crates/simulation/src/plant/rx170.toml");
     write(
         "fast.toml",
         &robot.replace("rate_hz = 333.0", "rate_hz = 1e12"),

@@ -123,7 +123,7 @@ fn every_entry_is_well_formed() {
         name.chars()
             .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
     };
-    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/effects");
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/model/src/effects");
     for effect in EFFECTS {
         let name = effect.name;
         assert!(word(name), "{name}");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 #[test]
 fn bad_descriptions_are_refused_with_file_key_and_value() {
-    let good = include_str!("../../src/plant/rx170.toml");
+    let good = include_str!("../../crates/simulation/src/plant/rx170.toml");
     for (from, to, says) in [
         (
             "damping_ratio = 0.084",

@@ -29,9 +29,6 @@ const MOVES: &str = include_str!("../../../assets/service/moves.js");
 const CHARTS: &str = include_str!("../../../assets/service/charts.js");
 const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
 const ICON: &str = include_str!("../../../assets/service/icon.svg");
-const REPORT_STYLE: &str = include_str!("../../../assets/report.css");
-const UPLOT: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.iife.min.js");
-const UPLOT_STYLE: &str = include_str!("../../../assets/uplot-1.6.32/uPlot.min.css");
 
 /// Path, type and text of each file.
 const FILES: [(&str, &str, &str); 13] = [
@@ -45,9 +42,9 @@ const FILES: [(&str, &str, &str); 13] = [
     ("/moves.js", JS, MOVES),
     ("/recordings.js", JS, RECORDINGS),
     ("/icon.svg", SVG, ICON),
-    ("/report.css", CSS, REPORT_STYLE),
-    ("/uplot.js", JS, UPLOT),
-    ("/uplot.css", CSS, UPLOT_STYLE),
+    ("/report.css", CSS, quell_report::STYLE),
+    ("/uplot.js", JS, quell_report::UPLOT_SCRIPT),
+    ("/uplot.css", CSS, quell_report::UPLOT_STYLE),
 ];
 
 /// Adds the page's files to the routes.

@@ -1,0 +1,61 @@
+//! What an axis is told before its first tick.
+
+use quell_shapers::{Mode, MotionLimits, Shaper};
+use quell_trajectories::Limits;
+
+use crate::adaptation::AdaptationSettings;
+use crate::estimators::{EstimatorEntry, Settings};
+use quell_signal::{DeformationSensor, RestRule};
+
+/// When a new train takes effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RetunePolicy {
+    /// With the next move: the running command is left as it is.
+    AtRest,
+    /// At once: a cross-fade, and a correction that cancels what the old train would have left.
+    InMotion,
+}
+
+/// What an axis is told before its first tick.
+pub struct AxisSettings {
+    /// Control period, s.
+    pub sample_time: f64,
+    /// Limits of the joint; corrections are checked against them.
+    pub limits: Limits,
+    /// The rule that designs trains; `None` sends the plan as it is.
+    pub shaper: Option<&'static dyn Shaper>,
+    /// The mode that is shaped for until a better one is learned.
+    pub belief: Mode,
+    /// Whether the train follows the estimate.
+    pub adaptive: bool,
+    /// When a new train takes effect.
+    pub retune: RetunePolicy,
+    /// Method of estimation.
+    pub estimator: &'static EstimatorEntry,
+    /// What the estimator is told.
+    pub estimation: Settings,
+    /// What the adaptation believes and acts on.
+    pub adaptation: AdaptationSettings,
+    /// What counts as rest of the motor side.
+    pub rest: RestRule,
+    /// From measurements to deformation.
+    pub sensor: DeformationSensor,
+    /// Longest train, s; sizes the delay line.
+    pub longest_train: f64,
+    /// Longest move, s; sizes the memory of what was sent.
+    pub longest_move: f64,
+}
+
+/// The planner's limits as the shapers' crate names them; the two crates do not know each other.
+pub fn motion_limits(limits: Limits) -> MotionLimits {
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = limits;
+    MotionLimits {
+        velocity,
+        acceleration,
+        jerk,
+    }
+}

@@ -1,0 +1,85 @@
+//! Between which bounds the unknowns lie, and how large a change of them is typical.
+
+use super::point::{Global, Point};
+use super::problem::Problem;
+use quell_model::Term;
+use quell_model::chain::MotorSide;
+use quell_model::effects::Quantity;
+use std::f64::consts::TAU;
+
+/// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
+/// weight, at the end of an arm whose own weight is spread over it.
+const HEAVIEST: (f64, f64) = (0.05, 20.0);
+
+impl Problem<'_> {
+    /// The effect by which part of the damping is tied to the ground, and its share of the damping ratio,
+    /// `c w / 2`: how fast a joint rings out is what is known of its damper, not what the damper is tied to.
+    pub fn damper_to_ground(&self, point: &Point) -> Option<(usize, f64)> {
+        let (frequency, _) = self.kind.mode?;
+        let input = self.experiments.first()?.input;
+        let motor = (self.kind.linear)(&point.keys, input).motor;
+        let drag = |term: &Term| term.effect.name == "viscous_drag";
+        let index = point.terms.iter().position(drag)?;
+        let half = 0.5 * TAU * point.keys[frequency];
+        (motor == MotorSide::Prescribed).then_some((index, half * point.terms[index].values[0]))
+    }
+
+    /// Bounds of an unknown, in its own unit.
+    pub fn limits(&self, point: &Point, global: Global) -> (f64, f64) {
+        match global {
+            Global::Key(key) if self.kind.mode.is_some_and(|mode| mode.1 == key) => {
+                let (low, high) = self.bounds[key];
+                match self.damper_to_ground(point) {
+                    Some(_) => (self.kind.keys[key].range.0.min(low), high),
+                    None => (low, high),
+                }
+            }
+            Global::Key(key) => self.bounds[key],
+            Global::Parameter(term, parameter) => {
+                let physical = point.terms[term].effect.parameters[parameter].bounds;
+                let (low, high) = physical(&self.scales);
+                match self
+                    .given(term, parameter)
+                    .filter(|_| term < point.given_terms)
+                {
+                    Some(given) => given
+                        .bounds
+                        .unwrap_or((low.min(given.value), high.max(given.value))),
+                    None => (low, high),
+                }
+            }
+            Global::Inertia(_) => HEAVIEST,
+        }
+    }
+
+    /// Typical size of an unknown as the fit sees it.
+    pub fn typical(&self, point: &Point, global: Global) -> f64 {
+        match global {
+            Global::Key(key) => match self.logarithmic(global) {
+                true => 1.0,
+                false => point.keys[key].abs().max(1e-3),
+            },
+            Global::Parameter(term, parameter) => {
+                let parameter = &point.terms[term].effect.parameters[parameter];
+                (parameter.typical)(&self.scales).abs()
+            }
+            Global::Inertia(_) => 1.0,
+        }
+    }
+
+    /// Change of an unknown over which the residual is far from straight: its typical size, or a tenth of what
+    /// it is; of a place and an instant what the link does about them, however far they are from where
+    /// counting began.
+    pub fn reach(&self, point: &Point, global: Global) -> f64 {
+        let typical = self.typical(point, global);
+        let quantity = match global {
+            Global::Parameter(term, index) => point.terms[term].effect.parameters[index].quantity,
+            _ => Quantity::NUMBER,
+        };
+        match quantity {
+            Quantity::POSITION => typical.min(self.scales.deformation),
+            Quantity::TIME => typical.min(self.scales.period() / TAU),
+            _ => typical.max(0.1 * self.get(point, global).abs().min(1e3)),
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! Descent to the least cost: damped Gauss-Newton steps whose Jacobian is learned on the way.
+//!
+//! A Jacobian costs a simulation for each unknown, a step costs one. So the Jacobian is taken once and
+//! then corrected by what every step shows (a rank-one update), and taken again only where a step
+//! fails or before the fit ends. Sources: Marquardt, SIAM J. Applied Mathematics 11 (1963); Broyden,
+//! Mathematics of Computation 19 (1965).
+
+use super::fit::{Evaluated, Fitted, Linearised, Projector};
+use super::normal::solve;
+use super::point::Point;
+use super::problem::Problem;
+use nalgebra::{DMatrix, DVector};
+use quell_model::effects::has_many_minima;
+
+/// Damping at the start, as a share of the normal matrix' diagonal.
+const DAMPING: f64 = 1e-3;
+/// Least damping: the normal matrix' diagonal has that much of rounding and of differences in it.
+const LEAST_DAMPING: f64 = 1e-6;
+/// Dampings that are tried for one step: up to one as short as that of steepest descent.
+const TRIES: usize = 8;
+/// Share of the promised fall of the cost below which the Jacobian is taken again (More, Numerical
+/// Analysis, Lecture Notes in Mathematics 630 (1978): below a quarter the step was too long).
+const POOR: f64 = 0.25;
+
+/// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
+/// many as there are unknowns.
+const LEARNED: usize = 12;
+
+/// A fit on its way.
+pub struct Descent<'a> {
+    problem: &'a Problem<'a>,
+    projector: &'a Projector,
+    point: Point,
+    linear: Linearised,
+    damping: f64,
+    /// Whether the Jacobian was taken at this point.
+    exact: bool,
+}
+
+impl Problem<'_> {
+    /// Fits all unknowns from a point on, in at most `iterations` steps.
+    pub fn fit(&self, start: &Point, projector: &Projector, iterations: usize) -> Fitted {
+        let mut descent = Descent::new(self, projector, start, None);
+        descent.run(iterations);
+        descent.end()
+    }
+}
+
+impl<'a> Descent<'a> {
+    /// From a point on; `near` is known of a point that has all unknowns but those of the last effect.
+    pub fn new(
+        problem: &'a Problem<'a>,
+        projector: &'a Projector,
+        start: &Point,
+        near: Option<&Linearised>,
+    ) -> Self {
+        let at = problem.evaluate(start, projector);
+        Self {
+            problem,
+            projector,
+            point: start.clone(),
+            linear: problem.slopes(start, projector, at, near),
+            damping: DAMPING,
+            exact: near.is_none(),
+        }
+    }
+
+    /// The least cost so far.
+    pub fn cost(&self) -> f64 {
+        self.linear.cost
+    }
+
+    /// One step, if the Jacobian as it is known leads to one.
+    pub fn glance(&mut self) {
+        self.attempt(1);
+    }
+
+    /// Makes at most this many steps; fewer where nothing more is gained.
+    pub fn run(&mut self, iterations: usize) {
+        for _ in 0..iterations {
+            let before = self.linear.cost;
+            self.step();
+            if self.is_little(before - self.linear.cost) {
+                return;
+            }
+        }
+    }
+
+    /// The same, given up where a rival is ahead and two steps in a row came nearer to it by so little that
+    /// all that are left would not reach it.
+    pub fn race(&mut self, iterations: usize, rival: f64) {
+        let mut slow = 0;
+        for left in (0..iterations).rev() {
+            let before = self.linear.cost;
+            self.step();
+            let fall = before - self.linear.cost;
+            let behind = self.linear.cost - rival;
+            slow = if fall * left as f64 <= behind {
+                slow + 1
+            } else {
+                0
+            };
+            if self.is_little(fall) || slow == 2 {
+                return;
+            }
+        }
+    }
+
+    /// Whether the misfit has many minima over the size of the last effect.
+    pub fn winds(&self) -> bool {
+        let last = self.point.terms.last();
+        last.is_some_and(|term| has_many_minima(term.effect.name))
+    }
+
+    /// The normal matrix where it is.
+    pub fn normal(&self) -> DMatrix<f64> {
+        self.problem.normal(&self.point, &self.linear)
+    }
+
+    /// Another one, a step away; its Jacobian is this one's until a step shows better.
+    pub fn stepped(&self, step: &DVector<f64>) -> Self {
+        let (own, problem) = (&self.linear, self.problem);
+        let point = problem.stepped(&self.point, &own.globals, step);
+        let there = problem.evaluate(&point, self.projector);
+        Self {
+            linear: Linearised {
+                runs: there.runs,
+                residuals: there.residuals,
+                cost: there.cost,
+                jacobians: own.jacobians.clone(),
+                globals: own.globals.clone(),
+                departures: own.departures.clone(),
+            },
+            point,
+            damping: DAMPING,
+            exact: false,
+            ..*self
+        }
+    }
+
+    /// Where it ended.
+    pub fn end(self) -> Fitted {
+        Fitted {
+            cost: self.linear.cost,
+            globals: self.linear.globals,
+            point: self.point,
+        }
+    }
+
+    /// Whether a fall of the cost decides nothing: a hundredth of a unit of chi-squared.
+    fn is_little(&self, fall: f64) -> bool {
+        fall < 0.01 + 1e-6 * self.linear.cost
+    }
+
+    /// One step. With a Jacobian that was learned a step that fails, or does hardly anything, is made
+    /// again with one that is taken.
+    fn step(&mut self) {
+        let before = self.linear.cost;
+        self.attempt(if self.exact { TRIES } else { 1 });
+        if !self.exact && self.is_little(before - self.linear.cost) {
+            self.take_jacobian();
+            self.attempt(TRIES);
+        }
+    }
+
+    /// Tries more and more damped steps until one lowers the cost.
+    fn attempt(&mut self, tries: usize) {
+        let (point, linear) = (&self.point, &self.linear);
+        let normal = self.problem.normal(point, linear);
+        let gradient = self.problem.gradient(point, linear, &linear.residuals);
+        for _ in 0..tries {
+            if let Some((next, promised)) = self.proposed(&normal, gradient.clone()) {
+                if self.is_little(promised) {
+                    return;
+                }
+                let there = self.problem.evaluate(&next, self.projector);
+                if there.cost < self.linear.cost {
+                    self.accept(next, there);
+                    self.damping = (self.damping * 0.1).max(LEAST_DAMPING);
+                    return;
+                }
+            }
+            self.damping *= 10.0;
+        }
+    }
+
+    /// The damped step and the fall of the cost that it promises. Unknowns that it would push through
+    /// a bound stay where they are.
+    fn proposed(&self, normal: &DMatrix<f64>, mut gradient: DVector<f64>) -> Option<(Point, f64)> {
+        let globals = &self.linear.globals;
+        let mut free = normal.clone();
+        loop {
+            let step = solve(&free, &gradient, self.damping)?;
+            let next = self.problem.moved(&self.point, globals, &step);
+            let held = globals.iter().enumerate().filter(|&(i, &global)| {
+                let stays =
+                    self.problem.get(&next, global) == self.problem.get(&self.point, global);
+                stays && gradient[i] != 0.0
+            });
+            let held: Vec<usize> = held.map(|(i, _)| i).collect();
+            if held.is_empty() {
+                let promised = 2.0 * gradient.dot(&step) - step.dot(&(&free * &step));
+                return Some((next, promised));
+            }
+            for i in held {
+                gradient[i] = 0.0;
+                free.row_mut(i).fill(0.0);
+                free.column_mut(i).fill(0.0);
+            }
+        }
+    }
+
+    /// Moves to a better point and corrects the Jacobian by what the step has shown.
+    fn accept(&mut self, next: Point, there: Evaluated) {
+        let globals = &self.linear.globals;
+        let mut promised = self.problem.disbelief(&next);
+        let (mut ways, mut corrections) = (Vec::new(), Vec::new());
+        for (e, jacobian) in self.linear.jacobians.iter().enumerate() {
+            let way = self.problem.way(&self.point, &next, globals, e);
+            let expected = &self.linear.residuals[e] + jacobian * &way;
+            promised += expected.norm_squared();
+            corrections.push(&there.residuals[e] - expected);
+            ways.push(way);
+        }
+        let fell = self.linear.cost - there.cost;
+        let many = ways.iter().any(|way| way.len() > LEARNED);
+        self.exact = many || fell < POOR * (self.linear.cost - promised);
+        self.point = next;
+        if self.exact {
+            self.linear = self
+                .problem
+                .slopes(&self.point, self.projector, there, None);
+            return;
+        }
+        for (e, way) in ways.iter().enumerate() {
+            self.correct(e, way, &corrections[e]);
+        }
+        let linear = &mut self.linear;
+        (linear.runs, linear.residuals, linear.cost) = (there.runs, there.residuals, there.cost);
+    }
+
+    /// The least change of a Jacobian, its unknowns in units of their typical sizes, that makes it
+    /// explain a step.
+    fn correct(&mut self, e: usize, way: &DVector<f64>, missed: &DVector<f64>) {
+        let sizes = self.problem.sizes(&self.point, &self.linear.globals, e);
+        let scaled = way.component_div(&sizes);
+        let square = scaled.norm_squared();
+        if square > 0.0 {
+            let direction = scaled.component_div(&sizes) / square;
+            self.linear.jacobians[e].ger(1.0, missed, &direction, 1.0);
+        }
+    }
+
+    /// Takes the Jacobian at the present point.
+    fn take_jacobian(&mut self) {
+        if !self.exact {
+            self.linear = self.problem.linearise(&self.point, self.projector);
+            self.exact = true;
+        }
+    }
+}

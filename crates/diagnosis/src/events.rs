@@ -1,0 +1,101 @@
+//! Events that happen more than once: a machine that was knocked against is knocked against again.
+
+use super::descent::Descent;
+use super::explanation::Explanation;
+use super::point::{Global, Point};
+use super::race::SHORT;
+use super::search::{STRONG, Search};
+use quell_model::Term;
+use quell_model::effects::recurs;
+use std::cmp::Ordering;
+
+/// Steps in which the size of an event is found at the instant at which it is suspected.
+const SIZE: usize = 2;
+
+impl Search<'_> {
+    /// An explanation whose last effect is an event, with further ones of its kind at the instants at which
+    /// something seems to happen: each must lower the criterion as much as an effect of its own.
+    pub(super) fn recurring(&self, explanation: Explanation) -> Explanation {
+        let point = &explanation.fitted.point;
+        let Some(event) = point.terms.last().filter(|term| recurs(term.effect.name)) else {
+            return explanation;
+        };
+        let suspects = &self.problem.scales.suspects;
+        let (effect, place) = (event.effect, event.place);
+        let worth = STRONG + 2.0 * (suspects.len().max(1) as f64).ln();
+        let mut best = explanation.clone();
+        for &time in suspects {
+            let point = &best.fitted.point;
+            let own = point.terms.iter().filter(|term| is_like(term, event));
+            // Its size comes first among an event's parameters, its time last.
+            let mut times = own.filter_map(|term| term.values.last());
+            if times.any(|own| (own - time).abs() <= self.problem.scales.period()) {
+                continue;
+            }
+            let mut values = effect.neutral();
+            values.pop();
+            values.push(time);
+            let next = self.with_event(&point.with(effect, place, values));
+            if self.criterion(&next) < self.criterion(&best) - worth * self.unit(&next) {
+                best = next;
+            }
+        }
+        match best.fitted.point.terms.len() > point.terms.len() {
+            true => self.together(best, event, worth),
+            false => explanation,
+        }
+    }
+
+    /// Events in the order of their times, all fitted together, without those that the others have made needless.
+    fn together(&self, found: Explanation, event: &Term, worth: f64) -> Explanation {
+        let mut point = found.fitted.point;
+        let mut added = point.terms.split_off(point.given_terms);
+        let time = |term: &Term| (is_like(term, event)).then(|| term.values.last().copied());
+        let order = |a: &Term, b: &Term| time(a).flatten().partial_cmp(&time(b).flatten());
+        added.sort_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
+        point.terms.append(&mut added);
+        let mut best = self.refitted(&point);
+        loop {
+            let point = &best.fitted.point;
+            let events = (point.given_terms..point.terms.len())
+                .filter(|&term| is_like(&point.terms[term], event));
+            let events: Vec<usize> = events.collect();
+            if events.len() < 2 {
+                return best;
+            }
+            let without: Vec<Explanation> = events
+                .into_iter()
+                .map(|term| self.refitted(&point.without(term)))
+                .collect();
+            match self.lowest(without.iter()) {
+                Some(next)
+                    if self.criterion(next) < self.criterion(&best) + worth * self.unit(&best) =>
+                {
+                    best = next.clone();
+                }
+                _ => return best,
+            }
+        }
+    }
+
+    /// A structure whose last term is an event: its size first, then all.
+    fn with_event(&self, point: &Point) -> Explanation {
+        let mut held = point.clone();
+        let term = point.terms.len() - 1;
+        let last = point.terms[term].values.len() - 1;
+        held.held = vec![Global::Parameter(term, last)];
+        let fitted = |point: &Point, steps| {
+            let mut descent = Descent::new(self.problem, self.projector, point, None);
+            descent.run(steps);
+            descent.end()
+        };
+        let mut sized = fitted(&held, SIZE).point;
+        sized.held.clear();
+        self.judge.judge(self.problem, fitted(&sized, SHORT))
+    }
+}
+
+/// Whether two terms are the same effect at the same place.
+fn is_like(own: &Term, other: &Term) -> bool {
+    own.identity() == other.identity()
+}

@@ -1,0 +1,122 @@
+//! What the channels of a recording carry, before any model is fitted to them.
+
+use super::words::{figure, still};
+use crate::error::DiagnosisError;
+use quell_model::Model;
+use quell_recording::{Channel, Recording, Role};
+
+/// Fewest samples that tell a noise: five third differences, of which a median is taken.
+const NOISE: usize = 8;
+/// What each recording adds to the unknowns: offset and clock of the sensor, two of the start.
+const OWN: usize = 4;
+
+/// What recordings carry.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Carried {
+    /// Something varies in each.
+    Motion,
+    /// Nothing varies in any; the sentence says so.
+    Nothing(String),
+}
+
+/// Looks at the channels of recordings that a model takes and predicts.
+///
+/// # Errors
+/// [`DiagnosisError`] where a channel has too few samples or one that no sensor gives, a sensor stands still
+/// while the machine moves, or nothing varies in one recording of several.
+pub fn carried(model: &Model, recordings: &[Recording]) -> Result<Carried, DiagnosisError> {
+    let mut silent = Vec::new();
+    for recording in recordings {
+        let Some(input) = input(model, recording) else {
+            continue;
+        };
+        let is_output = |channel: &&Channel| {
+            channel.role != input.role && model.kind.outputs.contains(&channel.role)
+        };
+        let outputs: Vec<&Channel> = recording.channels.iter().filter(is_output).collect();
+        sound(model, recording, input, &outputs)?;
+        if nothing_varies(recording, input, &outputs)? {
+            let all = std::iter::once(input).chain(outputs);
+            silent.push((recording, still(all)));
+        }
+    }
+    match silent.first() {
+        None => Ok(Carried::Motion),
+        Some((_, words)) if silent.len() == recordings.len() => Ok(Carried::Nothing(words.clone())),
+        Some((recording, words)) => Err(DiagnosisError::Still {
+            recording: recording.name.clone(),
+            words: words.clone(),
+        }),
+    }
+}
+
+/// The channel that drives the model.
+fn input<'a>(model: &Model, recording: &'a Recording) -> Option<&'a Channel> {
+    let mut roles = model.kind.inputs.iter();
+    roles.find_map(|role| recording.channel(*role).filter(|_| model.takes(*role)))
+}
+
+/// Whether there are enough samples, and each could be one.
+fn sound(
+    model: &Model,
+    recording: &Recording,
+    input: &Channel,
+    outputs: &[&Channel],
+) -> Result<(), DiagnosisError> {
+    let believed = |index: &usize| model.kind.keys[*index].belief > 0.0;
+    let keys = (0..model.values.len()).filter(believed).count();
+    // A third is held out, and what is fitted must leave enough to tell the noise by.
+    let needed = 3 * (keys + OWN + NOISE) / 2;
+    for channel in outputs {
+        if channel.time.len() < needed {
+            return Err(DiagnosisError::TooFew {
+                recording: recording.name.clone(),
+                channel: channel.role,
+                found: channel.time.len(),
+                needed,
+            });
+        }
+    }
+    for channel in std::iter::once(&input).chain(outputs) {
+        if let Some(value) = channel.impossible() {
+            return Err(DiagnosisError::NoMeasurement {
+                recording: recording.name.clone(),
+                channel: channel.role,
+                value,
+                unit: channel.unit.clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether neither the input nor any output varies.
+fn nothing_varies(
+    recording: &Recording,
+    input: &Channel,
+    outputs: &[&Channel],
+) -> Result<bool, DiagnosisError> {
+    let dead = |channel: &Channel, moving: &Channel| DiagnosisError::Dead {
+        recording: recording.name.clone(),
+        channel: channel.role,
+        value: figure(channel.columns[0][0], &channel.unit),
+        moving: moving.role,
+        by: figure(moving.travel(), &moving.unit),
+    };
+    if input.varies() {
+        return match outputs.iter().find(|output| !output.varies()) {
+            Some(output) => Err(dead(output, input)),
+            None => Ok(false),
+        };
+    }
+    // What tells that the machine was moved although its input says that it stood still.
+    let commanded = |channel: &&Channel| {
+        let also = matches!(channel.role, Role::CommandPosition | Role::MotorPosition);
+        also && input.role.is_position() && channel.role != input.role && channel.varies()
+    };
+    let moving = recording.channels.iter().find(commanded);
+    match moving.filter(|moving| !outputs.iter().any(|output| output.role == moving.role)) {
+        Some(moving) => Err(dead(input, moving)),
+        None => Ok(outputs.iter().all(|output| !output.varies())),
+    }
+}

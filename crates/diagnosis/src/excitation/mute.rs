@@ -1,0 +1,69 @@
+//! Sensors that show noise alone while the machine moves.
+
+use super::words::figure;
+use crate::error::DiagnosisError;
+use crate::fit::orthonormal;
+use crate::units::of_values;
+use nalgebra::{DMatrix, DVector};
+use quell_model::{Experiment, Model, Output, predict_windows};
+use quell_recording::Recording;
+use quell_signal::noise_floor;
+
+/// Times by which what the model predicts must exceed all that was recorded: a model that is wrong by less
+/// may still be one of this machine.
+const MUTE: f64 = 5.0;
+/// Five standard deviations of the ratio of two estimates of a variance from `N` samples, times `sqrt N`: of the
+/// samples' own, `sqrt 2`, and of that by the median of third differences, about 3.4.
+const SPREAD: f64 = 19.0;
+
+/// Refuses recordings with such a sensor. The model is taken as it is given, at rest at its start.
+///
+/// # Errors
+/// [`DiagnosisError::Mute`].
+pub fn mute(
+    model: &Model,
+    recordings: &[Recording],
+    experiments: &[Experiment],
+) -> Result<(), DiagnosisError> {
+    for (recording, experiment) in recordings.iter().zip(experiments) {
+        // Each window has a start of its own, from its sensors: a dead one would start none.
+        if !experiment.windows.is_empty() {
+            continue;
+        }
+        let clocks: Vec<f64> = experiment.outputs.iter().map(|o| o.clock_offset).collect();
+        let (keys, terms) = (model.keys(), model.terms());
+        let start = &[[0.0; 8]];
+        let shown = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
+        for (output, shown) in experiment.outputs.iter().zip(shown) {
+            let [recorded, predicted] = [&output.values, &shown.values].map(|v| rms(output, v));
+            let noise = noise_floor(&output.values).standard_deviation;
+            let noisy = recorded > 0.0 && is_noise(recorded.powi(2), noise, shown.values.len());
+            if noisy && predicted > MUTE * recorded {
+                let unit = of_values(experiment, output);
+                return Err(DiagnosisError::Mute {
+                    recording: recording.name.clone(),
+                    channel: output.channel,
+                    noise: figure(noise, &unit),
+                    moving: experiment.input,
+                    by: figure(predicted, &unit),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a variance of so many samples is that of noise of this level, but for chance.
+pub fn is_noise(variance: f64, noise: f64, samples: usize) -> bool {
+    variance <= noise.powi(2) * (1.0 + SPREAD / (samples as f64).sqrt())
+}
+
+/// Root mean square of a series without what an offset or the sensor's frame explains.
+fn rms(output: &Output, values: &[f64]) -> f64 {
+    let rows = values.len();
+    let columns = DMatrix::from_fn(rows, output.columns.len(), |i, j| output.columns[j][i]);
+    let basis = orthonormal(columns);
+    let all = DVector::from_column_slice(values);
+    let rest = &all - &basis * basis.tr_mul(&all);
+    (rest.norm_squared() / rows as f64).sqrt()
+}

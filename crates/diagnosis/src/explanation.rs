@@ -1,0 +1,198 @@
+//! An explanation: a structure, fitted, and how it does on what was held out.
+
+use super::baseline::{self, Data};
+use super::fit::{Fitted, Projector};
+use super::point::Point;
+use super::problem::{Problem, Rows};
+use super::split;
+use super::start::ringing;
+use nalgebra::DVector;
+use quell_model::Model;
+use quell_model::effects::{Place, Scales};
+
+/// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
+/// windows in which friction sticks take more.
+const APART: usize = 30;
+
+/// A fitted structure and its figures.
+#[derive(Clone)]
+pub struct Explanation {
+    /// Where the fit ended.
+    pub fitted: Fitted,
+    /// Sum of squares of the whitened residual on the fitted rows.
+    pub train: f64,
+    /// The same on the held-out rows.
+    pub held_out: f64,
+}
+
+impl Explanation {
+    /// Names and places of the effects that were added to the model.
+    pub fn effects(&self) -> Vec<(&'static str, Place)> {
+        self.fitted.point.effects()
+    }
+
+    /// Whether another one has the same effects at the same places, in whatever order.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let (own, theirs) = (self.effects(), other.effects());
+        own.len() == theirs.len() && own.iter().all(|effect| theirs.contains(effect))
+    }
+
+    /// Sizes of the last effect that were looked at, at least 1.
+    pub fn looks(&self, scales: &Scales) -> usize {
+        let last = self.fitted.point.terms.last();
+        last.map_or(1, |term| (term.effect.starts)(scales).len().max(1))
+    }
+
+    /// Number of shared unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.fitted.globals.len()
+    }
+}
+
+/// Judges fits of one problem.
+pub struct Judge<'a> {
+    /// The model as it was given.
+    pub model: &'a Model,
+    /// The recordings.
+    pub data: &'a Data,
+    /// Number of fitted rows.
+    pub train_rows: usize,
+    /// Number of held-out rows.
+    pub held_out_rows: usize,
+    /// Components of the start that are free in the recordings kept apart, once that is decided.
+    starts: Option<Vec<usize>>,
+}
+
+impl<'a> Judge<'a> {
+    /// For a problem over the data's experiments and the refitted model.
+    pub fn new(model: &'a Model, data: &'a Data, problem: &Problem, refitted: &Point) -> Self {
+        let count = |rows: &[Vec<Rows>]| -> usize {
+            let ranges = rows.iter().flatten().flatten();
+            ranges.map(|range| range.len()).sum()
+        };
+        let apart: usize = data.apart.iter().map(|e| e.samples()).sum();
+        let mut judge = Self {
+            model,
+            data,
+            train_rows: count(&problem.rows),
+            held_out_rows: count(&data.held_out) + apart,
+            starts: None,
+        };
+        if !data.apart.is_empty() {
+            let (mut apart, still) = judge.apart(problem, refitted);
+            let projector = Projector::new(&apart);
+            ringing(&mut apart, still, &projector);
+            judge.starts = Some(apart.departures);
+        }
+        judge
+    }
+
+    /// A fit with its figures.
+    pub fn judge(&self, problem: &Problem, fitted: Fitted) -> Explanation {
+        let train = fitted.cost - problem.disbelief(&fitted.point);
+        let held_out = self.held_out(problem, &fitted.point);
+        Explanation {
+            fitted,
+            train,
+            held_out,
+        }
+    }
+
+    /// Sum of squares on what was held out. Clock, offset and frame are those of the fitted rows; a
+    /// recording that is held out as a whole has its own fitted.
+    pub fn held_out(&self, problem: &Problem, point: &Point) -> f64 {
+        if !self.data.apart.is_empty() {
+            return self.apart(problem, point).1.cost;
+        }
+        let finite = |r: f64| {
+            if r.is_finite() {
+                r.abs().min(1e12).powi(2)
+            } else {
+                1e24
+            }
+        };
+        let rows = self.held_out_rows_of(problem, point);
+        rows.into_iter().map(finite).sum()
+    }
+
+    /// Whitened residuals on the held-out rows of the recordings that were fitted.
+    pub fn held_out_rows_of(&self, problem: &Problem, point: &Point) -> Vec<f64> {
+        let mut rows = Vec::new();
+        for (e, held_out) in self.data.held_out.iter().enumerate() {
+            let residual = problem.explained(point, e);
+            for (k, ranges) in held_out.iter().enumerate() {
+                for range in ranges {
+                    problem.whitening[e][k].apply(&residual[k][range.clone()], &mut rows);
+                }
+            }
+        }
+        rows
+    }
+
+    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the
+    /// noise that it has in what was fitted.
+    pub fn apart(&self, fitted: &Problem, point: &Point) -> (Problem<'a>, Fitted) {
+        let rows = self.data.apart.iter().map(split::whole).collect();
+        let mut problem = baseline::problem(self.model, &self.data.apart, rows);
+        problem.freeze();
+        if let Some(starts) = &self.starts {
+            problem.departures.clone_from(starts);
+        }
+        // A payload that was carried in the fitted recordings is known; another one is not.
+        let carried = baseline::payloads(&self.data.experiments);
+        problem.free_payloads = carried.len()..carried.len();
+        for payload in std::mem::replace(&mut problem.payloads, carried) {
+            if !problem.payloads.contains(&payload) {
+                problem.payloads.push(payload);
+            }
+        }
+        problem.free_payloads.end = problem.payloads.len();
+        let known = &fitted.experiments[0].outputs;
+        for (e, experiment) in self.data.apart.iter().enumerate() {
+            for (k, output) in experiment.outputs.iter().enumerate() {
+                let same = known.iter().position(|own| own.channel == output.channel);
+                if let Some(own) = same {
+                    problem.noise[e][k] = fitted.noise[0][own].clone();
+                    problem.whitening[e][k] = fitted.whitening[0][own].clone();
+                }
+            }
+        }
+        let mut start = problem.start(self.model);
+        start.keys.clone_from(&point.keys);
+        start.inertias[..point.inertias.len()].copy_from_slice(&point.inertias);
+        start.terms.clone_from(&point.terms);
+        start.given_terms = start.terms.len();
+        let projector = Projector::new(&problem);
+        let fitted = problem.fit(&start, &projector, APART);
+        (problem, fitted)
+    }
+}
+
+impl Problem<'_> {
+    /// Recorded minus predicted over a whole experiment, the linear nuisances of the fitted rows taken
+    /// out.
+    pub fn explained(&self, point: &Point, e: usize) -> Vec<Vec<f64>> {
+        let mut raw = self.run(point, e).residuals;
+        let coefficients = self.coefficients(e, &self.complete(e, &raw));
+        let mut next = coefficients.iter();
+        for (output, residual) in self.experiments[e].outputs.iter().zip(&mut raw) {
+            for column in &output.columns {
+                let c = next.next().copied().unwrap_or(0.0);
+                for (r, b) in residual.iter_mut().zip(column) {
+                    *r -= c * b;
+                }
+            }
+        }
+        raw
+    }
+
+    /// Coefficients of the linear nuisances of one experiment.
+    fn coefficients(&self, e: usize, rows: &DVector<f64>) -> Vec<f64> {
+        let columns = self.linear(e);
+        if columns.ncols() == 0 {
+            return Vec::new();
+        }
+        let solved = columns.svd(true, true).solve(rows, 1e-10);
+        solved.map_or_else(|_| Vec::new(), |c| c.iter().copied().collect())
+    }
+}

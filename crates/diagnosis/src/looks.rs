@@ -1,0 +1,134 @@
+//! From a model and recordings to a diagnosis: one look at them, or two, in windows, each with a start of its own,
+//! and in one piece.
+
+use super::document::Verdict;
+use super::error::DiagnosisError;
+use super::excitation::{Carried, at_rest, carried, mute, silent};
+use super::extend::Known;
+use super::run::{Options, Outcome, Progress, attempt};
+use super::score::score;
+use super::stretches::stretches;
+use quell_model::{Experiment, Model};
+use quell_recording::Recording;
+
+/// Says what physics a model lacks, from recordings of the machine.
+///
+/// `held_out` recordings judge what `train` was fitted to; without them the last third of the moves is
+/// kept apart. The same input and seed give the same answer.
+///
+/// # Errors
+/// [`DiagnosisError`] where a recording does not suit the model, or it is stopped.
+pub fn diagnose(
+    model: &Model,
+    train: &[Recording],
+    held_out: &[Recording],
+    options: &Options,
+    progress: Progress,
+) -> Result<Outcome, DiagnosisError> {
+    progress(0.0, "reading the recordings");
+    if train.is_empty() {
+        return Err(DiagnosisError::NoRecording);
+    }
+    carried(model, held_out)?;
+    if let Carried::Nothing(words) = carried(model, train)? {
+        return silent(model, train, &words);
+    }
+    let (train, mut left_out) = stretches(train);
+    let (held_out, also) = stretches(held_out);
+    left_out.extend(also);
+    let mut outcome = look(model, &train, &held_out, options, progress)?;
+    if options.stop.was_asked() {
+        return Err(DiagnosisError::Stopped);
+    }
+    outcome.diagnosis.remarks.splice(0..0, left_out);
+    outcome.diagnosis.check()?;
+    Ok(outcome)
+}
+
+/// Of recordings that are no longer than they need to be.
+fn look(
+    model: &Model,
+    train: &[Recording],
+    held_out: &[Recording],
+    options: &Options,
+    progress: Progress,
+) -> Result<Outcome, DiagnosisError> {
+    let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
+    mute(model, train, &fitted)?;
+    mute(model, held_out, &apart)?;
+    let once = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
+    if fitted[0].windows.is_empty() {
+        return Ok(once((fitted, apart), &Known::default())?.0);
+    }
+    let whole = (in_one(&fitted), in_one(&apart));
+    let windowed = match apart.is_empty() {
+        // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
+        true => in_two(model, train, &fitted)?,
+        false => (fitted, apart),
+    };
+    // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
+    // many minima. In windows there are few, and what was found in them says where to start. But what is
+    // small shows in one piece only.
+    let (mut in_windows, points) = once(windowed, &Known::default())?;
+    let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
+        drives an axis freely add up without bound.";
+    in_windows.diagnosis.remarks.push(remark.into());
+    let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
+    let (in_one, _) = once(whole, &Known { points, alone })?;
+    if explains(&in_one) {
+        return Ok(in_one);
+    }
+    let better = alone || misses(&in_windows.model, train) < misses(&in_one.model, train);
+    Ok(if better { in_windows } else { in_one })
+}
+
+/// Whether a diagnosis leaves only noise.
+fn explains(outcome: &Outcome) -> bool {
+    use Verdict::{Ambiguous, Named, NoMismatch, NotExcited};
+    let verdict = outcome.diagnosis.verdict;
+    matches!(verdict, NoMismatch | Named | Ambiguous | NotExcited)
+}
+
+/// By how much a model misses recordings, replayed in one piece: the mean square in units of the noise.
+fn misses(model: &Model, recordings: &[Recording]) -> f64 {
+    let square = |recording| match score(model, recording) {
+        Ok(score) => score.rms_over_noise.powi(2),
+        Err(_) => f64::INFINITY,
+    };
+    recordings.iter().map(square).sum()
+}
+
+/// The same experiments without starts within them.
+fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
+    let mut whole = experiments.to_vec();
+    whole.iter_mut().for_each(|e| e.windows.clear());
+    whole
+}
+
+fn experiments(model: &Model, recordings: &[Recording]) -> Result<Vec<Experiment>, DiagnosisError> {
+    let mut all = Vec::new();
+    for recording in recordings {
+        all.push(at_rest(Experiment::new(model, recording)?));
+    }
+    Ok(all)
+}
+
+/// The first two thirds of the windows of each recording, and the last third.
+fn in_two(
+    model: &Model,
+    recordings: &[Recording],
+    whole: &[Experiment],
+) -> Result<(Vec<Experiment>, Vec<Experiment>), DiagnosisError> {
+    let (mut fitted, mut apart) = (Vec::new(), Vec::new());
+    for (recording, experiment) in recordings.iter().zip(whole) {
+        let count = experiment.windows.len();
+        let Some(cut) = experiment.windows.get(2 * count / 3) else {
+            fitted.push(experiment.clone());
+            continue;
+        };
+        let (before, after) = recording.at(cut.time);
+        fitted.push(Experiment::new(model, &before)?);
+        apart.push(Experiment::new(model, &after)?);
+    }
+    Ok((fitted, apart))
+}

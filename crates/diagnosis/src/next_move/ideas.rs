@@ -1,0 +1,121 @@
+//! Experiments that may be proposed, in parts that may follow each other.
+
+use super::imagined;
+use super::programme::{Pauses, parts};
+use super::seen::Seen;
+use crate::document::ProposedMove;
+use crate::problem::Problem;
+use quell_model::Experiment;
+use quell_recording::Role;
+
+/// A part of an experiment that was not made.
+pub struct Idea {
+    /// Its input and the stamps of its sensors.
+    pub experiment: Experiment,
+    /// Its moves, which end where they start; none where the input is no motion that can be commanded.
+    pub moves: Vec<ProposedMove>,
+    /// Share of the recorded input that it repeats, where there are no moves.
+    pub share: f64,
+}
+
+impl Idea {
+    /// How long it lasts, s.
+    pub fn duration(&self) -> f64 {
+        let (first, last) = self.experiment.span();
+        last - first
+    }
+}
+
+/// All that the limits seen in the recordings allow.
+pub struct Ideas<'a> {
+    /// The parts.
+    pub all: Vec<Idea>,
+    /// Longest experiment, s: no longer than what was recorded in one go.
+    pub longest: f64,
+    /// Most moves of an experiment; a repetition is one.
+    pub most_moves: usize,
+    base: &'a Experiment,
+    /// Limits and the rest before the first move, s, where there are moves.
+    moves: Option<(Seen, f64)>,
+}
+
+/// Shares of the recorded input, never beyond it.
+const SHARES: &[f64] = &[0.3, 0.5, 1.0];
+/// Time constants after which 0.7 % of a vibration is left.
+const SETTLED: f64 = 5.0;
+/// Most moves that a person is asked to make.
+const MOST_MOVES: usize = 8;
+
+impl<'a> Ideas<'a> {
+    /// For the input of a problem's experiments.
+    pub fn new(problem: &Problem<'a>) -> Self {
+        let base = &problem.experiments[0];
+        let spans = problem.experiments.iter().map(|e| e.span().1 - e.span().0);
+        let mut ideas = Self {
+            all: Vec::new(),
+            // The stamps' rounding may not count.
+            longest: spans.fold(0.0, f64::max) * (1.0 + 1e-9),
+            most_moves: 1,
+            base,
+            moves: None,
+        };
+        match base.input {
+            Role::MotorPosition | Role::CommandPosition => ideas.add_moves(problem),
+            _ => ideas.add_repetitions(),
+        }
+        ideas
+    }
+
+    fn add_moves(&mut self, problem: &Problem) {
+        let scales = &problem.scales;
+        let Some(seen) = Seen::new(problem.experiments, scales.period()) else {
+            return;
+        };
+        let settled = SETTLED / (scales.damping_ratio * scales.natural_frequency);
+        let pauses = Pauses {
+            short: scales.period().min(self.longest / 20.0),
+            settled: settled.min(self.longest / 10.0),
+            long: self.longest / 4.0,
+        };
+        self.most_moves = MOST_MOVES;
+        self.moves = Some((seen, pauses.short));
+        for moves in parts(&seen, pauses, &self.base.input_unit) {
+            let experiment = imagined::moved(self.base, &moves, &seen, pauses.short);
+            self.all.extend(experiment.map(|experiment| Idea {
+                experiment,
+                moves,
+                share: 1.0,
+            }));
+        }
+        self.all.retain(|idea| idea.duration() <= self.longest);
+    }
+
+    fn add_repetitions(&mut self) {
+        for &share in SHARES {
+            let experiment = imagined::repeated(self.base, share);
+            self.all.extend(experiment.map(|experiment| Idea {
+                experiment,
+                moves: Vec::new(),
+                share,
+            }));
+        }
+    }
+
+    /// Parts one after the other as one experiment.
+    pub fn joined(&self, parts: &[usize]) -> Option<Idea> {
+        let first = &self.all[*parts.first()?];
+        let moves: Vec<ProposedMove> = parts
+            .iter()
+            .flat_map(|&part| self.all[part].moves.iter().cloned())
+            .collect();
+        let experiment = match &self.moves {
+            Some((seen, lead)) => imagined::moved(self.base, &moves, seen, *lead)?,
+            None => first.experiment.clone(),
+        };
+        Some(Idea {
+            experiment,
+            moves,
+            share: first.share,
+        })
+    }
+}

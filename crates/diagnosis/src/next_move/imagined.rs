@@ -1,0 +1,102 @@
+//! An experiment that was not made: what an explanation says the sensors would show, without noise.
+
+use super::programme::positions;
+use super::seen::Seen;
+use crate::document::ProposedMove;
+use crate::point::{Local, Point};
+use quell_model::{Experiment, Grid, Kind, Output, simulate_windows};
+use quell_recording::Role;
+
+/// Time between the recordings and the proposed experiment, s: what happened once in the recordings (a
+/// payload was gripped, a knock) has happened before it, what drifts has drifted on.
+const LATER: f64 = 1.0;
+
+/// An experiment with the explanation's own predictions in the place of what was measured.
+pub fn explained(kind: &Kind, point: &Point, experiment: &Experiment, local: &Local) -> Experiment {
+    let mut explained = experiment.clone();
+    let simulated = simulate_windows(
+        kind,
+        &point.keys,
+        &point.terms,
+        experiment,
+        &local.departures,
+    );
+    for (output, &clock) in explained.outputs.iter_mut().zip(&local.clocks) {
+        let values = simulated.predict(output, clock).values;
+        *output = output.showing(output.time.clone(), values);
+    }
+    explained
+}
+
+/// The experiment that moves would be, `lead` seconds of rest before it.
+pub fn moved(
+    base: &Experiment,
+    moves: &[ProposedMove],
+    seen: &Seen,
+    lead: f64,
+) -> Option<Experiment> {
+    let (first, last) = base.span();
+    let period = (last - first) / (base.input_time.len() - 1) as f64;
+    let values = positions(moves, seen.start, lead, period).ok()?;
+    let start = last + LATER;
+    let time: Vec<f64> = (0..values.len())
+        .map(|k| start + k as f64 * period)
+        .collect();
+    let end = time[time.len() - 1];
+    let stamps = |output: &Output| -> Vec<f64> {
+        let own = &output.time;
+        let period = (own[own.len() - 1] - own[0]) / (own.len() - 1).max(1) as f64;
+        let count = ((end - start) / period) as usize;
+        (0..=count).map(|k| start + k as f64 * period).collect()
+    };
+    replaced(base, time, values, stamps)
+}
+
+/// The experiment that the recorded input would be at a share of its size.
+pub fn repeated(base: &Experiment, share: f64) -> Option<Experiment> {
+    let (first, last) = base.span();
+    let shift = last - first + LATER;
+    let later = |time: &[f64]| -> Vec<f64> { time.iter().map(|t| t + shift).collect() };
+    // A position is a size from where it starts; a force, a torque, a current from nothing.
+    let zero = match base.input.is_position() {
+        true => base.input_values[0],
+        false => 0.0,
+    };
+    let values = base.input_values.iter();
+    let values = values.map(|v| zero + share * (v - zero)).collect();
+    replaced(base, later(&base.input_time), values, |output| {
+        later(&output.time)
+    })
+}
+
+fn replaced(
+    base: &Experiment,
+    time: Vec<f64>,
+    values: Vec<f64>,
+    stamps: impl Fn(&Output) -> Vec<f64>,
+) -> Option<Experiment> {
+    let steps = base.grid.time.windows(2).map(|w| w[1] - w[0]);
+    let step = steps.fold(0.0, f64::max) * (1.0 + 1e-9);
+    let grid = Grid::new(&time, &values, base.hold, step).ok()?;
+    let outputs = base.outputs.iter().map(|output| {
+        let time = stamps(output);
+        let values = vec![0.0; time.len()];
+        output.showing(time, values)
+    });
+    let position = match base.input {
+        Role::CommandPosition => values[0],
+        _ => base.initial[0],
+    };
+    Some(Experiment {
+        outputs: outputs.collect(),
+        initial: [position, 0.0, 0.0, 0.0],
+        grid,
+        windows: Vec::new(),
+        input_time: time,
+        input_values: values,
+        position_unit: base.position_unit.clone(),
+        input_unit: base.input_unit.clone(),
+        payload: base.payload.clone(),
+        ..*base
+    })
+}

@@ -1,0 +1,155 @@
+//! The next move: what would tell explanations apart that the recordings cannot.
+//!
+//! The distance `T` of the best explanation from each of its equals is taken on moves that the limits
+//! seen in the recordings allow. Those whose least `T` is the largest are proposed.
+
+mod advice;
+mod contest;
+mod distance;
+mod ideas;
+mod imagined;
+mod information;
+mod payload;
+mod programme;
+mod seen;
+mod words;
+
+use super::document::{NextMove, Verdict};
+use super::explanation::Explanation;
+use super::found::Found;
+use super::search::{EQUAL, Search};
+use advice::advice;
+use contest::Contest;
+use distance::Rival;
+use ideas::Ideas;
+pub use information::Information;
+use payload::Payload;
+use quell_model::effects::{Place, becomes, contains};
+use rayon::prelude::*;
+
+/// Chi-squared that separates: 10 is "very strong" evidence between models of as many unknowns (Kass and
+/// Raftery, J. American Statistical Association 90 (1995)).
+pub const SEPARATES: f64 = 10.0;
+/// Chi-squared at which the diagnosis will see it: explanations within [`EQUAL`] are equals, and one of
+/// mean `T` scatters by `2 sqrt(T)`, so that twice that is beyond it nine times in ten.
+const ENOUGH: f64 = 2.0 * EQUAL;
+/// Equals that are looked at, the nearest ones.
+const RIVALS: usize = 3;
+
+/// What to do next; none where nothing is in doubt or nothing was explained.
+pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<NextMove> {
+    let doubtful = matches!(verdict, Verdict::Ambiguous | Verdict::PartlyExplained);
+    if !doubtful || found.equals.is_empty() {
+        return None;
+    }
+    (search.progress)(0.9, "looking for the next move");
+    let mut equals: Vec<&Explanation> = found.equals.iter().map(|t| &t.explanation).collect();
+    equals.sort_by(|a, b| search.criterion(a).total_cmp(&search.criterion(b)));
+    equals.truncate(RIVALS);
+    let pairs: Vec<Pair> = equals
+        .iter()
+        .map(|equal| Pair::new(&found.best, equal))
+        .collect();
+    let ideas = Ideas::new(search.problem);
+    let contest = Contest {
+        rivals: pairs
+            .par_iter()
+            .map(|pair| Rival::new(search.problem, pair.right, pair.wrong))
+            .collect(),
+        ideas: &ideas,
+        unit: found.unit,
+    };
+    let payload = Payload::HALF_MORE.changes(search.problem);
+    Some(propose(&contest, &pairs, payload))
+}
+
+type Effects = Vec<(&'static str, Place)>;
+
+/// The best explanation and one of its equals.
+struct Pair<'a> {
+    right: &'a super::point::Point,
+    wrong: &'a super::point::Point,
+    best: Effects,
+    equal: Effects,
+    /// Whether the equal is taken to be right.
+    reversed: bool,
+}
+
+impl<'a> Pair<'a> {
+    /// The best one is taken to be right; but where the equal's law contains it as a limit, and could
+    /// never fail, the equal.
+    fn new(best: &'a Explanation, equal: &'a Explanation) -> Self {
+        let [own, theirs] = words::apart(&best.effects(), &equal.effects());
+        let holds = |law: &str, simple: &str| contains(law, simple) || becomes(law, simple);
+        let limit = |simple: &&(&str, Place)| theirs.iter().any(|law| holds(law.0, simple.0));
+        let reversed = !own.is_empty() && own.iter().filter(limit).count() == own.len();
+        let points = [&best.fitted.point, &equal.fitted.point];
+        let [right, wrong] = if reversed {
+            [points[1], points[0]]
+        } else {
+            points
+        };
+        Self {
+            right,
+            wrong,
+            best: own,
+            equal: theirs,
+            reversed,
+        }
+    }
+
+    fn names(&self) -> [String; 2] {
+        words::names(&self.best, &self.equal)
+    }
+
+    fn remedy(&self) -> &'static str {
+        advice(&self.best, &self.equal)
+    }
+}
+
+fn propose(contest: &Contest, pairs: &[Pair], payload: bool) -> NextMove {
+    let count = pairs.len();
+    let plan = contest.plan(Payload::NONE, count);
+    let idea = plan.and_then(|plan| contest.ideas.joined(&plan.ideas));
+    let apart = idea
+        .as_ref()
+        .map_or(vec![0.0; count], |idea| contest.together(idea));
+    let (parted, alike): (Vec<usize>, Vec<usize>) =
+        (0..count).partition(|&k| apart[k] >= SEPARATES);
+    let nearest = parted
+        .into_iter()
+        .min_by(|&a, &b| apart[a].total_cmp(&apart[b]));
+    let (Some(idea), Some(nearest)) = (idea, nearest) else {
+        return inseparable(contest, &pairs[0], apart[0], payload);
+    };
+    let names = pairs[nearest].names();
+    let mut why = words::separates(&idea, &names, apart[nearest], pairs[nearest].reversed);
+    for k in alike {
+        why += &words::besides(&pairs[k].names(), pairs[k].remedy());
+    }
+    NextMove {
+        why,
+        separates: names,
+        expected_score: apart[nearest],
+        moves: idea.moves,
+    }
+}
+
+fn inseparable(contest: &Contest, pair: &Pair, score: f64, payload: bool) -> NextMove {
+    let names = pair.names();
+    let mut why = words::inseparable(&names, score, pair.remedy());
+    let plan = payload
+        .then(|| contest.plan(Payload::HALF_MORE, 1))
+        .flatten();
+    if let Some(plan) = plan.filter(|plan| plan.apart[0] >= SEPARATES)
+        && let Some(idea) = contest.ideas.joined(&plan.ideas)
+    {
+        why += &words::with_payload(&idea, plan.apart[0]);
+    }
+    NextMove {
+        why,
+        separates: names,
+        expected_score: score,
+        moves: Vec::new(),
+    }
+}

@@ -1,0 +1,136 @@
+//! The next move in words.
+
+use super::ideas::Idea;
+use super::{ENOUGH, SEPARATES};
+use quell_model::effects::Place;
+
+/// What two explanations do not have in common.
+pub fn apart<'a>(
+    one: &[(&'a str, Place)],
+    other: &[(&'a str, Place)],
+) -> [Vec<(&'a str, Place)>; 2] {
+    let only = |of: &[(&'a str, Place)], not: &[(&'a str, Place)]| {
+        let own = of.iter().filter(|effect| !not.contains(effect));
+        own.copied().collect()
+    };
+    [only(one, other), only(other, one)]
+}
+
+/// Names of effects, joined by ` + `; with their places where the names alone are the same.
+pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
+    let join = |of: &[(&str, Place)], places: bool| -> String {
+        let name = |&(name, place): &(&str, Place)| match places {
+            true => format!("{name} (at the {})", place.name()),
+            false => name.to_string(),
+        };
+        match of.is_empty() {
+            true => "nothing more".into(),
+            false => of.iter().map(name).collect::<Vec<_>>().join(" + "),
+        }
+    };
+    let [a, b] = [one, other].map(|side| join(side, false));
+    match a == b {
+        true => [one, other].map(|side| join(side, true)),
+        false => [a, b],
+    }
+}
+
+fn plain(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// `34.4 deg`, three digits.
+fn told(value: f64, unit: &str) -> String {
+    let (value, unit) = match unit.strip_prefix("rad") {
+        Some(rest) => (value.to_degrees(), format!("deg{rest}")),
+        None => (value, unit.to_string()),
+    };
+    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
+    format!("{value:.*} {unit}", digits as usize)
+}
+
+/// A chi-squared to two digits, no greater: more are not known of it.
+fn rounded(score: f64) -> f64 {
+    let unit = 10f64.powf(score.max(1.0).log10().floor() - 1.0);
+    (score / unit).floor() * unit
+}
+
+/// What to do.
+fn command(idea: &Idea) -> String {
+    let Some(first) = idea.moves.first() else {
+        return match idea.share {
+            1.0 => "repeat the recorded input as it is".into(),
+            share => format!("repeat the recorded input at {share} of its size"),
+        };
+    };
+    let sizes = idea.moves.iter().map(|one| one.distance.abs());
+    let speeds = || idea.moves.iter().map(|one| one.speed);
+    let (slowest, fastest) = (
+        speeds().fold(f64::INFINITY, f64::min),
+        speeds().fold(0.0, f64::max),
+    );
+    let rate = format!("{}/s", first.unit);
+    let speed = match fastest < 1.1 * slowest {
+        true => format!("at {}", told(fastest, &rate)),
+        false => format!("at {} to {}", told(slowest, &rate), told(fastest, &rate)),
+    };
+    format!(
+        "make {} moves of up to {} {speed}, {:.1} s in all",
+        idea.moves.len(),
+        told(sizes.fold(0.0, f64::max), &first.unit),
+        idea.duration(),
+    )
+}
+
+/// The sentence for an experiment that separates. `reversed` where the second explanation is the one
+/// that would be seen to be right.
+pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: bool) -> String {
+    let [one, other] = [plain(one), plain(other)];
+    let (right, wrong) = if reversed { (other, one) } else { (one, other) };
+    let command = command(idea);
+    let mut letters = command.chars();
+    let first: String = letters
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
+    let (times, each) = match score < ENOUGH {
+        true => (
+            format!("; {} times over to be sure", (ENOUGH / score).ceil()),
+            " each time",
+        ),
+        false => (String::new(), ""),
+    };
+    format!(
+        "{first}{}{times}: if it is {right}, {wrong} will miss by a chi-squared of at least {}{each} \
+         ({SEPARATES} is very strong evidence).",
+        letters.as_str(),
+        rounded(score)
+    )
+}
+
+/// The sentence for a pair that nothing tried separates, and what would.
+pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> String {
+    let [one, other] = [plain(one), plain(other)];
+    format!(
+        "No motion within the limits of the recordings tells {one} from {other}: the best that was tried \
+         makes a chi-squared of {best:.1}, and {SEPARATES} would be very strong evidence. What would tell: \
+         {remedy}."
+    )
+}
+
+/// The further sentence on a pair that the proposed experiment leaves alike.
+pub fn besides([one, other]: &[String; 2], remedy: &str) -> String {
+    let [one, other] = [plain(one), plain(other)];
+    format!(" It does not tell {one} from {other}; what would: {remedy}.")
+}
+
+/// The further sentence where a payload makes the difference.
+pub fn with_payload(idea: &Idea, score: f64) -> String {
+    format!(
+        " So would a known payload that makes the link's inertia half as large again, were nothing else to \
+         change: to {} would then make {}.",
+        command(idea),
+        rounded(score)
+    )
+}

@@ -1,0 +1,203 @@
+//! The noise floor of an output: level and colour.
+
+use super::noise_colour::colour;
+use super::whitening::Whitening;
+use quell_model::{Experiment, Output};
+use quell_recording::Role;
+use quell_signal::{Motion, RestRule, noise_floor, phases};
+
+/// Fewest samples of rest that tell the colour of the noise.
+const FEWEST: usize = 150;
+
+/// Ratio of two estimates of a deviation, from a hundred samples and more each, that chance does not make.
+pub const LOUDER: f64 = 1.2;
+
+/// How much noisier one coordinate of a sensor may be than the others.
+const WITNESS: f64 = 3.0;
+
+/// Deviation of noise of one pole at 0.95 over what its third differences show: noise that is slower is drift.
+/// With `r` its pole their variance is `20 - 30 r + 12 r^2 - 2 r^3` times its own, against 20 where it is white.
+const REDDEST: f64 = 5.7;
+
+/// Samples of a stretch whose variance is worth comparing.
+const SHORTEST: usize = 40;
+
+/// Noise of an output from the residual of a refitted model, its offset taken out.
+///
+/// From stretches where the motor side rests and the vibration, which decays at `decay` (1/s), has died
+/// away; their mean is taken out. Where there is no such rest, from frequencies far above `frequency`
+/// (rad/s), at which it vibrates; or from third differences, which do not see what is smooth. Never below
+/// what rounding makes.
+pub fn noise(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    rates: (f64, f64),
+) -> Whitening {
+    let found = shown(experiment, output, residual, rates);
+    // Noise is no louder than all that is left.
+    let left = residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64;
+    let times = left.sqrt() / found.deviation;
+    // Of a sensor that shows a few values its steps are all that is known.
+    let coarse = least_increment(&output.values).is_some();
+    match times < 1.0 && left > 0.0 && !coarse {
+        true => found.louder(times),
+        false => found,
+    }
+}
+
+fn shown(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    (frequency, decay): (f64, f64),
+) -> Whitening {
+    let white = noise_floor(residual).standard_deviation;
+    let least = rounding(&output.values).max(f64::MIN_POSITIVE);
+    let quiet = quiet(experiment, output, decay);
+    let stretches: Vec<Vec<f64>> = quiet
+        .iter()
+        .map(|range| detrended(&residual[range.clone()]))
+        .collect();
+    let stretches = quietest(stretches);
+    let count: usize = stretches.iter().map(Vec::len).sum();
+    let views: Vec<&[f64]> = stretches.iter().map(Vec::as_slice).collect();
+    let found = match count >= FEWEST {
+        true => Whitening::fit(&views),
+        false => restless(experiment, output, residual, frequency)
+            .unwrap_or_else(|| Whitening::white(white)),
+    };
+    // What is far louder than it is rough is no noise: something rings on, or drifts, at rest.
+    if found.deviation > REDDEST * white && white > 0.0 {
+        return Whitening::white(white.max(least));
+    }
+    // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
+    // quieter than its differences in motion does not either.
+    // A sensor that rounds is quieter at rest than in motion.
+    let moving = noise_floor(&busy(residual, &quiet)).standard_deviation;
+    if moving > LOUDER * found.deviation {
+        return Whitening::white(moving.max(least));
+    }
+    // Other coordinates of a sensor are about as noisy as this one.
+    let witness = output.noise_witness.unwrap_or(f64::INFINITY);
+    if found.deviation > WITNESS * witness {
+        return Whitening::white(witness.max(white).max(least));
+    }
+    if found.deviation < least || found.innovation < 0.7 * white {
+        return Whitening::white(white.max(least));
+    }
+    found
+}
+
+/// What rounding makes of the noise of a sensor: `q / sqrt 12`, with the step that is seen in its changes, or, of
+/// one that shows a few values only, the least distance between these; 0 where there is none.
+pub fn rounding(values: &[f64]) -> f64 {
+    let step = noise_floor(values).quantisation;
+    let step = step.or_else(|| least_increment(values));
+    step.map_or(0.0, |step| step / 12f64.sqrt())
+}
+
+/// Most values of a sensor whose distances are its steps: eight of chance would pass for such with one in 1e5.
+const FEW: usize = 7;
+
+fn least_increment(values: &[f64]) -> Option<f64> {
+    let mut distinct: Vec<f64> = Vec::new();
+    for value in values {
+        if !distinct.contains(value) {
+            distinct.push(*value);
+        }
+        if distinct.len() > FEW {
+            return None;
+        }
+    }
+    distinct.sort_by(f64::total_cmp);
+    let increments = distinct.windows(2).map(|pair| pair[1] - pair[0]);
+    increments.min_by(f64::total_cmp)
+}
+
+/// Noise where the motor side, whose motion is known, hardly rests.
+fn restless(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    frequency: f64,
+) -> Option<Whitening> {
+    let last = output.time.len().checked_sub(1)?;
+    let period = (output.time[last] - output.time[0]) / last as f64;
+    if !moved(experiment) {
+        return None;
+    }
+    colour(residual, period, frequency)
+}
+
+/// Whether what drives the experiment is a motion, whose spectrum falls.
+fn moved(experiment: &Experiment) -> bool {
+    matches!(
+        experiment.input,
+        Role::MotorPosition | Role::CommandPosition
+    )
+}
+
+/// Stretches as quiet as the quietest one, within what chance makes of the deviation of stretches of at
+/// least [`SHORTEST`] samples: where something still rings is no noise.
+fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let power = |s: &Vec<f64>| s.iter().map(|v| v * v).sum::<f64>() / s.len() as f64;
+    let long = stretches.iter().filter(|s| s.len() >= SHORTEST);
+    let least = long.map(power).fold(f64::INFINITY, f64::min);
+    // Four standard deviations of a variance of that many samples, both ways.
+    let most = least * (1.0 + 8.0 * (2.0 / SHORTEST as f64).sqrt());
+    let quiet = |s: &Vec<f64>| s.len() >= SHORTEST && power(s) <= most;
+    stretches.into_iter().filter(quiet).collect()
+}
+
+/// Stretches of rest in which nothing rings any more.
+fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::Range<usize>> {
+    if !moved(experiment) {
+        return Vec::new();
+    }
+    let (time, values) = (&experiment.input_time, &experiment.input_values);
+    let found = phases(time, values, RestRule::from_values(values)).unwrap_or_default();
+    // After five time constants 0.7 % of the vibration is left.
+    let settled = 5.0 / decay;
+    let at = |t: f64| output.time.partition_point(|s| *s < t);
+    let mut ranges = Vec::new();
+    for (index, phase) in found.iter().enumerate() {
+        if phase.motion == Motion::Rest {
+            let start = phase.start + if index == 0 { 0.0 } else { settled };
+            let range = at(start + 0.01)..at(phase.end - 0.01);
+            if range.len() >= 20 {
+                ranges.push(range);
+            }
+        }
+    }
+    ranges
+}
+
+/// What is not in the ranges, which are in order.
+fn busy(values: &[f64], ranges: &[std::ops::Range<usize>]) -> Vec<f64> {
+    let ends = ranges.iter().map(|range| range.end);
+    let begins = ranges.iter().map(|range| range.start);
+    let between = std::iter::once(0)
+        .chain(ends)
+        .zip(begins.chain([values.len()]));
+    between
+        .flat_map(|(from, to)| &values[from..to.max(from)])
+        .copied()
+        .collect()
+}
+
+/// Without its mean and slope.
+fn detrended(values: &[f64]) -> Vec<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let centre = (n - 1.0) / 2.0;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (k, value) in values.iter().enumerate() {
+        let x = k as f64 - centre;
+        product += x * (value - mean);
+        square += x * x;
+    }
+    let slope = product / square.max(1.0);
+    let rest = |(k, v): (usize, &f64)| v - mean - slope * (k as f64 - centre);
+    values.iter().enumerate().map(rest).collect()
+}

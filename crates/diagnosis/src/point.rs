@@ -1,0 +1,98 @@
+//! A point in the space of the unknowns: what all recordings share, and what each has of its own.
+
+use quell_model::Term;
+use quell_model::effects::{Effect, Place};
+
+/// What an experiment alone has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Local {
+    /// Clock offset of each output, s.
+    pub clocks: Vec<f64>,
+    /// Departure of the start of each window.
+    pub departures: Vec<[f64; 8]>,
+}
+
+/// A point in the space of unknowns.
+#[derive(Clone)]
+pub struct Point {
+    /// Values of the kind's keys.
+    pub keys: Vec<f64>,
+    /// Effects with their values.
+    pub terms: Vec<Term>,
+    /// Effects before this one belong to the given model.
+    pub given_terms: usize,
+    /// What each experiment alone has.
+    pub locals: Vec<Local>,
+    /// Inertia of the link with each payload, in times that with the first one.
+    pub inertias: Vec<f64>,
+    /// Unknowns that stay as they are for now.
+    pub held: Vec<Global>,
+}
+
+/// A scalar unknown that all experiments share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Global {
+    /// A key of the model.
+    Key(usize),
+    /// A parameter of an effect: term, parameter.
+    Parameter(usize, usize),
+    /// Inertia of the link with a payload.
+    Inertia(usize),
+}
+
+impl Point {
+    /// The point without an effect.
+    pub fn without(&self, term: usize) -> Self {
+        let mut point = self.clone();
+        point.terms.remove(term);
+        point
+    }
+
+    /// Names and places of the effects that were added to the model, each once: an event may have several terms.
+    pub fn effects(&self) -> Vec<(&'static str, Place)> {
+        let mut effects = Vec::new();
+        for term in &self.terms[self.given_terms..] {
+            let effect = term.identity();
+            if !effects.contains(&effect) {
+                effects.push(effect);
+            }
+        }
+        effects
+    }
+
+    /// The point without an effect that was added.
+    pub fn without_effect(&self, effect: (&str, Place)) -> Self {
+        let mut point = self.clone();
+        point.terms = self.terms[..self.given_terms].to_vec();
+        let added = self.terms[self.given_terms..].iter();
+        let others = added.filter(|term| term.identity() != effect);
+        point.terms.extend(others.cloned());
+        point
+    }
+
+    /// Takes what each experiment alone has from another point, where it was found for another number of windows:
+    /// the same experiments are looked at in windows or in one piece.
+    pub fn start_as(&mut self, other: &Self) {
+        let windows = |point: &Self| -> Vec<usize> {
+            point
+                .locals
+                .iter()
+                .map(|own| own.departures.len())
+                .collect()
+        };
+        if windows(self) != windows(other) {
+            self.locals.clone_from(&other.locals);
+        }
+    }
+
+    /// The point with one more effect.
+    pub fn with(&self, effect: &'static Effect, place: Place, values: Vec<f64>) -> Self {
+        let mut point = self.clone();
+        point.terms.push(Term {
+            effect,
+            place,
+            values,
+        });
+        point
+    }
+}

@@ -1,0 +1,333 @@
+//! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
+
+use super::point::{Global, Local, Point};
+use super::stop::Stop;
+use super::whitening::Whitening;
+use nalgebra::{DMatrix, DVector};
+use quell_model::chain::RESONANCES;
+use quell_model::effects::{Law, Scales};
+use quell_model::{
+    Experiment, Kind, Model, Output, Prediction, Simulated, Term, Value, predict_windows,
+    simulate_windows,
+};
+use std::ops::Range;
+
+/// Rows of one output that count, as ranges of samples.
+pub type Rows = Vec<Range<usize>>;
+
+/// What is known, and what is to be explained.
+#[derive(Clone)]
+pub struct Problem<'a> {
+    /// Structure of the model.
+    pub kind: &'static Kind,
+    /// The recordings, or windows of them.
+    pub experiments: &'a [Experiment],
+    /// For each experiment and output the rows that are fitted.
+    pub rows: Vec<Vec<Rows>>,
+    /// For each experiment and output what makes its noise white and of unit variance.
+    pub noise: Vec<Vec<Whitening>>,
+    /// The same as it weighs the rows: several outputs that are all far above their noise count alike.
+    pub whitening: Vec<Vec<Whitening>>,
+    /// Keys of the model that are free.
+    pub free: Vec<usize>,
+    /// Beliefs on the keys: value, standard deviation (of the logarithm where `logarithmic`).
+    pub beliefs: Vec<(f64, f64)>,
+    /// Bounds on the keys.
+    pub bounds: Vec<(f64, f64)>,
+    /// What the given model says of the parameters of its effects, an effect each; fitted as keys are.
+    pub given: Vec<Vec<Value>>,
+    /// Payloads of the recordings, that of the first one first.
+    pub payloads: Vec<Option<String>>,
+    /// Which of them have an inertia that is free.
+    pub free_payloads: Range<usize>,
+    /// Components of the start (see [`simulate`]) that are free.
+    pub departures: Vec<usize>,
+    /// Typical sizes of these components.
+    pub departure_scale: [f64; 8],
+    /// How large the motion is.
+    pub scales: Scales,
+    /// Whether only what each experiment alone has is fitted.
+    pub frozen: bool,
+    /// Ends the work before its time.
+    pub stop: Stop,
+}
+
+/// A simulated experiment, held against what was recorded.
+pub struct Run {
+    /// The motion; none of a frozen problem, which does not look at it again.
+    pub simulated: Option<Simulated>,
+    /// Recorded minus predicted, an output each.
+    pub residuals: Vec<Vec<f64>>,
+    /// Rates of the prediction, an output each; empty where its clock is the input's.
+    pub rates: Vec<Vec<f64>>,
+}
+
+impl Problem<'_> {
+    /// Starting point: the model's values, clocks as a first guess has them.
+    pub fn start(&self, model: &Model) -> Point {
+        let local = |experiment: &Experiment| Local {
+            clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
+            departures: vec![[0.0; 8]; 1 + experiment.windows.len()],
+        };
+        let terms = model.terms();
+        Point {
+            keys: model.keys(),
+            given_terms: terms.len(),
+            terms,
+            locals: self.experiments.iter().map(local).collect(),
+            inertias: vec![1.0; self.payloads.len()],
+            held: Vec::new(),
+        }
+    }
+
+    /// The shared unknowns at a point's structure.
+    pub fn globals(&self, point: &Point) -> Vec<Global> {
+        let keys = self.free.iter().map(|&key| Global::Key(key));
+        let parameters = (0..point.terms.len()).flat_map(|term| {
+            let free = move |parameter: &usize| {
+                let given = self
+                    .given(term, *parameter)
+                    .is_some_and(|value| !value.fixed);
+                term >= point.given_terms || given
+            };
+            let all = 0..point.terms[term].values.len();
+            all.filter(free)
+                .map(move |parameter| Global::Parameter(term, parameter))
+        });
+        let inertias = self.free_payloads.clone().map(Global::Inertia);
+        let all = keys.chain(inertias).chain(parameters);
+        all.filter(|global| !point.held.contains(global)).collect()
+    }
+
+    /// What the given model says of a parameter of one of its effects.
+    pub(super) fn given(&self, term: usize, parameter: usize) -> Option<&Value> {
+        self.given.get(term)?.get(parameter)
+    }
+
+    /// Keys and effects stay as they are: only what each experiment alone has is fitted.
+    pub fn freeze(&mut self) {
+        self.frozen = true;
+        self.free.clear();
+        self.given.clear();
+    }
+
+    /// Components of the start that are free at a point's structure: those of the model, and those of
+    /// further modes that a force drives. Where the motor side's motion drives them they start at rest.
+    pub fn departures(&self, point: &Point) -> Vec<usize> {
+        let mut free = self.departures.clone();
+        let there = |term: &&Term| term.values[0] != term.effect.parameters[0].neutral;
+        if self.scales.forced {
+            let terms = point.terms.iter().filter(there);
+            let modes = terms.filter(|t| matches!((t.effect.law)(&t.values), Law::Resonance(_)));
+            let count = modes.count().min(RESONANCES);
+            free.extend(4..4 + 2 * count);
+        }
+        free
+    }
+
+    /// Free unknowns of the starts of an experiment: window and component. Further modes are not measured
+    /// where a window starts: they go on.
+    pub fn starts(&self, point: &Point, experiment: usize) -> Vec<(usize, usize)> {
+        let each = |component: usize| {
+            let windows = self.starts_of(point, experiment, component);
+            windows.into_iter().map(move |window| (window, component))
+        };
+        self.departures(point).into_iter().flat_map(each).collect()
+    }
+
+    /// Windows of an experiment in which a component of the start is free.
+    pub fn starts_of(&self, point: &Point, experiment: usize, component: usize) -> Vec<usize> {
+        let windows = point.locals[experiment].departures.len();
+        (0..if component < 4 { windows } else { 1 }).collect()
+    }
+
+    /// Whether an unknown is fitted by its logarithm.
+    pub(super) fn logarithmic(&self, global: Global) -> bool {
+        match global {
+            Global::Key(key) => self.kind.keys[key].range.0 > 0.0,
+            Global::Parameter(..) => false,
+            Global::Inertia(_) => true,
+        }
+    }
+
+    /// Value of an unknown as the fit sees it.
+    pub fn get(&self, point: &Point, global: Global) -> f64 {
+        let value = match global {
+            Global::Key(key) => point.keys[key],
+            Global::Parameter(term, parameter) => point.terms[term].values[parameter],
+            Global::Inertia(payload) => point.inertias[payload],
+        };
+        match self.logarithmic(global) {
+            true => value.ln(),
+            false => value,
+        }
+    }
+
+    /// Sets an unknown, kept within its bounds.
+    pub fn set(&self, point: &mut Point, global: Global, value: f64) {
+        let value = match self.logarithmic(global) {
+            true => value.exp(),
+            false => value,
+        };
+        let (low, high) = self.limits(point, global);
+        let value = value.clamp(low, high);
+        match global {
+            Global::Key(key) => point.keys[key] = value,
+            Global::Parameter(term, parameter) => point.terms[term].values[parameter] = value,
+            Global::Inertia(payload) => point.inertias[payload] = value,
+        }
+    }
+
+    /// Values of the keys in one experiment: with its payload.
+    pub fn keys(&self, point: &Point, experiment: usize) -> Vec<f64> {
+        let payload = &self.experiments[experiment].payload;
+        let index = self.payloads.iter().position(|other| other == payload);
+        let inertia = index.map_or(1.0, |index| point.inertias[index]);
+        self.kind.loaded(&point.keys, inertia)
+    }
+
+    /// One experiment at a point.
+    pub fn run(&self, point: &Point, experiment: usize) -> Run {
+        let (local, keys) = (&point.locals[experiment], self.keys(point, experiment));
+        let (kind, data) = (self.kind, &self.experiments[experiment]);
+        if self.stop.now() {
+            return left_out(data);
+        }
+        let (terms, starts) = (&point.terms, &local.departures);
+        if self.frozen {
+            let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);
+            return compared(data, shown.into_iter(), None);
+        }
+        let simulated = simulate_windows(kind, &keys, terms, data, starts);
+        self.read(point, experiment, simulated)
+    }
+
+    /// One experiment at a point that differs from that of a run in one effect only. What only reads the
+    /// motion leaves it as it is.
+    pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
+        let own = &point.terms[term];
+        match ((own.effect.law)(&own.values), &run.simulated) {
+            (Law::Sensor(_), Some(motion)) => {
+                self.read(point, experiment, motion.read_by(&point.terms))
+            }
+            _ => self.run(point, experiment),
+        }
+    }
+
+    /// A simulated experiment, held against what was recorded.
+    fn read(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
+        let data = &self.experiments[experiment];
+        let pairs = data.outputs.iter().zip(&point.locals[experiment].clocks);
+        let shown: Vec<_> = pairs
+            .map(|(output, &clock)| simulated.predict(output, clock))
+            .collect();
+        compared(data, shown.into_iter(), Some(simulated))
+    }
+
+    /// Weighted, whitened rows of one experiment from one series an output.
+    pub fn weigh(&self, experiment: usize, series: &[Vec<f64>]) -> Vec<f64> {
+        let mut rows = Vec::new();
+        for (output, values) in series.iter().enumerate() {
+            let whitening = &self.whitening[experiment][output];
+            for range in &self.rows[experiment][output] {
+                whitening.apply(&values[range.clone()], &mut rows);
+            }
+        }
+        rows
+    }
+
+    /// Window in which each weighted row of one experiment lies, that of the witness' rows being none.
+    pub fn windows(&self, experiment: usize, rows: usize) -> Vec<usize> {
+        let data = &self.experiments[experiment];
+        let mut windows = Vec::with_capacity(rows);
+        for (output, ranges) in data.outputs.iter().zip(&self.rows[experiment]) {
+            for stamp in ranges.iter().flat_map(|range| &output.time[range.clone()]) {
+                windows.push(data.windows.partition_point(|window| window.time <= *stamp));
+            }
+        }
+        windows.resize(rows, usize::MAX);
+        windows
+    }
+
+    /// Weighted rows of the residuals of one experiment, the witness' rows at their end. NaN (a
+    /// simulation that ran away) becomes a large number, so that the fit turns back.
+    pub fn complete(&self, experiment: usize, raw: &[Vec<f64>]) -> DVector<f64> {
+        let mut rows = self.weigh(experiment, raw);
+        for (index, row) in rows.iter_mut().enumerate() {
+            if !row.is_finite() || row.abs() > 1e12 {
+                // Of changing sign, so that no offset is a good fit to it.
+                *row = if index % 2 == 0 { 1e12 } else { -1e12 };
+            }
+        }
+        for output in &self.experiments[experiment].outputs {
+            rows.extend(output.witness.iter().map(|(_, value)| value));
+        }
+        DVector::from_vec(rows)
+    }
+
+    /// Columns of the linear nuisances of one experiment, the witness' rows at their end.
+    pub fn linear(&self, experiment: usize) -> DMatrix<f64> {
+        let outputs = &self.experiments[experiment].outputs;
+        let zeros: Vec<Vec<f64>> = outputs.iter().map(|o| vec![0.0; o.values.len()]).collect();
+        let witnesses: usize = outputs.iter().map(|output| output.witness.len()).sum();
+        let (mut columns, mut before) = (Vec::new(), 0);
+        for (index, output) in outputs.iter().enumerate() {
+            for (c, column) in output.columns.iter().enumerate() {
+                let mut series = zeros.clone();
+                series[index] = column.clone();
+                let mut rows = self.weigh(experiment, &series);
+                let own = output.witness.iter().map(|(weights, _)| weights[c]);
+                rows.extend(vec![0.0; before]);
+                rows.extend(own);
+                rows.extend(vec![0.0; witnesses - before - output.witness.len()]);
+                columns.push(DVector::from_vec(rows));
+            }
+            before += output.witness.len();
+        }
+        match columns.is_empty() {
+            true => DMatrix::zeros(0, 0),
+            false => DMatrix::from_columns(&columns),
+        }
+    }
+}
+
+/// A run that was not made, as one that ran away.
+fn left_out(data: &Experiment) -> Run {
+    let nothing = |output: &Output| vec![f64::NAN; output.values.len()];
+    let rates = |output: &Output| match output.own_clock {
+        true => nothing(output),
+        false => Vec::new(),
+    };
+    Run {
+        simulated: None,
+        residuals: data.outputs.iter().map(nothing).collect(),
+        rates: data.outputs.iter().map(rates).collect(),
+    }
+}
+
+/// What the outputs show, held against what was recorded.
+fn compared(
+    data: &Experiment,
+    shown: impl Iterator<Item = Prediction>,
+    simulated: Option<Simulated>,
+) -> Run {
+    let against = |(output, mut shown): (&Output, Prediction)| {
+        for (predicted, y) in shown.values.iter_mut().zip(&output.values) {
+            *predicted = y - *predicted;
+        }
+        (
+            shown.values,
+            if output.own_clock {
+                shown.rates
+            } else {
+                Vec::new()
+            },
+        )
+    };
+    let (residuals, rates) = data.outputs.iter().zip(shown).map(against).unzip();
+    Run {
+        simulated,
+        residuals,
+        rates,
+    }
+}

@@ -1,0 +1,185 @@
+//! Fits of candidates in a race: each goes as far as it may still win.
+//!
+//! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
+
+use super::descent::Descent;
+use super::explanation::Explanation;
+use super::extend::Candidate;
+use super::fit::Linearised;
+use super::found::Trial;
+use super::point::Point;
+use super::search::{LONG, Search};
+use super::walk::LOST;
+use quell_model::effects::{Place, has_many_minima};
+use rayon::prelude::*;
+
+/// How many of a candidate's starts go on after a step.
+pub(super) const SECOND: usize = 2;
+/// Steps after which the best of these is chosen.
+pub(super) const SHORT: usize = 6;
+/// Share of what the winner explains that another must have explained by then to be carried on: it is nearer to
+/// the winner than to none.
+const NEARER: f64 = 0.5;
+
+/// A race on top of an explanation.
+pub(super) struct Race<'a> {
+    search: &'a Search<'a>,
+    from: &'a Explanation,
+    /// What is known there.
+    linear: Option<&'a Linearised>,
+    runners: Vec<Runner<'a>>,
+    leader: Option<Trial>,
+}
+
+/// A candidate.
+struct Runner<'a> {
+    effect: (&'static str, Place),
+    /// Fits from its starts on, the best first.
+    starts: Vec<Descent<'a>>,
+}
+
+impl Runner<'_> {
+    fn cost(&self) -> f64 {
+        self.starts.first().map_or(f64::INFINITY, Descent::cost)
+    }
+}
+
+impl<'a> Race<'a> {
+    /// Without runners.
+    pub fn new(
+        search: &'a Search<'a>,
+        from: &'a Explanation,
+        linear: Option<&'a Linearised>,
+    ) -> Self {
+        Self {
+            search,
+            from,
+            linear,
+            runners: Vec::new(),
+            leader: None,
+        }
+    }
+
+    /// Lets candidates make their first step.
+    pub fn enter(&mut self, candidates: Vec<Candidate>) {
+        let runners = candidates.into_par_iter().map(|own| self.started(own));
+        for mut next in runners.collect::<Vec<_>>() {
+            match self
+                .runners
+                .iter_mut()
+                .find(|own| own.effect == next.effect)
+            {
+                Some(own) => {
+                    own.starts.append(&mut next.starts);
+                    own.starts.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+                }
+                None => self.runners.push(next),
+            }
+        }
+    }
+
+    fn started(&self, candidate: Candidate) -> Runner<'a> {
+        let Search {
+            problem, projector, ..
+        } = *self.search;
+        let start = |point: &Point, near| {
+            let mut descent = Descent::new(problem, projector, point, near);
+            descent.glance();
+            descent
+        };
+        let near = candidate.near.iter().map(|point| start(point, self.linear));
+        let far = candidate.far.iter().map(|point| start(point, None));
+        let mut starts: Vec<Descent> = near.chain(far).collect();
+        starts.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        Runner {
+            effect: candidate.effect,
+            starts,
+        }
+    }
+
+    /// Carries the one that is ahead to its end before the others. None whose misfit has many minima: its
+    /// starts may not all be there yet.
+    pub fn lead(&mut self) {
+        let plain = |index: &usize| !has_many_minima(self.runners[*index].effect.0);
+        let cost = |index: &usize| self.runners[*index].cost();
+        let all = (0..self.runners.len()).filter(plain);
+        if let Some(first) = all.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
+            let runner = self.runners.remove(first);
+            let chosen = self.chosen(runner, f64::INFINITY);
+            self.leader = chosen.map(|descent| self.carried(descent, f64::INFINITY));
+        }
+    }
+
+    /// Whether the one that went ahead leaves nothing but noise.
+    pub fn is_won(&self) -> bool {
+        self.winner().is_some()
+    }
+
+    /// Whether an effect takes part.
+    pub fn has(&self, effect: (&str, Place)) -> bool {
+        self.runners.iter().any(|runner| runner.effect == effect)
+    }
+
+    /// Carries all to their ends, or to where they cannot win any more; judged.
+    pub fn finish(mut self) -> Vec<Trial> {
+        let runners = std::mem::take(&mut self.runners);
+        let winner = self.winner().unwrap_or(f64::INFINITY);
+        let chosen: Vec<Descent> = runners
+            .into_par_iter()
+            .filter_map(|runner| self.chosen(runner, winner))
+            .collect();
+        let costs = chosen.iter().map(Descent::cost);
+        let leader = self.leader.as_ref();
+        let ahead = costs.chain(leader.map(|trial| trial.explanation.fitted.cost));
+        let ahead = ahead.fold(f64::INFINITY, f64::min);
+        let trials = chosen
+            .into_par_iter()
+            .map(|descent| self.carried(descent, ahead));
+        let mut trials: Vec<Trial> = trials.collect();
+        trials.extend(self.leader);
+        trials
+    }
+
+    /// Cost of the one that went ahead where it leaves nothing but noise.
+    fn winner(&self) -> Option<f64> {
+        let leader = &self.leader.as_ref()?.explanation;
+        self.search
+            .all_at_noise(leader)
+            .then_some(leader.fitted.cost)
+    }
+
+    /// The best of a candidate's starts, on its way to a rival.
+    fn chosen(&self, mut runner: Runner<'a>, rival: f64) -> Option<Descent<'a>> {
+        let mut ahead = rival;
+        for descent in runner.starts.iter_mut().take(SECOND) {
+            descent.race(SHORT, ahead);
+            ahead = ahead.min(descent.cost());
+        }
+        let best = runner.starts.into_iter();
+        let best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+        (best.cost() <= self.from.fitted.cost).then_some(best)
+    }
+
+    /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
+    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Trial {
+        let explained = |cost: f64| self.from.fitted.cost - cost;
+        let near = |winner| explained(descent.cost()) > NEARER * explained(winner);
+        let carries = self.winner().is_none_or(near);
+        if carries {
+            descent.race(LONG, ahead);
+            if descent.winds() && descent.cost() < LOST * ahead {
+                descent.hop();
+            }
+        }
+        let mut explanation = self.search.judge.judge(self.search.problem, descent.end());
+        if carries {
+            explanation = self.search.recurring(explanation);
+        }
+        Trial {
+            explanation,
+            delta_bic: 0.0,
+            held_out_ratio: 1.0,
+            passed: false,
+        }
+    }
+}

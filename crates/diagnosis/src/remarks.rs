@@ -1,0 +1,80 @@
+//! What the reader of a diagnosis should know besides the verdict.
+
+use super::found::Found;
+use super::problem::Problem;
+use quell_recording::Recording;
+use quell_recording::health::{JITTER, health};
+
+/// What is irregular in the recordings, and what was made of it.
+pub fn recorded(recordings: &[Recording]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for recording in recordings {
+        for channel in &recording.channels {
+            let (name, of) = (channel.role, &recording.name);
+            let health = health(channel);
+            let clock = &health.clock;
+            if channel.role.is_input() && !channel.varies() {
+                remarks.push(format!(
+                    "{name} of \"{of}\" stays at one value throughout: if the machine was moved, its sensor is dead \
+                     or the column is wrong."
+                ));
+            }
+            if !clock.gaps.is_empty() || clock.jitter > JITTER * clock.period {
+                remarks.push(format!(
+                    "{name} of \"{of}\": {} missing samples in {} gap(s), the clock jitters by {:.1} % of its \
+                     period. Each sample was used at its own stamp, and none was made up.",
+                    clock.missing,
+                    clock.gaps.len(),
+                    100.0 * clock.jitter / clock.period
+                ));
+            }
+            let wraps: usize = health.columns.iter().map(|column| column.wraps.len()).sum();
+            if wraps > 0 {
+                remarks.push(format!(
+                    "{name} of \"{of}\": the angle jumped by a turn {wraps} time(s), and was unwrapped."
+                ));
+            }
+        }
+    }
+    remarks
+}
+
+/// Keys at their bounds, effects of the given model that the recording does not need, payloads.
+pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let point = &found.best.fitted.point;
+    for term in &point.terms[..point.given_terms] {
+        let parameter = &term.effect.parameters[0];
+        // A thousandth of a typical size changes nothing that could be seen.
+        let least = 1e-3 * (parameter.typical)(&problem.scales).abs();
+        if (term.values[0] - parameter.neutral).abs() < least {
+            remarks.push(format!(
+                "{} in the {}, which the model has, went to nothing: the recording does not need it.",
+                term.effect.name,
+                term.place.name()
+            ));
+        }
+    }
+    for index in problem.free_payloads.clone() {
+        let named = |index: usize| problem.payloads[index].as_deref().unwrap_or("none");
+        remarks.push(format!(
+            "With the payload \"{}\" the link's inertia is {:.3} times that with \"{}\".",
+            named(index),
+            point.inertias[index],
+            named(0)
+        ));
+    }
+    for &key in &problem.free {
+        let (low, high) = problem.bounds[key];
+        let (name, value) = (problem.kind.keys[key].name, point.keys[key]);
+        // Within a thousandth of the range.
+        let near = 1e-3 * (high - low);
+        if value - low < near || high - value < near {
+            remarks.push(format!(
+                "{name} = {value:.4} is at the end of what is believed of it ({low:.4} to {high:.4}): is the \
+                 nominal value right?"
+            ));
+        }
+    }
+    remarks
+}

@@ -1,0 +1,271 @@
+//! One investigation, from experiments to a diagnosis; a second one where something changed with time.
+
+use super::baseline::{Data, problem, refit};
+use super::conclude::{better_model, conclude, reported};
+use super::document::Diagnosis;
+use super::draw::draw;
+use super::error::DiagnosisError;
+use super::excitation::Untold;
+use super::explanation::{Explanation, Judge};
+use super::extend::Known;
+use super::fit::{Fitted, Projector};
+use super::found::{Found, Trial};
+use super::locate::{Dynamics, Located, Residual, locate};
+use super::next_move::next_move;
+use super::point::Point;
+use super::problem::Problem;
+use super::remarks::recorded;
+use super::search::{EQUAL, LONG, Search, ratio};
+use super::settled::{search, settled};
+use super::start::ringing;
+use super::stop::Stop;
+use super::traces::Traces;
+use super::weights::measure_noise;
+use quell_model::{Experiment, Model, simulate_windows};
+use quell_recording::{Recording, Role};
+use std::f64::consts::TAU;
+
+/// What the caller may choose.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Seed of the bootstrap.
+    pub seed: u64,
+    /// Ends the diagnosis before its time; by default nothing does.
+    pub stop: Stop,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            stop: Stop::default(),
+        }
+    }
+}
+
+/// All that a diagnosis gives.
+pub struct Outcome {
+    /// What it says.
+    pub diagnosis: Diagnosis,
+    /// The model with the findings in it.
+    pub model: Model,
+    /// What a report draws.
+    pub traces: Traces,
+}
+
+/// How told: the share of the work that is done, and what is being done.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
+
+/// What experiments, and others held apart, say; and the explanations that were looked at.
+pub(super) fn attempt(
+    model: &Model,
+    train: &[Recording],
+    (fitted, apart): (Vec<Experiment>, Vec<Experiment>),
+    known: &Known,
+    options: &Options,
+    progress: Progress,
+) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
+    let mut data = Data::new(fitted, apart);
+    let told = recorded(train);
+    let mut ending = investigate(model, &data, known, options, progress, told.clone(), false)?;
+    loop {
+        match ending {
+            Ending::Told(outcome, points) => {
+                return Ok((named(*outcome, &data, train), points));
+            }
+            Ending::Surprised(period, mut points) => {
+                // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out
+                // parts of every move instead.
+                data.interleave(INTERLEAVED_PERIODS * period);
+                let remark = "What was held out differs from what was fitted: something changed with time. \
+                    Stretches of every move were held out instead of the last moves.";
+                let told = std::iter::once(remark.to_string()).chain(told.clone());
+                let told = told.collect();
+                // What was fitted best may be right all the same: a force that is wrong by little drifts away
+                // in what was held out.
+                points.extend(known.points.iter().cloned());
+                let alone = known.alone;
+                let known = Known { points, alone };
+                ending = investigate(model, &data, &known, options, progress, told, true)?;
+            }
+        }
+    }
+}
+
+/// Where there are several recordings, each series that is drawn bears the name of its own.
+fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome {
+    if recordings.len() > 1 {
+        let pairs = recordings.iter().zip(&data.experiments);
+        let names = pairs.flat_map(|(r, e)| std::iter::repeat_n(&r.name, e.outputs.len()));
+        for (trace, name) in outcome.traces.outputs.iter_mut().zip(names) {
+            trace.name = format!("{name}: {}", trace.name);
+        }
+    }
+    outcome
+}
+
+/// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
+/// not the noise of its neighbours.
+const INTERLEAVED_PERIODS: f64 = 3.0;
+/// Held-out chi-squared per row over the fitted part's, above which something changed with time.
+const SURPRISE: f64 = 2.0;
+
+/// How an investigation ends.
+enum Ending {
+    /// With what it says, and the explanations that were looked at.
+    Told(Box<Outcome>, Vec<Point>),
+    /// What was held out is worse than what was fitted by more than chance: something changed with time.
+    /// The period of the mode, s, and the explanations that were looked at.
+    Surprised(f64, Vec<Point>),
+}
+
+/// The whole journey; a second one is told however it ends.
+fn investigate(
+    model: &Model,
+    data: &Data,
+    known: &Known,
+    options: &Options,
+    progress: Progress,
+    mut remarks: Vec<String>,
+    is_second: bool,
+) -> Result<Ending, DiagnosisError> {
+    progress(0.05, "refitting the model");
+    let mut problem = problem(model, &data.experiments, data.train.clone());
+    problem.stop = options.stop.clone();
+    let (fitted, mut projector) = baseline(model, &mut problem);
+    options.stop.check()?;
+    let judge = Judge::new(model, data, &problem, &fitted.point);
+    let untold = Untold::of(model, &problem, &fitted.point, &judge);
+    let baseline: Explanation = judge.judge(&problem, fitted);
+    progress(0.1, "locating the mismatch");
+    let located = located(&problem, &baseline);
+    suspect(&mut problem, &located, &baseline);
+    options.stop.check()?;
+    progress(0.15, "screening the catalogue");
+    let told = (known, progress);
+    let found = settled(&mut problem, &mut projector, &judge, baseline, told);
+    let search = search(&problem, &projector, &judge, told);
+    if !is_second && data.apart.is_empty() && surprised(&search, &found) {
+        return Ok(Ending::Surprised(problem.scales.period(), found.points()));
+    }
+    options.stop.check()?;
+    remarks.extend(super::remarks::remarks(&problem, &found));
+    let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
+    if let Some(untold) = untold {
+        untold.said(&mut diagnosis);
+    }
+    options.stop.check()?;
+    let verdict = diagnosis.verdict;
+    diagnosis.next_move =
+        next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));
+    let told = reported(verdict, &found);
+    let points = found.points();
+    let traces = draw(&search, &found.baseline, told, &located);
+    let outcome = Outcome {
+        model: super::scale::corrected(better_model(model, told), &diagnosis),
+        diagnosis,
+        traces,
+    };
+    Ok(Ending::Told(Box::new(outcome), points))
+}
+
+/// Tells the catalogue where to look.
+fn suspect(problem: &mut Problem, located: &Located, baseline: &Explanation) {
+    tracing::debug!(
+        times = ?located.suspects,
+        frequencies = ?located.suspect_frequencies,
+        orders = ?located.suspect_orders,
+        "suspects"
+    );
+    let scales = &mut problem.scales;
+    scales.suspects.clone_from(&located.suspects);
+    scales
+        .suspect_frequencies
+        .clone_from(&located.suspect_frequencies);
+    scales.suspect_orders.clone_from(&located.suspect_orders);
+    scales.suspect_stops.clone_from(&located.suspect_stops);
+    if problem.scales.forced {
+        let residual = problem.explained(&baseline.fitted.point, 0);
+        let output = &problem.experiments[0].outputs[0];
+        problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
+    }
+}
+
+/// Whether what is held out is unlike what was fitted; or what explains the latter best, by far, fails on
+/// the former, as a law of time does that ends or levels off.
+fn surprised(search: &Search, found: &Found) -> bool {
+    let judge = search.judge;
+    let criterion = |trial: &Trial| search.criterion(&trial.explanation);
+    let passed = found.trials.iter().filter(|trial| trial.passed);
+    let believed = passed
+        .map(criterion)
+        .fold(search.criterion(&found.baseline), f64::min);
+    let failed = found.trials.first().map_or(f64::INFINITY, criterion);
+    if failed < believed - EQUAL * found.unit && !search.explains(&found.baseline, &found.best) {
+        return judge.held_out_rows > 0;
+    }
+    let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
+    let held = per_row(found.best.held_out, judge.held_out_rows);
+    let fitted = per_row(found.best.train, judge.train_rows);
+    judge.held_out_rows > 0 && ratio(held, fitted.max(1.0)) > SURPRISE
+}
+
+/// The given model, refitted, with the noise that it leaves measured.
+fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
+    let start = problem.start(model);
+    if problem.experiments[0].outputs.len() > 1 {
+        // What the model as it was given leaves of each output is the first guess of their weights.
+        measure_noise(problem, &start);
+    }
+    let mut projector = Projector::new(problem);
+    let mut first = refit(problem, &start, &projector);
+    first = ringing(problem, first, &projector);
+    // What rings at the start would be taken for noise, were it not fitted first.
+    measure_noise(problem, &first.point);
+    projector = Projector::new(problem);
+    (problem.fit(&first.point, &projector, LONG), projector)
+}
+
+/// Where the residual of the first output sits.
+fn located(problem: &Problem, baseline: &Explanation) -> Located {
+    let point = &baseline.fitted.point;
+    let residual = problem.explained(point, 0);
+    let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
+    let simulated = simulate_windows(
+        problem.kind,
+        &problem.keys(point, 0),
+        &point.terms,
+        experiment,
+        &local.departures,
+    );
+    let output = &experiment.outputs[0];
+    let (mut motor, mut link) = simulated.kinematics(&output.time, local.clocks[0]);
+    if output.role == Role::MotorPosition {
+        // Where a law of position acts is where the axis was, not where an error of the force has carried the
+        // simulation.
+        for (k, error) in residual[0].iter().enumerate() {
+            motor[k][0] += error;
+            link[k][0] += error;
+        }
+    }
+    let mode = problem
+        .kind
+        .mode
+        .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
+    let (natural_frequency, damping_ratio) = mode.unwrap_or((0.0, 0.0));
+    let windows = experiment.windows.iter();
+    let restarts: Vec<f64> = windows.map(|w| w.time + local.clocks[0]).collect();
+    locate(&Residual {
+        time: &output.time,
+        residual: &residual[0],
+        noise_std: problem.whitening[0][0].deviation,
+        motor: &motor,
+        link: &link,
+        dynamics: Dynamics {
+            natural_frequency,
+            damping_ratio,
+        },
+        restarts: &restarts,
+        sensor_only: false,
+    })
+}

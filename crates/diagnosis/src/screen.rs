@@ -1,0 +1,295 @@
+//! Screening: one simulation for each candidate and size, projected onto what the model cannot do.
+//!
+//! With `r` the residual of the refitted model and `d` its change by the effect, only the part `d_perp`
+//! matters that no change of the model's own parameters makes. The effect at this size lowers the cost
+//! by `-2 d_perp . r - |d_perp|^2`; at another size, were it linear, by `(d_perp . r)^2 / |d_perp|^2`,
+//! of which a part is believed. An effect of which the model's own parameters make most (a branch that
+//! stiffens a spring shifts its frequency first) is looked at a second time, these parameters moved
+//! against it: what is left of a large shift in second order would else hide it.
+
+use super::fit::{Linearised, Projector, orthonormal};
+use super::point::Point;
+use super::problem::{Problem, Run};
+use nalgebra::{Complex, DMatrix, DVector};
+use quell_model::Term;
+use quell_model::effects::{EFFECTS, Effect, Place};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Share of the gain at another size that is believed: effects are not linear in their size.
+const BELIEVED: f64 = 0.3;
+
+/// Square of the part of a change that the model can make over that of the rest, from which the rest may
+/// be the second order of the former: a shift of a frequency by a tenth leaves about a tenth of itself.
+const MOSTLY_OWN: f64 = 10.0;
+/// Share of the mismatch that is promise enough.
+const HOPEFUL: f64 = 0.5;
+
+/// An effect at a place with values to start from.
+#[derive(Clone)]
+pub struct Start {
+    /// Which.
+    pub effect: &'static Effect,
+    /// Where.
+    pub place: Place,
+    /// Values.
+    pub values: Vec<f64>,
+    /// By how much the cost should fall.
+    pub score: f64,
+    /// Times this size the cost would be least, were the effect linear in it.
+    factor: f64,
+}
+
+/// All effects that the model can lack, at their places.
+pub fn candidates(problem: &Problem) -> Vec<(&'static Effect, Place)> {
+    let experiment = &problem.experiments[0];
+    let places = (problem.kind.places)(experiment.input);
+    let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
+    let mut found = Vec::new();
+    for effect in EFFECTS.iter().copied() {
+        for &place in effect.places.iter().filter(|place| places.contains(place)) {
+            // A delay of a sensor with a clock of its own is that clock's offset.
+            if !(own_clock && effect.name == "sensor_delay") {
+                found.push((effect, place));
+            }
+        }
+    }
+    found
+}
+
+/// What the candidates of a screen are held against.
+struct Screen<'a> {
+    problem: &'a Problem<'a>,
+    point: &'a Point,
+    linear: &'a Linearised,
+    projector: &'a Projector,
+    /// Basis of all directions that the model itself has.
+    basis: DMatrix<f64>,
+    /// Residual of the refitted model, all experiments.
+    residual: DVector<f64>,
+    /// Least-squares step of the model's own unknowns for rows.
+    steps: DMatrix<f64>,
+}
+
+/// Scores every candidate at every size of its grid; best first, at most `each` sizes a candidate.
+pub fn screen(
+    problem: &Problem,
+    point: &Point,
+    linear: &Linearised,
+    projector: &Projector,
+    each: usize,
+) -> Vec<Start> {
+    let directions = directions(linear);
+    let screen = Screen {
+        problem,
+        point,
+        linear,
+        projector,
+        steps: steps(&directions),
+        basis: orthonormal(directions),
+        residual: stacked(&linear.residuals),
+    };
+    let there = |effect: &Effect, place: Place| {
+        let twice = |term: &Term| term.identity() == (effect.name, place);
+        point.terms.iter().any(twice)
+    };
+    let tried: Vec<Vec<Start>> = candidates(problem)
+        .into_par_iter()
+        .filter(|(effect, place)| !there(effect, *place))
+        .map(|(effect, place)| screen.sizes(effect, place, each))
+        .collect();
+    let mut all: Vec<Start> = tried.into_iter().flatten().collect();
+    all.sort_by(|a, b| b.score.total_cmp(&a.score));
+    all
+}
+
+impl Screen<'_> {
+    /// The best sizes of one candidate.
+    fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
+        let start = |values: Vec<f64>| {
+            let (score, factor) = self.score(&self.point.with(effect, place, values.clone()));
+            Start {
+                effect,
+                place,
+                values,
+                score,
+                factor,
+            }
+        };
+        let grid = (effect.starts)(&self.problem.scales);
+        let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
+        starts.sort_by(|a, b| b.score.total_cmp(&a.score));
+        starts.truncate(each);
+        // Sizes come first among an effect's parameters; where a limit does, the factor is no better than any other,
+        // and what scores less is not taken.
+        let (low, high) = (effect.parameters[0].bounds)(&self.problem.scales);
+        for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
+            let mut values = own.values.clone();
+            values[0] = (values[0] * own.factor).clamp(low, high);
+            let resized = start(values);
+            if resized.score > own.score {
+                *own = resized;
+            }
+        }
+        starts.sort_by(|a, b| b.score.total_cmp(&a.score));
+        starts
+    }
+
+    /// What a candidate promises, and the factor of its size.
+    fn score(&self, moved: &Point) -> (f64, f64) {
+        let last = moved.terms.len() - 1;
+        let change = self.change(|e| {
+            let before = &self.linear.runs[e];
+            self.problem.run_again(moved, e, last, before)
+        });
+        let own = self.basis.tr_mul(&change).norm_squared();
+        let plain = self.promise(change.clone());
+        let hopeful = plain.gain > HOPEFUL * self.residual.norm_squared();
+        if own < MOSTLY_OWN * plain.square || hopeful {
+            return (plain.gain, plain.factor);
+        }
+        let step = &self.steps * (&change + &self.residual);
+        let globals = &self.linear.globals;
+        if step.len() != self.problem.unknowns(moved, globals) {
+            return (plain.gain, plain.factor);
+        }
+        let compensated = self.problem.moved(moved, globals, &step);
+        let other = self.promise(self.change(|e| self.problem.run(&compensated, e)));
+        match other.gain > plain.gain {
+            true => (other.gain, other.factor),
+            false => (plain.gain, plain.factor),
+        }
+    }
+
+    /// Change of the residual of all experiments.
+    fn change(&self, run: impl Fn(usize) -> Run) -> DVector<f64> {
+        let rows = |e: usize| {
+            let rows = self.problem.complete(e, &run(e).residuals);
+            self.projector.remove(e, &rows)
+        };
+        let rows: Vec<DVector<f64>> = (0..self.linear.residuals.len()).map(rows).collect();
+        stacked(&rows) - &self.residual
+    }
+
+    /// What a change promises.
+    fn promise(&self, mut change: DVector<f64>) -> Promise {
+        change -= &self.basis * self.basis.tr_mul(&change);
+        let (product, square) = (change.dot(&self.residual), change.norm_squared());
+        let gain = gain(product, square);
+        let towards = gain.is_finite() && product < 0.0;
+        Promise {
+            gain,
+            square,
+            factor: if towards { -product / square } else { 1.0 },
+        }
+    }
+}
+
+/// What the part of a change promises that the model cannot make.
+struct Promise {
+    /// By how much the cost should fall.
+    gain: f64,
+    /// Its square.
+    square: f64,
+    /// Times the change the cost would be least.
+    factor: f64,
+}
+
+fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
+    let all = rows.iter().flat_map(|part| part.iter().copied());
+    DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
+}
+
+/// All directions that the model has, over the stacked rows of all experiments.
+fn directions(linear: &Linearised) -> DMatrix<f64> {
+    let shared = linear.globals.len();
+    let rows: usize = linear.jacobians.iter().map(|j| j.nrows()).sum();
+    let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
+    let mut all = DMatrix::zeros(rows, shared + own);
+    let (mut row, mut column) = (0, shared);
+    for jacobian in &linear.jacobians {
+        let (n, m) = jacobian.shape();
+        all.view_mut((row, 0), (n, shared))
+            .copy_from(&jacobian.columns(0, shared));
+        all.view_mut((row, column), (n, m - shared))
+            .copy_from(&jacobian.columns(shared, m - shared));
+        (row, column) = (row + n, column + m - shared);
+    }
+    all
+}
+
+/// The pseudo-inverse of the directions, by their normal equations.
+fn steps(directions: &DMatrix<f64>) -> DMatrix<f64> {
+    let norms: Vec<f64> = directions.column_iter().map(|c| c.norm()).collect();
+    let scale = |k: usize| if norms[k] > 0.0 { 1.0 / norms[k] } else { 1.0 };
+    let mut scaled = directions.clone();
+    for (k, mut column) in scaled.column_iter_mut().enumerate() {
+        column *= scale(k);
+    }
+    let product = scaled.tr_mul(&scaled);
+    // Directions that depend on others share a step.
+    let inverse = product.pseudo_inverse(1e-9).unwrap_or_default();
+    let mut steps = match inverse.is_empty() {
+        true => DMatrix::zeros(directions.ncols(), directions.nrows()),
+        false => inverse * scaled.transpose(),
+    };
+    for (k, mut row) in steps.row_iter_mut().enumerate() {
+        row *= scale(k);
+    }
+    steps
+}
+
+/// Angular frequencies at which a residual has its three highest peaks, the highest first.
+///
+/// A mode that hardly decays is a line whose width is that of the recording: the steps are a quarter of
+/// `1 / T`, so that a start lies within the one minimum of the fit that leads to it.
+pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
+    let n = residual.len().min(MOST_SAMPLES);
+    if n < 16 {
+        return Vec::new();
+    }
+    let mean = residual[..n].iter().sum::<f64>() / n as f64;
+    let step = TAU / (4.0 * n as f64);
+    let power = |k: usize| {
+        let turn = Complex::from_polar(1.0, -step * k as f64);
+        let mut phase = Complex::new(1.0, 0.0);
+        let mut sum = Complex::new(0.0, 0.0);
+        for (i, value) in residual[..n].iter().enumerate() {
+            // Against the ends of the record, whose jump would be a peak at every frequency.
+            let window = 1.0 - (TAU * i as f64 / n as f64).cos();
+            sum += phase * (window * (value - mean));
+            phase *= turn;
+        }
+        sum.norm_sqr()
+    };
+    let powers: Vec<f64> = (0..2 * n).into_par_iter().map(power).collect();
+    let is_peak = |k: &usize| powers[*k] > powers[k - 1] && powers[*k] >= powers[k + 1];
+    let mut found: Vec<usize> = (8..2 * n - 1).filter(is_peak).collect();
+    found.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+    let rate = (n - 1) as f64 / (time[n - 1] - time[0]);
+    found
+        .iter()
+        .take(3)
+        .map(|&k| step * k as f64 * rate)
+        .collect()
+}
+
+/// Samples in which peaks are looked for: their number grows with its square.
+const MOST_SAMPLES: usize = 4096;
+
+/// Change of all rows together, squared, in units of the noise, below which a size is not seen: what a
+/// force does to a motor side that is prescribed is rounding, which may point anywhere.
+const UNSEEN: f64 = 1e-4;
+
+/// What a change with this product and square promises.
+fn gain(product: f64, square: f64) -> f64 {
+    if !(square.is_finite() && product.is_finite()) || square <= UNSEEN {
+        return f64::NEG_INFINITY;
+    }
+    let here = -2.0 * product - square;
+    let elsewhere = match product < 0.0 {
+        true => BELIEVED * product * product / square,
+        false => 0.0,
+    };
+    here.max(elsewhere)
+}

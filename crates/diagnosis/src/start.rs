@@ -1,0 +1,60 @@
+//! How a recording starts, as far as no sensor says it.
+
+use super::fit::{Fitted, Projector};
+use super::problem::Problem;
+use super::search::{LONG, STRONG};
+use quell_model::chain::MotorSide;
+use quell_model::effects::Scales;
+use quell_model::{Experiment, Model};
+
+/// A free motor side has a velocity at the start that no sensor has measured.
+pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<usize> {
+    let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
+    match (linear.motor, linear.link) {
+        // Where a whole motion starts is the offset of its sensor.
+        (MotorSide::Free { .. }, None) if experiments[0].windows.is_empty() => vec![1],
+        (MotorSide::Free { .. }, None) => vec![0, 1],
+        (MotorSide::Free { .. }, Some(_)) => vec![0, 1, 2, 3],
+        // A link that is held in a motion starts as it does.
+        (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
+        (MotorSide::Fixed, _) => vec![2, 3],
+        (MotorSide::Prescribed, _) => Vec::new(),
+    }
+}
+
+pub fn departure_scale(scales: &Scales) -> [f64; 8] {
+    let travel = scales.travel().max(scales.deformation);
+    let (deformation, rate) = (0.1 * scales.deformation, 0.1 * scales.deformation_rate);
+    [
+        0.01 * travel,
+        0.1 * scales.velocity,
+        deformation,
+        rate,
+        deformation,
+        rate,
+        deformation,
+        rate,
+    ]
+}
+
+/// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
+/// their price.
+pub fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitted {
+    // A link that is held in a motion rings no further than that.
+    let input = problem.experiments[0].input;
+    let held = (problem.kind.linear)(&still.point.keys, input).link_is_input;
+    if !problem.departures.is_empty() || held {
+        return still;
+    }
+    problem.departures = vec![2, 3];
+    let ringing = problem.fit(&still.point, projector, LONG);
+    let experiments = problem.experiments;
+    let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;
+    let unit = (ringing.cost / rows).max(1.0);
+    let price = 2.0 * experiments.len() as f64 * rows.ln() + STRONG;
+    if (still.cost - ringing.cost) / unit > price {
+        return ringing;
+    }
+    problem.departures.clear();
+    still
+}

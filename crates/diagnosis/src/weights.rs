@@ -1,0 +1,114 @@
+//! What an output's rows weigh: its noise and, where several outputs are far above theirs, what the model
+//! leaves of each.
+
+use super::noise::{LOUDER, noise};
+use super::point::Point;
+use super::problem::Problem;
+use super::search::FLOOR;
+use super::whitening::Whitening;
+use quell_model::Experiment;
+use std::f64::consts::TAU;
+
+/// Of each experiment and output.
+type Each<T> = Vec<Vec<T>>;
+
+/// Sets level and colour of the noise, and the weights, from the residual at a point.
+pub fn measure_noise(problem: &mut Problem, point: &Point) {
+    let (noise, left) = measured(problem, point);
+    problem.whitening = weights(problem, &noise, &left);
+    problem.noise = noise;
+}
+
+/// Noise and weights that a better model tells, where they differ from what was believed by more than
+/// chance: what is not smooth in a mismatch passes for noise until the mismatch is explained.
+pub fn measured_again(
+    problem: &Problem,
+    point: &Point,
+) -> Option<(Each<Whitening>, Each<Whitening>)> {
+    let (found, left) = measured(problem, point);
+    let mut noise = problem.noise.clone();
+    let new = found.into_iter().flatten().zip(left.iter().flatten());
+    for (own, (new, left)) in noise.iter_mut().flatten().zip(new) {
+        // A model that is better makes no noise: an output is as quiet as it was ever seen to be. But where
+        // only its roughness was seen, and it was taken for white, all that is left may be noise as rough that
+        // is slower, and louder.
+        let quieter = LOUDER * new.deviation < own.deviation;
+        let louder = new.deviation > LOUDER * own.deviation && own.coefficients.is_empty();
+        let as_rough = || new.roughness() < LOUDER * own.deviation;
+        let all = left.powi(2) < FLOOR * new.deviation.powi(2);
+        if quieter || louder && all && as_rough() {
+            *own = new;
+        }
+    }
+    let weights = weights(problem, &noise, &left);
+    let before = problem.whitening.iter().flatten();
+    let changed = before.zip(weights.iter().flatten()).any(|(old, new)| {
+        let ratio = new.deviation / old.deviation;
+        ratio.max(1.0 / ratio) > LOUDER
+    });
+    changed.then_some((noise, weights))
+}
+
+/// Noise of every output, and the standard deviation of what the model leaves of it.
+fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
+    // Only of a mode is it known how its response falls above its frequency.
+    let rates = match problem.kind.mode {
+        Some((f, xi)) => (TAU * point.keys[f], TAU * point.keys[f] * point.keys[xi]),
+        None => {
+            let scales = &problem.scales;
+            (
+                f64::INFINITY,
+                scales.natural_frequency * scales.damping_ratio,
+            )
+        }
+    };
+    let of = |(e, experiment): (usize, &Experiment)| {
+        let raw = problem.explained(point, e);
+        let pairs = experiment.outputs.iter().zip(&raw);
+        let each = pairs.map(|(output, r)| (noise(experiment, output, r, rates), spread(r)));
+        each.unzip()
+    };
+    problem.experiments.iter().enumerate().map(of).unzip()
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// The noise, made louder for those outputs that are further above theirs than the nearest one.
+///
+/// Far above the noise a residual is the model's error, of whose size in each output the noise says
+/// nothing: a quiet sensor would be all that counts. A model's error is one of the motion, whichever
+/// sensor sees it, so that outputs in one unit weigh alike. With levels that are not known the likelihood
+/// is `prod RSS_k^(-N_k / 2)` over the units, whose weights are the levels themselves. Where one output
+/// shows nothing but noise, the noise is what weighs.
+///
+/// Source: Box and Draper, The Bayesian estimation of common parameters from several responses,
+/// Biometrika 52 (1965), for outputs whose errors are independent.
+fn weights(problem: &Problem, noise: &[Vec<Whitening>], left: &[Vec<f64>]) -> Each<Whitening> {
+    let weigh = |(e, experiment): (usize, &Experiment)| {
+        let (noise, left) = (&noise[e], &left[e]);
+        let above = noise
+            .iter()
+            .zip(left)
+            .map(|(own, left)| left / own.deviation);
+        let floor = above.fold(f64::INFINITY, f64::min);
+        if floor * floor <= FLOOR {
+            return noise.clone();
+        }
+        let level = |k: usize| {
+            let unit = &experiment.outputs[k].unit;
+            let all = experiment.outputs.iter().zip(left);
+            let same = all.filter(|(output, _)| output.unit == *unit);
+            let squares: Vec<f64> = same.map(|(_, left)| left * left).collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        };
+        let above = |k: usize| level(k) / noise[k].deviation;
+        let least = (0..noise.len()).map(above).fold(f64::INFINITY, f64::min);
+        let louder = |k: usize| noise[k].louder(above(k) / least);
+        (0..noise.len()).map(louder).collect()
+    };
+    problem.experiments.iter().enumerate().map(weigh).collect()
+}

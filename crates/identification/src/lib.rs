@@ -1,0 +1,268 @@
+//! Identification of a recording: every estimator on-line over it, and the off-line references on
+//! the same stretches.
+//!
+//! [`identify`] is a pure function of an aligned series; [`prepare`] makes one from a recording.
+
+mod amplitude;
+mod evidence;
+mod nominal_model;
+mod prepare;
+mod run;
+mod stretches;
+mod whole_fit;
+
+pub use amplitude::{AmplitudeDependence, CycleDamping};
+pub use nominal_model::NominalModel;
+pub use prepare::{IdentificationError, Series, prepare};
+pub use quell_model::ModelError;
+pub use run::{OffLine, OnLine, Run};
+pub use stretches::Stretch;
+
+use evidence::Evidence;
+use run::Input;
+use stretches::FreeDecay;
+
+use core::f64::consts::TAU;
+
+use quell_shapers::Mode;
+
+use quell_control::estimators::offline::{BatchFit, batch_fit, telling};
+use quell_control::estimators::{ESTIMATORS, Estimate, Sample, Settings};
+
+/// What is known before the samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prior {
+    /// The mode that the engineer believes in; without it a first batch fit takes its place.
+    pub belief: Option<Mode>,
+    /// Whether the deformation's scale is open: measured by a sensor of its own (strain gauge)
+    /// rather than as a difference of positions.
+    pub scale_is_open: bool,
+}
+
+/// What a recording says of the mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identification {
+    /// The whole recording, the motor side as known input.
+    pub whole: Run,
+    /// Each free decay on its own.
+    pub free_decays: Vec<Run>,
+    /// Whether the known input explains the deformation: its batch fit agrees with that of the
+    /// free decays. `None` where there is no free decay to hold it against.
+    pub known_input_holds: Option<bool>,
+    /// Share of the deformation's variance that the batch fit of the whole recording explains, over what it is of.
+    pub explained: f64,
+    /// How long the known input carries the vibration, s; infinite where it does to the end.
+    pub memory: f64,
+    /// How damping follows amplitude over the best free decay.
+    pub amplitude_dependence: Option<AmplitudeDependence>,
+    /// Index of the free decay with the most to tell.
+    pub best_decay: Option<usize>,
+    /// Rests of the motor side after a motion.
+    pub rests: usize,
+    /// How many of them were looked at for a free decay: all but in a long recording.
+    pub rests_looked_at: usize,
+}
+
+impl Identification {
+    /// Whether the recording is so long that the mode was looked for in a part of it, that of
+    /// [`Run::shown`], and fitted to the whole from there.
+    pub fn is_long(&self) -> bool {
+        self.whole.shown != self.whole.stretch
+    }
+
+    /// Whether the batch fit is of that part alone, as the whole led it out of the range of frequencies.
+    pub fn is_fit_of_part(&self) -> bool {
+        self.whole.fitted != self.whole.stretch
+    }
+
+    /// The run to quote for an estimator, by index into the table: the whole recording for those
+    /// that use the motion where the known input holds, else the best free decay.
+    pub fn quoted(&self, estimator: usize) -> Option<&Run> {
+        let uses_motion = ESTIMATORS.get(estimator)?.uses_motion;
+        match self.best_decay {
+            Some(best) if !uses_motion || self.known_input_holds == Some(false) => {
+                self.free_decays.get(best)
+            }
+            _ if uses_motion => Some(&self.whole),
+            _ => None,
+        }
+    }
+
+    /// The two modes of the first estimator that told two, over what is quoted of it.
+    pub fn two_modes(&self) -> Option<(Estimate, Estimate)> {
+        ESTIMATORS.iter().enumerate().find_map(|(index, line)| {
+            let result = self.quoted(index)?.estimator(line.name)?;
+            result.estimate.zip(result.further)
+        })
+    }
+
+    /// The run whose off-line references are quoted: the best free decay, else the whole.
+    pub fn reference(&self) -> &Run {
+        self.best_decay
+            .and_then(|best| self.free_decays.get(best))
+            .unwrap_or(&self.whole)
+    }
+}
+
+/// Identifies the mode of an aligned series.
+///
+/// # Errors
+/// [`IdentificationError`] where there are fewer than 32 samples, nothing varies, or no mode stands out of the noise.
+pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, IdentificationError> {
+    if samples.len() < 32 {
+        return Err(IdentificationError::TooFew {
+            found: samples.len(),
+            needed: 32,
+        });
+    }
+    let part = telling(samples);
+    let settings = settings(samples, part, prior)?;
+    let rests = stretches::rests(samples, &settings);
+    let looked_at = stretches::evenly(samples, &rests);
+    let decays: Vec<FreeDecay> = looked_at
+        .iter()
+        .filter_map(|rest| stretches::free_decay(samples, *rest, &settings))
+        .collect();
+    let (settings, fit) = whole_fit::trusted_memory(part, settings);
+    let (fitted, fit) = whole_fit::follow(samples, part, &settings, fit);
+    let (free_decays, known_input_holds) = free_decays(samples, &decays, &settings, fit.as_ref());
+    let best_decay = strongest(&free_decays);
+    if best_decay.is_none() {
+        Evidence::of_all(fitted, fit.as_ref()).strong()?;
+    }
+    let best = best_decay.map(|k| &free_decays[k]);
+    let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
+    let explained = fit
+        .as_ref()
+        .map_or(0.0, |fit| 1.0 - explained_not(fitted, fit));
+    Ok(Identification {
+        whole: Run::whole(samples, part, &settings, (fitted, fit.as_ref())),
+        free_decays,
+        known_input_holds,
+        explained,
+        memory: settings.memory,
+        amplitude_dependence,
+        best_decay,
+        rests: rests.len(),
+        rests_looked_at: looked_at.len(),
+    })
+}
+
+/// The runs of all free decays, and whether the known input holds. Where it does what is left of the motor side's
+/// motion in them, its settling, is known, too; else it counts as standing still.
+fn free_decays(
+    samples: &[Sample],
+    decays: &[FreeDecay],
+    settings: &Settings,
+    whole: Option<&BatchFit>,
+) -> (Vec<Run>, Option<bool>) {
+    let fits = |input: Input| -> Vec<Option<BatchFit>> {
+        let tells = |decay: &FreeDecay, fit: &BatchFit| {
+            Evidence::of_decay(decay.stretch.of(samples), fit).tells()
+        };
+        let fit = |decay| run::fit(samples, decay, settings, input).filter(|fit| tells(decay, fit));
+        decays.iter().map(fit).collect()
+    };
+    let energy = |k: usize, fit| run::energy(decays[k].stretch.of(samples), Some(fit));
+    let mut found = fits(Input::Still);
+    let told = found.iter().enumerate();
+    let best = told
+        .filter_map(|(k, fit)| Some((fit.as_ref()?, energy(k, fit.as_ref()?))))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let known_input_holds = best.and_then(|(decay, _)| Some(agree(whole?, decay)));
+    let mut input = Input::Still;
+    if known_input_holds == Some(true) {
+        input = Input::Known;
+        found = fits(input);
+    }
+    let pairs = decays.iter().zip(&found);
+    let run = |(decay, fit): (_, &Option<BatchFit>)| {
+        Some(Run::free_decay(
+            samples,
+            decay,
+            settings,
+            (input, Some(fit.as_ref()?)),
+        ))
+    };
+    (pairs.filter_map(run).collect(), known_input_holds)
+}
+
+/// The free decay with the largest deformation, of those that a batch fit could follow.
+fn strongest(decays: &[Run]) -> Option<usize> {
+    (0..decays.len())
+        .filter(|&k| decays[k].batch().is_some())
+        .max_by(|&a, &b| decays[a].energy.total_cmp(&decays[b].energy))
+}
+
+/// Whether the fit with the known input and the free decay's give one frequency: within 3 %, or
+/// three of their standard deviations where those are smaller than that.
+fn agree(whole: &BatchFit, decay: &BatchFit) -> bool {
+    let w = decay.mode.natural_frequency();
+    let difference = (whole.mode.natural_frequency() - w).abs();
+    let std = whole
+        .natural_frequency_std
+        .hypot(decay.natural_frequency_std);
+    difference < (0.03 * w).max(3.0 * std.min(0.03 * w))
+}
+
+/// Share of the deformation's variance that a fit leaves.
+fn explained_not(samples: &[Sample], fit: &BatchFit) -> f64 {
+    let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / samples.len() as f64;
+    let total: f64 = samples.iter().map(|s| (s.deformation - mean).powi(2)).sum();
+    let left: f64 = fit.residual.iter().map(|r| r * r).sum();
+    left / total.max(f64::MIN_POSITIVE)
+}
+
+/// Settings for a recording: offset free, the whole of it as window, frequencies within an octave of
+/// the belief.
+fn settings(
+    samples: &[Sample],
+    part: &[Sample],
+    prior: Prior,
+) -> Result<Settings, IdentificationError> {
+    let duration = |samples: &[Sample]| samples[samples.len() - 1].time - samples[0].time;
+    let sample_time = duration(samples) / (samples.len() - 1) as f64;
+    let common = |base: Settings| Settings {
+        offset_std: Some(f64::INFINITY),
+        scale_std: if prior.scale_is_open {
+            1.0
+        } else {
+            base.scale_std
+        },
+        window: 2.0 * duration(samples),
+        ..base
+    };
+    if let Some(belief) = prior.belief {
+        return Ok(common(Settings::around(belief, sample_time)));
+    }
+    // Two periods in what is looked through, five samples in a period.
+    let range = (2.0 * TAU / duration(part), TAU / (5.0 * sample_time));
+    if range.0 >= range.1 {
+        return Err(IdentificationError::Still);
+    }
+    first_look(samples, part, common(Settings::within(range, sample_time)))
+}
+
+/// Without a belief: what batch fits over a wide range say, of the longest rest and of the recording, or of parts
+/// of these. The rest's counts, and both are within the range that is looked through.
+fn first_look(
+    samples: &[Sample],
+    part: &[Sample],
+    wide: Settings,
+) -> Result<Settings, IdentificationError> {
+    let mode = |samples: &[Sample], motion| Some(batch_fit(samples, &wide, motion)?.mode);
+    let whole = mode(part, true);
+    let rest = stretches::rests(samples, &wide)
+        .into_iter()
+        .max_by(|a, b| (a.until - a.from).total_cmp(&(b.until - b.from)))
+        .and_then(|rest| mode(telling(rest.of(samples)), false));
+    let belief = rest.or(whole).ok_or(IdentificationError::Still)?;
+    let other = whole.unwrap_or(belief).natural_frequency();
+    let w = belief.natural_frequency();
+    let around = Settings::around(belief, wide.sample_time);
+    Ok(Settings {
+        belief: around.belief,
+        frequency_range: (0.5 * w.min(other), 2.0 * w.max(other)),
+        ..wide
+    })
+}

@@ -1,0 +1,166 @@
+//! From a recording to the aligned series that is identified.
+
+use core::f64::consts::{PI, TAU};
+
+use super::nominal_model::NominalModel;
+use quell_control::estimators::Sample;
+use quell_recording::{Recording, Role, plain};
+use quell_signal::{ArcRegistration, JointArc, SignalError, recorded_deformation};
+
+/// Why a recording cannot be identified.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentificationError {
+    /// A channel is missing or bad, or the sensor's frame cannot be learned.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// Too few samples.
+    #[error("{found} aligned samples, at least {needed} are needed")]
+    TooFew {
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// A number that no sensor gives.
+    #[error("{channel} holds {value:e} {unit}, which nothing measures: check unit and scale")]
+    NoMeasurement {
+        /// Which channel.
+        channel: Role,
+        /// The value.
+        value: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// A sensor that shows one value while the motor side moves.
+    #[error(
+        "{channel} is {} {unit} throughout, while motor_position changes by {} rad: a dead sensor, a wrong column, or \
+         a resolution that is too coarse",
+        plain(*.value),
+        plain(*.by)
+    )]
+    Dead {
+        /// Which channel.
+        channel: Role,
+        /// At what, in `unit`.
+        value: f64,
+        /// Its unit.
+        unit: String,
+        /// How far the motor side moves, rad.
+        by: f64,
+    },
+    /// What was recorded is no more of a mode than noise is.
+    #[error(
+        "no mode can be told: {found:.0} of a chi-squared of {needed:.0} that would be strong evidence for one in \
+         {samples} samples; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
+    )]
+    NotExcited {
+        /// By how much the best fit lowers the criterion, as a chi-squared.
+        found: f64,
+        /// What a mode would take.
+        needed: f64,
+        /// Number of samples.
+        samples: usize,
+    },
+    /// The deformation does not vary.
+    #[error("the deformation does not vary: nothing vibrates in this recording")]
+    Still,
+}
+
+/// An aligned series and how it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Samples on the deformation sensor's stamps, rad (deformation in the sensor's own unit where
+    /// it measures that directly and no lever arm is known).
+    pub samples: Vec<Sample>,
+    /// Frame and clock of a tip sensor.
+    pub registration: Option<ArcRegistration>,
+    /// Lever arm, where the model gives one, m.
+    pub lever_arm: Option<f64>,
+    /// Whether the deformation has a sensor of its own.
+    pub scale_is_open: bool,
+}
+
+/// Aligns a recording, which is taken: angles unwrapped, a tip sensor registered by the model's lever arm.
+///
+/// # Errors
+/// [`IdentificationError::Signal`].
+pub fn prepare(
+    mut recording: Recording,
+    model: Option<&NominalModel>,
+) -> Result<Series, IdentificationError> {
+    for channel in &mut recording.channels {
+        let angle = matches!(channel.role, Role::MotorPosition | Role::LinkPosition);
+        if angle && channel.unit == "rad" {
+            channel.columns.iter_mut().for_each(|column| unwrap(column));
+        }
+    }
+    carries(&recording)?;
+    let lever_arm = model.and_then(|model| model.lever_arm);
+    let arc = match (lever_arm, model) {
+        (Some(lever_arm), Some(model)) => {
+            Some(JointArc::from_lever_arm(lever_arm, model.tip_height)?)
+        }
+        _ => None,
+    };
+    let deformation =
+        recorded_deformation(&recording, arc.as_ref(), model.map(|model| model.mode))?;
+    Ok(Series {
+        samples: deformation
+            .samples
+            .into_iter()
+            .map(|s| Sample {
+                time: s.time,
+                motor_position: s.motor_position,
+                deformation: s.deformation,
+            })
+            .collect(),
+        registration: deformation.registration,
+        lever_arm,
+        scale_is_open: recording.channel(Role::Deformation).is_some(),
+    })
+}
+
+/// Whether the sensors that are used show something that can be a motion.
+fn carries(recording: &Recording) -> Result<(), IdentificationError> {
+    let roles = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
+    let sensor = roles.iter().find_map(|role| recording.channel(*role));
+    let Some((motor, sensor)) = recording.channel(Role::MotorPosition).zip(sensor) else {
+        return Ok(());
+    };
+    for channel in [motor, sensor] {
+        if let Some(value) = channel.impossible() {
+            return Err(IdentificationError::NoMeasurement {
+                channel: channel.role,
+                value,
+                unit: channel.unit.clone(),
+            });
+        }
+    }
+    // One sample cannot vary: that there are too few is told by who needs more.
+    if sensor.varies() || sensor.time.len() < 2 {
+        return Ok(());
+    }
+    Err(match motor.varies() {
+        false => IdentificationError::Still,
+        true => IdentificationError::Dead {
+            channel: sensor.role,
+            value: sensor.columns[0][0],
+            unit: sensor.unit.clone(),
+            by: motor.travel(),
+        },
+    })
+}
+
+/// Takes whole turns out of an angle that jumps by more than half a turn between samples.
+fn unwrap(angle: &mut [f64]) {
+    let mut turns = 0.0;
+    let mut last = angle.first().copied().unwrap_or(0.0);
+    for value in angle {
+        let step = *value - last;
+        last = *value;
+        if step.abs() > PI {
+            turns -= (step / TAU).round();
+        }
+        *value += turns * TAU;
+    }
+}

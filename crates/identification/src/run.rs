@@ -1,0 +1,250 @@
+//! All estimators over one stretch, and the off-line references on the same samples.
+
+use quell_shapers::Mode;
+
+use super::stretches::{self, FreeDecay, Stretch};
+use quell_control::estimators::offline::{BatchFit, Extremum, batch_fit, fourier, mode_of_extrema};
+use quell_control::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
+
+/// Points of an estimate's history that are kept for a figure.
+const HISTORY: usize = 3000;
+
+/// What the motor side counts as in a free decay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// As standing still: its creep under feedback is below the share of a move's speed that counts
+    /// as rest, and as a regressor it would take up a drift of the sensor's zero.
+    Still,
+    /// As the known input that it is in the moves.
+    Known,
+}
+
+/// One estimator over one stretch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnLine {
+    /// Name in the table of estimators.
+    pub name: &'static str,
+    /// The last estimate, if there was one.
+    pub estimate: Option<Estimate>,
+    /// A further mode, if it told one in the end.
+    pub further: Option<Estimate>,
+    /// When it first called itself converged, s.
+    pub converged_at: Option<f64>,
+    /// The same in periods of its mode, counted from `counted_from` of the run.
+    pub periods: Option<f64>,
+    /// The estimate over time, thinned to 3000 points.
+    pub history: Vec<Estimate>,
+}
+
+/// One off-line reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OffLine {
+    /// `batch_fit`, `fourier` or `log_decrement`.
+    pub method: &'static str,
+    /// What it found.
+    pub mode: Mode,
+    /// One standard deviation of `omega_n`, rad/s, where the method knows it.
+    pub natural_frequency_std: Option<f64>,
+    /// One standard deviation of `xi`, where the method knows it.
+    pub damping_ratio_std: Option<f64>,
+}
+
+impl OffLine {
+    /// What a method found that does not know how well.
+    fn plain(method: &'static str, mode: Mode) -> Self {
+        Self {
+            method,
+            mode,
+            natural_frequency_std: None,
+            damping_ratio_std: None,
+        }
+    }
+}
+
+/// All estimators and references over one stretch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The samples used.
+    pub stretch: Stretch,
+    /// Those that the estimators on-line were shown: the same, but of a long recording the part in which the mode
+    /// was looked for.
+    pub shown: Stretch,
+    /// Those that the batch fit is of: the same, but of a long recording that leads it out of the range of
+    /// frequencies the part again.
+    pub fitted: Stretch,
+    /// Where periods to convergence are counted from, s: the motion's or the decay's start.
+    pub counted_from: f64,
+    /// Whether it is a free decay; else the motor side is a known input.
+    pub is_free_decay: bool,
+    /// The estimators that can take this stretch, in the order of their table.
+    pub on_line: Vec<OnLine>,
+    /// The references.
+    pub off_line: Vec<OffLine>,
+    /// Sum of squares of the deformation about its offset, of use to compare decays.
+    pub energy: f64,
+    /// Extrema of a free decay, half a period apart.
+    pub extrema: Vec<Extremum>,
+}
+
+impl Run {
+    /// The whole recording with the motor side as known input, and its batch fit with the samples that it is of.
+    ///
+    /// Of a long one the estimators are shown a `part`. The likelihoods lose nothing by that, as they forget what is
+    /// older than their window, 65 536 samples at most; the algebraic ones sum over all that they are shown, and
+    /// what they tell is of the part.
+    pub(super) fn whole(
+        samples: &[Sample],
+        part: &[Sample],
+        settings: &Settings,
+        (fitted, fit): (&[Sample], Option<&BatchFit>),
+    ) -> Self {
+        let counted_from = stretches::motion_from(part);
+        let estimators = ESTIMATORS.iter().filter(|line| line.uses_motion);
+        Self {
+            stretch: Stretch::all(samples),
+            shown: Stretch::all(part),
+            fitted: Stretch::all(fitted),
+            counted_from,
+            is_free_decay: false,
+            on_line: estimators
+                .map(|line| on_line(line, part, settings, counted_from))
+                .collect(),
+            off_line: fit.into_iter().map(batch_reference).collect(),
+            energy: energy(fitted, fit),
+            extrema: Vec::new(),
+        }
+    }
+
+    /// One free decay, and its batch fit.
+    pub(super) fn free_decay(
+        samples: &[Sample],
+        decay: &FreeDecay,
+        settings: &Settings,
+        (input, fit): (Input, Option<&BatchFit>),
+    ) -> Self {
+        let FreeDecay { stretch, extrema } = decay.clone();
+        let moving = stretch.of(samples);
+        let still = still(moving);
+        let samples = if input == Input::Known {
+            moving
+        } else {
+            &still
+        };
+        let settings = for_a_decay(settings);
+        let mut off_line: Vec<OffLine> = fit.map(batch_reference).into_iter().collect();
+        let mode = fourier(samples, settings.frequency_range);
+        off_line.extend(mode.map(|mode| OffLine::plain("fourier", mode)));
+        let mode = mode_of_extrema(&extrema);
+        off_line.extend(mode.map(|mode| OffLine::plain("log_decrement", mode)));
+        Self {
+            stretch,
+            shown: stretch,
+            fitted: stretch,
+            counted_from: stretch.from,
+            is_free_decay: true,
+            on_line: ESTIMATORS
+                .iter()
+                .map(|line| {
+                    // The methods for a free decay know of no input but a constant.
+                    let samples = if line.uses_motion { samples } else { &still };
+                    on_line(line, samples, &settings, stretch.from)
+                })
+                .collect(),
+            off_line,
+            energy: energy(samples, fit),
+            extrema,
+        }
+    }
+
+    /// The batch fit's line, if it found something.
+    pub fn batch(&self) -> Option<&OffLine> {
+        self.off_line.iter().find(|line| line.method == "batch_fit")
+    }
+
+    /// The line of an estimator, if it ran here.
+    pub fn estimator(&self, name: &str) -> Option<&OnLine> {
+        self.on_line.iter().find(|line| line.name == name)
+    }
+}
+
+/// The batch fit of a free decay.
+pub(super) fn fit(
+    samples: &[Sample],
+    decay: &FreeDecay,
+    settings: &Settings,
+    input: Input,
+) -> Option<BatchFit> {
+    let samples = decay.stretch.of(samples);
+    batch_fit(samples, &for_a_decay(settings), input == Input::Known)
+}
+
+/// In a free decay nothing but the initial state has to be carried.
+fn for_a_decay(settings: &Settings) -> Settings {
+    Settings {
+        memory: f64::INFINITY,
+        ..*settings
+    }
+}
+
+/// The samples with the motor side standing where it is at their start.
+fn still(samples: &[Sample]) -> Vec<Sample> {
+    let position = samples.first().map_or(0.0, |s| s.motor_position);
+    let stand = |s: &Sample| Sample {
+        motor_position: position,
+        ..*s
+    };
+    samples.iter().map(stand).collect()
+}
+
+fn batch_reference(fit: &BatchFit) -> OffLine {
+    OffLine {
+        method: "batch_fit",
+        mode: fit.mode,
+        natural_frequency_std: Some(fit.natural_frequency_std),
+        damping_ratio_std: Some(fit.damping_ratio_std),
+    }
+}
+
+/// Sum of squares of the deformation about the offset that a fit found.
+pub(super) fn energy(samples: &[Sample], fit: Option<&BatchFit>) -> f64 {
+    let offset = fit.map_or(0.0, |fit| fit.offset);
+    samples
+        .iter()
+        .map(|s| (s.deformation - offset).powi(2))
+        .sum()
+}
+
+/// Feeds one estimator sample by sample.
+fn on_line(line: &EstimatorEntry, samples: &[Sample], settings: &Settings, from: f64) -> OnLine {
+    let mut estimator = (line.build)(settings);
+    let every = samples.len().div_ceil(HISTORY).max(1);
+    let mut history = Vec::with_capacity(HISTORY + 1);
+    let mut converged_at = None;
+    for (index, sample) in samples.iter().enumerate() {
+        estimator.observe(*sample);
+        let Some(estimate) = estimator.estimate() else {
+            continue;
+        };
+        if estimate.converged && converged_at.is_none() {
+            converged_at = Some(sample.time);
+        }
+        if index % every == 0 || index + 1 == samples.len() {
+            history.push(Estimate {
+                time: sample.time,
+                ..estimate
+            });
+        }
+    }
+    let estimate = estimator.estimate();
+    let periods = converged_at
+        .zip(estimate)
+        .map(|(time, estimate)| (time - from) * estimate.mode.hertz());
+    OnLine {
+        name: line.name,
+        estimate,
+        further: estimator.further(),
+        converged_at,
+        periods,
+        history,
+    }
+}

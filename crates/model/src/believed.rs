@@ -1,0 +1,23 @@
+//! What is believed of a joint, as the model file that `quell identify --model` reads.
+
+use quell_shapers::Mode;
+
+use quell_signal::JointArc;
+
+/// The text of a `flexible_joint` model: the mode, and where the tip turns about the joint, if the tip
+/// is what is measured.
+pub fn flexible_joint(mode: Mode, arc: Option<&JointArc>) -> String {
+    let tip = arc.map(|arc| {
+        format!(
+            "lever_arm_m = {}\ntip_height_m = {}\n",
+            arc.radius(),
+            arc.centre().z
+        )
+    });
+    format!(
+        "kind = \"flexible_joint\"\nnatural_frequency_hz = {}\ndamping_ratio = {}\n{}",
+        mode.hertz(),
+        mode.damping_ratio(),
+        tip.unwrap_or_default(),
+    )
+}

@@ -1,0 +1,83 @@
+//! Kinds of models: the structures that an engineer may believe in.
+
+use super::chain::Linear;
+use super::piecewise::Hold;
+use crate::effects::{Place, Quantity};
+use quell_recording::Role;
+
+/// A key of a model file.
+#[derive(Clone, Copy)]
+pub struct Key {
+    /// Name in the file.
+    pub name: &'static str,
+    /// Its unit, where the name does not say it.
+    pub quantity: Quantity,
+    /// Value if the file does not give it; none where it must. One outside the range switches a term
+    /// off: it may be written too, and is not fitted.
+    pub default: Option<f64>,
+    /// Least and greatest value that makes sense.
+    pub range: (f64, f64),
+    /// Standard deviation of what an engineer believes who gives none: relative (of the logarithm) if
+    /// the range is above 0, absolute else. 0 for what is measured with a ruler and not fitted.
+    pub belief: f64,
+}
+
+/// One kind.
+pub struct Kind {
+    /// Name in the file.
+    pub name: &'static str,
+    /// Its keys, in the order in which [`Kind::linear`] takes their values.
+    pub keys: &'static [Key],
+    /// Channels that can drive it, the preferred one first.
+    pub inputs: &'static [Role],
+    /// Channels that it predicts.
+    pub outputs: &'static [Role],
+    /// Places at which it can lack physics, when driven by this input.
+    pub places: fn(Role) -> &'static [Place],
+    /// Whether an input of this role can drive it, for these values of the keys.
+    pub takes: fn(&[f64], Role) -> bool,
+    /// What its input does between samples unless the file says otherwise.
+    pub hold: fn(Role) -> Hold,
+    /// The chain for values of the keys.
+    pub linear: fn(&[f64], Role) -> Linear,
+    /// Index of the keys that hold natural frequency (Hz) and damping ratio, where it has them.
+    pub mode: Option<(usize, usize)>,
+    /// Whether forces are divided by the stiffness, so that they are in the unit of positions.
+    pub normalised: bool,
+}
+
+/// All kinds. Those of one name differ in the keys that they must be given.
+pub const KINDS: &[&Kind] = &[
+    &super::flexible_joint::FLEXIBLE_JOINT,
+    &super::rigid_axis::RIGID_AXIS,
+    &super::oscillator::OSCILLATOR,
+    &super::oscillator::SPRING_AND_DAMPER,
+    &super::two_mass::TWO_MASS,
+];
+
+impl Kind {
+    /// The first kind of this name.
+    pub fn from_name(name: &str) -> Option<&'static Self> {
+        KINDS.iter().copied().find(|kind| kind.name == name)
+    }
+
+    /// Values of the keys with the link's inertia this many times as large (the mass of a rigid axis): as
+    /// stiffness and damper stay, natural frequency and damping ratio fall with its root.
+    pub fn loaded(&self, keys: &[f64], inertia: f64) -> Vec<f64> {
+        let mut loaded = keys.to_vec();
+        match (self.mode, self.key("link_inertia").or(self.key("mass"))) {
+            (Some((frequency, damping)), _) => {
+                loaded[frequency] /= inertia.sqrt();
+                loaded[damping] /= inertia.sqrt();
+            }
+            (None, Some(key)) => loaded[key] *= inertia,
+            (None, None) => {}
+        }
+        loaded
+    }
+
+    /// Index of a key.
+    pub fn key(&self, name: &str) -> Option<usize> {
+        self.keys.iter().position(|key| key.name == name)
+    }
+}

@@ -1,0 +1,152 @@
+//! Models of an axis: what an engineer believes, as a file, and its simulation.
+//!
+//! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
+
+pub mod believed;
+mod bodies;
+pub mod chain;
+mod circle;
+pub mod effects;
+mod experiment;
+mod file;
+mod flexible_joint;
+mod integrate;
+mod kind;
+mod linear;
+mod oscillator;
+mod output;
+mod piecewise;
+mod predict;
+mod reading;
+mod rigid_axis;
+mod roots;
+mod runge_kutta;
+mod stepper;
+mod tally;
+mod trace;
+mod two_mass;
+mod windows;
+
+pub use circle::Radius;
+pub use experiment::{Experiment, Output};
+pub use file::ModelError;
+pub use integrate::{Kick, Restart, Timed, integrate};
+pub use kind::{KINDS, Key, Kind};
+pub use piecewise::{Cubic, Grid, Hold};
+pub use predict::{Simulated, Term, predict_windows, see_motion, simulate, simulate_windows};
+pub use reading::Prediction;
+pub use tally::simulations;
+pub use trace::{Kinematics, Trace, hermite};
+pub use windows::Window;
+
+use crate::effects::{Effect, Place};
+use quell_recording::Role;
+use quell_signal::SignalError;
+
+/// Why a recording does not suit a model.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// No channel can drive the model.
+    #[error("recording \"{recording}\" has no channel that drives a {kind}: one of {inputs}")]
+    NoInput {
+        /// Name of the recording.
+        recording: String,
+        /// Kind of the model.
+        kind: &'static str,
+        /// Roles that can drive it.
+        inputs: String,
+    },
+    /// No channel that the model predicts.
+    #[error("recording \"{recording}\" has no channel that a {kind} predicts: one of {outputs}")]
+    NothingPredicted {
+        /// Name of the recording.
+        recording: String,
+        /// Kind of the model.
+        kind: &'static str,
+        /// Roles that it predicts.
+        outputs: String,
+    },
+    /// A channel is bad, or a sensor's frame cannot be learned.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+}
+
+/// One number of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Value {
+    /// The number, in the key's unit.
+    pub value: f64,
+    /// Standard deviation that the file gives.
+    pub std: Option<f64>,
+    /// Bounds that the file gives.
+    pub bounds: Option<(f64, f64)>,
+    /// Not to be fitted.
+    pub fixed: bool,
+}
+
+impl From<f64> for Value {
+    fn from(value: f64) -> Self {
+        Self {
+            value,
+            std: None,
+            bounds: None,
+            fixed: false,
+        }
+    }
+}
+
+/// An effect in a model.
+#[derive(Clone)]
+pub struct ModelEffect {
+    /// What it is.
+    pub effect: &'static Effect,
+    /// Where it sits.
+    pub place: Place,
+    /// Its parameters, in the order of the catalogue.
+    pub parameters: Vec<Value>,
+}
+
+/// A model of an axis.
+#[derive(Clone)]
+pub struct Model {
+    /// Its structure.
+    pub kind: &'static Kind,
+    /// Values of the kind's keys, in their order.
+    pub values: Vec<Value>,
+    /// Which of the keys the file gives.
+    pub given: Vec<bool>,
+    /// What the input does between samples, if the file says it.
+    pub hold: Option<Hold>,
+    /// Physics besides the linear chain.
+    pub effects: Vec<ModelEffect>,
+}
+
+impl Model {
+    /// Value of a key.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let index = self.kind.keys.iter().position(|key| key.name == name)?;
+        Some(self.values[index].value)
+    }
+
+    /// Natural frequency, Hz, and damping ratio of the mode, where the kind has one.
+    pub fn mode(&self) -> Option<(f64, f64)> {
+        let (frequency, damping) = self.kind.mode?;
+        Some((self.values[frequency].value, self.values[damping].value))
+    }
+
+    /// Fastest angular frequency of the linear chain, rad/s; the smallest number above 0 where it has
+    /// no spring.
+    pub fn fastest(&self) -> f64 {
+        let linear = (self.kind.linear)(&self.keys(), self.kind.inputs[0]);
+        let mut mobility = linear.link.map_or(0.0, |link| 1.0 / link.0);
+        if let chain::MotorSide::Free { inertia, .. } = linear.motor {
+            mobility += 1.0 / inertia;
+        }
+        (linear.stiffness * mobility).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether a channel of this role can drive the model as it is.
+    pub fn takes(&self, role: Role) -> bool {
+        self.kind.inputs.contains(&role) && (self.kind.takes)(&self.keys(), role)
+    }
+}

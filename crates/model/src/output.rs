@@ -1,0 +1,156 @@
+//! From a channel to an output of the model; a tip position becomes the angle about the joint's axis.
+
+use super::circle::{Circle, frame_columns};
+use super::experiment::{Experiment, Output};
+use super::{ExperimentError, Model};
+use nalgebra::Point3;
+use quell_recording::{Channel, Role};
+use quell_shapers::Mode;
+use quell_signal::{CubicSpline, End, JointArc, register_arc};
+use std::f64::consts::{PI, TAU};
+
+/// Fewest samples of an output that are worth looking at.
+const FEWEST: usize = 10;
+
+/// The channel as an output.
+pub(super) fn output(
+    model: &Model,
+    experiment: &Experiment,
+    mut channel: Channel,
+) -> Result<Output, ExperimentError> {
+    if channel.role == Role::TipPosition {
+        return tip(model, experiment, channel);
+    }
+    let arm = model.value("lever_arm_m").unwrap_or(1.0);
+    let (mut scale, mut unit) = (1.0, channel.unit);
+    let mut values = channel.columns.swap_remove(0);
+    let in_metres = unit == "m" || unit == "m/s^2";
+    if in_metres && experiment.position_unit == "rad" || channel.role == Role::TipAcceleration {
+        values.iter_mut().for_each(|value| *value /= arm);
+        scale = arm;
+    }
+    if unit == "1" {
+        unit = String::new();
+    }
+    // A loop in the model steers by this encoder: what is an offset to it is one to the machine. A free
+    // offset would pass for the constant force that the loop holds with a lasting error.
+    let looped = experiment.input == Role::CommandPosition && channel.role == Role::MotorPosition;
+    let columns = match looped {
+        true => Vec::new(),
+        false => vec![vec![1.0; values.len()]],
+    };
+    Ok(Output {
+        role: match channel.role {
+            Role::TipAcceleration => Role::LinkAcceleration,
+            role => role,
+        },
+        channel: channel.role,
+        columns,
+        witness: Vec::new(),
+        radius: None,
+        own_clock: channel.time != experiment.input_time,
+        time: channel.time,
+        values,
+        scale,
+        unit,
+        clock_offset: 0.0,
+        noise_witness: None,
+    })
+}
+
+/// The angle of a tip that a tracker follows in a frame of its own.
+///
+/// Plane, circle and angle come from [`register_arc`]. What is uncertain of the circle's centre shows
+/// along the arc as `sin` and `cos` of the angle: these are free, held by what the radial coordinate
+/// says of them ([`Circle`]).
+fn tip(
+    model: &Model,
+    experiment: &Experiment,
+    channel: Channel,
+) -> Result<Output, ExperimentError> {
+    let arm = model.value("lever_arm_m").unwrap_or(1.0);
+    let arc = JointArc::from_lever_arm(arm, model.value("tip_height_m").unwrap_or(0.0))?;
+    let points: Vec<Point3<f64>> = (0..channel.time.len())
+        .map(|k| {
+            Point3::new(
+                channel.columns[0][k],
+                channel.columns[1][k],
+                channel.columns[2][k],
+            )
+        })
+        .collect();
+    let motor = CubicSpline::new(
+        &experiment.input_time,
+        &experiment.input_values,
+        End::NotAKnot,
+    )?;
+    let belief = model
+        .mode()
+        .and_then(|(f, xi)| Mode::from_hertz(f, xi.min(0.9)).ok());
+    let registration = register_arc(&arc, &motor, &channel.time, &points, belief)?;
+    let frame = registration.sensor_to_base;
+    let (mut angle, mut radius) = (Vec::new(), Vec::new());
+    let (mut turns, mut last) = (0.0, 0.0);
+    for (k, point) in points.iter().enumerate() {
+        let p = frame * point;
+        let raw = p.y.atan2(p.x);
+        if k > 0 && (raw + turns - last).abs() > PI {
+            turns -= ((raw + turns - last) / TAU).round() * TAU;
+        }
+        last = raw + turns;
+        angle.push(last);
+        radius.push(p.x.hypot(p.y));
+    }
+    let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
+    angle.iter_mut().for_each(|a| *a += turn);
+    let circle = Circle::new(&angle, &radius, arm);
+    Ok(Output {
+        role: Role::LinkPosition,
+        channel: Role::TipPosition,
+        time: channel.time,
+        witness: circle.as_ref().map_or_else(Vec::new, Circle::witness),
+        radius: circle.map(|circle| circle.radius),
+        columns: frame_columns(&angle),
+        values: angle,
+        scale: arm,
+        unit: "m".into(),
+        own_clock: true,
+        clock_offset: registration.clock.offset,
+        noise_witness: Some(registration.normal_rms / arm),
+    })
+}
+
+impl Output {
+    /// Drops what was measured while nobody knows what drove the axis, unless that is nearly all.
+    pub(super) fn keep_within(&mut self, (first, last): (f64, f64)) {
+        let at = |instant: f64| instant + self.clock_offset;
+        let from = self.time.partition_point(|stamp| *stamp < at(first));
+        let to = self.time.partition_point(|stamp| *stamp <= at(last));
+        if to.saturating_sub(from) < FEWEST.min(self.time.len()) {
+            return;
+        }
+        let cut = |values: &mut Vec<f64>| {
+            values.truncate(to);
+            values.drain(..from);
+        };
+        [&mut self.time, &mut self.values].into_iter().for_each(cut);
+        self.columns.iter_mut().for_each(cut);
+    }
+
+    /// The same sensor with other values, which need no correction of its frame or offset.
+    pub fn showing(&self, time: Vec<f64>, values: Vec<f64>) -> Self {
+        let columns = match self.channel {
+            Role::TipPosition => frame_columns(&values),
+            _ => vec![vec![1.0; values.len()]; self.columns.len()],
+        };
+        let witness = self.witness.iter();
+        Self {
+            witness: witness.map(|(weights, _)| (weights.clone(), 0.0)).collect(),
+            time,
+            values,
+            columns,
+            unit: self.unit.clone(),
+            ..*self
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The input of a chain between the nodes of the integration grid: one cubic a step.
+
+use nalgebra::{Matrix4, Vector4};
+use quell_signal::{CubicSpline, End, SignalError};
+
+/// `c_0 + c_1 s + c_2 s^2 + c_3 s^3`, `s` seconds after the start of the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cubic(pub [f64; 4]);
+
+impl Cubic {
+    /// Value, first and second derivative.
+    #[inline]
+    pub fn at(&self, s: f64) -> [f64; 3] {
+        let [c0, c1, c2, c3] = self.0;
+        [
+            c0 + s * (c1 + s * (c2 + s * c3)),
+            c1 + s * (2.0 * c2 + s * 3.0 * c3),
+            2.0 * c2 + s * 6.0 * c3,
+        ]
+    }
+
+    /// Where it turns round between two instants, in their order: the roots of its rate.
+    pub fn turns(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + use<> {
+        let [_, c, b, a] = self.0;
+        let (a, b) = (3.0 * a, 2.0 * b);
+        // Of the two forms of each root the one that does not cancel; without roots NaN, never inside.
+        let q = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));
+        let mut roots = [q / a, c / q];
+        roots.sort_by(f64::total_cmp);
+        roots
+            .into_iter()
+            .filter(move |root| *root > from && *root < to)
+    }
+
+    /// The same polynomial from `s` on.
+    fn shifted(&self, s: f64) -> Self {
+        let [value, rate, second] = self.at(s);
+        Self([value, rate, second / 2.0, self.0[3]])
+    }
+}
+
+/// What an input does between its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// Twice differentiable: positions, and band-limited forces.
+    Spline,
+    /// Straight lines.
+    Linear,
+    /// The value stays until the next sample: what a controller puts out.
+    ZeroOrder,
+    /// A spline through local cubics, a step apart: positions that were sampled more densely than their
+    /// motion needs.
+    Smooth,
+}
+
+/// Nodes of the integration and the input between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Node times, s, strictly increasing; n + 1 of them.
+    pub time: Vec<f64>,
+    /// The input after each node but the last; n.
+    pub input: Vec<Cubic>,
+}
+
+impl Grid {
+    /// The samples of an input, each interval divided into equal steps of at most `step` seconds.
+    ///
+    /// # Errors
+    /// [`SignalError`] for fewer than two samples, values that are not finite, times that do not
+    /// advance.
+    pub fn new(time: &[f64], values: &[f64], hold: Hold, step: f64) -> Result<Self, SignalError> {
+        let spline = CubicSpline::new(time, values, End::NotAKnot)?;
+        if hold == Hold::Smooth {
+            let (time, values) = smooth(time, values, step);
+            return Self::new(&time, &values, Hold::Spline, step);
+        }
+        let mut grid = Self {
+            time: vec![time[0]],
+            input: Vec::new(),
+        };
+        for k in 0..time.len() - 1 {
+            let (t0, h) = (time[k], time[k + 1] - time[k]);
+            let slope = (values[k + 1] - values[k]) / h;
+            let whole = match hold {
+                Hold::Spline | Hold::Smooth => {
+                    let (m0, m1) = (spline.second(k), spline.second(k + 1));
+                    let rate = slope - h * (2.0 * m0 + m1) / 6.0;
+                    Cubic([values[k], rate, m0 / 2.0, (m1 - m0) / (6.0 * h)])
+                }
+                Hold::Linear => Cubic([values[k], slope, 0.0, 0.0]),
+                Hold::ZeroOrder => Cubic([values[k], 0.0, 0.0, 0.0]),
+            };
+            // A hair below the quotient, so that an exact multiple is not divided once more.
+            let parts = (h / step * (1.0 - 1e-9)).ceil().max(1.0) as usize;
+            for part in 0..parts {
+                let s = h * part as f64 / parts as f64;
+                grid.input.push(whole.shifted(s));
+                let end = h * (part + 1) as f64 / parts as f64;
+                grid.time.push(if part + 1 == parts {
+                    time[k + 1]
+                } else {
+                    t0 + end
+                });
+            }
+        }
+        Ok(grid)
+    }
+
+    /// The longest step, s.
+    pub fn step(&self) -> f64 {
+        let steps = self.time.windows(2).map(|w| w[1] - w[0]);
+        steps.fold(0.0, f64::max)
+    }
+}
+
+/// Stamps about a step apart, the first and the last among them, and at each the cubic that is nearest to
+/// the samples within a step of it: as much noise goes as a slower sensor that averages would have.
+///
+/// Source: Savitzky and Golay, Analytical Chemistry 36 (1964); here for stamps that need not be regular.
+fn smooth(time: &[f64], values: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
+    let last = time.len() - 1;
+    let (mut knots, mut at) = (Vec::new(), 0);
+    while at < last {
+        knots.push(at);
+        at = time
+            .partition_point(|t| *t <= time[at] + step)
+            .clamp(at + 2, last + 1)
+            - 1;
+    }
+    knots.push(last);
+    let near = |&knot: &usize| local_cubic(time, values, knot, step);
+    (
+        knots.iter().map(|&knot| time[knot]).collect(),
+        knots.iter().map(near).collect(),
+    )
+}
+
+/// Value at a stamp of the cubic that is nearest to the samples within a step of it; the sample itself where
+/// there are no more than a cubic passes through.
+fn local_cubic(time: &[f64], values: &[f64], at: usize, step: f64) -> f64 {
+    let from = time.partition_point(|t| *t < time[at] - step);
+    let to = time.partition_point(|t| *t <= time[at] + step);
+    if to - from < 5 {
+        return values[at];
+    }
+    let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
+    for k in from..to {
+        let s = (time[k] - time[at]) / step;
+        let row = Vector4::new(1.0, s, s * s, s * s * s);
+        normal += row * row.transpose();
+        // About the sample itself, so that a large position loses no digits.
+        right += row * (values[k] - values[at]);
+    }
+    let solved = normal.cholesky().map(|c| c.solve(&right)[0]);
+    values[at] + solved.filter(|v| v.is_finite()).unwrap_or(0.0)
+}

@@ -1,0 +1,205 @@
+//! What the sensors show of a simulated motion, at their stamps.
+
+use super::experiment::Output;
+use super::trace::{Kinematics, Trace, hermite, sloped};
+use crate::effects::{Reading, Sensor};
+use quell_recording::Role;
+
+/// What an output shows.
+#[derive(Clone, Debug, Default)]
+pub struct Prediction {
+    /// Values at the stamps, in the unit of the output's values.
+    pub values: Vec<f64>,
+    /// Their rate of change with time: minus the derivative to the clock's offset.
+    pub rates: Vec<f64>,
+}
+
+/// How a motion is seen: the effects of the sensors, and what stands for the link.
+pub(super) struct Eyes {
+    pub sensors: Vec<Box<dyn Sensor>>,
+    /// Shares of the further modes in what a sensor of the link sees.
+    pub shares: Vec<f64>,
+    /// Whether something prescribes or drives the motor side.
+    pub prescribed: bool,
+    /// Whether a link hangs on the motor side.
+    pub elastic: bool,
+}
+
+impl Eyes {
+    /// The effects of the sensor of an output. An encoder on the motor side is what the sensor of the link
+    /// is compared with.
+    fn of(&self, output: &Output) -> &[Box<dyn Sensor>] {
+        match output.role == Role::MotorPosition && self.elastic {
+            true => &[],
+            false => &self.sensors,
+        }
+    }
+
+    /// The quantity that an output measures, at the nodes.
+    fn curve(&self, trace: &Trace, role: Role) -> Vec<[f64; 2]> {
+        let first = |k: usize| -> Kinematics {
+            let mut seen = trace.link[k];
+            for (mode, &share) in self.shares.iter().enumerate() {
+                let own = match self.prescribed {
+                    true => trace.link[k],
+                    false => [0.0; 3],
+                };
+                for (seen, (further, own)) in
+                    seen.iter_mut().zip(trace.modes[k][mode].iter().zip(own))
+                {
+                    *seen += share * (further - own);
+                }
+            }
+            seen
+        };
+        let nodes = 0..trace.time.len();
+        match role {
+            Role::MotorPosition => nodes
+                .map(|k| [trace.motor[k][0], trace.motor[k][1]])
+                .collect(),
+            Role::Deformation => nodes
+                .map(|k| {
+                    let (seen, motor) = (first(k), trace.motor[k]);
+                    [seen[0] - motor[0], seen[1] - motor[1]]
+                })
+                .collect(),
+            Role::LinkVelocity => nodes.map(|k| [first(k)[1], first(k)[2]]).collect(),
+            Role::LinkAcceleration => sloped(&trace.time, nodes.map(|k| first(k)[2]).collect()),
+            Role::Force | Role::Torque | Role::MotorCurrent | Role::MotorVoltage => {
+                sloped(&trace.time, trace.force.clone())
+            }
+            _ => nodes.map(|k| [first(k)[0], first(k)[1]]).collect(),
+        }
+    }
+}
+
+/// Reads an output off a motion that comes in one part, or in several
+/// ([`integrate_in_parts`](super::integrate::integrate_in_parts)).
+pub(super) struct Reader<'a> {
+    eyes: &'a Eyes,
+    output: &'a Output,
+    /// How much the output's clock reads too much, s.
+    offset: f64,
+    /// What each filter showed at the node where the next part is taken up; empty before the first.
+    filtered: Vec<Option<[f64; 2]>>,
+    begun: bool,
+    prediction: Prediction,
+}
+
+impl<'a> Reader<'a> {
+    pub fn new(eyes: &'a Eyes, output: &'a Output, offset: f64) -> Self {
+        Self {
+            eyes,
+            output,
+            offset,
+            filtered: vec![None; eyes.of(output).len()],
+            begun: false,
+            prediction: Prediction {
+                values: Vec::with_capacity(output.time.len()),
+                rates: Vec::with_capacity(output.time.len()),
+            },
+        }
+    }
+
+    /// What was shown at all stamps.
+    pub fn end(self) -> Prediction {
+        self.prediction
+    }
+
+    /// Reads a part; the `last` one also shows what stays as it is after the motion.
+    pub fn read(&mut self, trace: &Trace, last: bool) {
+        let sensors = self.eyes.of(self.output);
+        // Slopes are known from the second to the last node but one, where two parts meet.
+        let from = usize::from(self.begun);
+        let to = trace.time.len() - if last { 1 } else { 2 };
+        self.begun = true;
+        let mut curve = self.eyes.curve(trace, self.output.role);
+        let (time, curve) = (&trace.time[from..=to], &mut curve[from..=to]);
+        for (sensor, filtered) in sensors.iter().zip(&mut self.filtered) {
+            if sensor.filters() {
+                sensor.filter(time, curve, *filtered);
+                *filtered = curve.last().copied();
+            }
+        }
+        let part = Part {
+            time,
+            curve,
+            motor: &trace.motor[from..=to],
+            relative: self.output.role == Role::Deformation,
+        };
+        self.show(&part, last);
+    }
+
+    /// Values and rates at the stamps up to the last node.
+    fn show(&mut self, part: &Part<'_>, last: bool) {
+        let sensors = self.eyes.of(self.output);
+        let (first, end) = (part.time[0], part.time[part.time.len() - 1]);
+        let mut k = 0;
+        for &stamp in &self.output.time[self.prediction.values.len()..] {
+            let at = sensors
+                .iter()
+                .fold(stamp - self.offset, |at, sensor| sensor.instant(at));
+            if !last && at > end {
+                return;
+            }
+            // Before and after the record everything stays as it was.
+            let at = at.clamp(first, end);
+            k = part.interval(k, at);
+            let [value, rate] = part.measured(k, at);
+            self.prediction
+                .values
+                .push(part.shown(sensors, k, at, value));
+            self.prediction.rates.push(rate);
+        }
+    }
+}
+
+/// A part of a motion: what an output measures of it, and the motor side, at its nodes.
+struct Part<'a> {
+    time: &'a [f64],
+    curve: &'a [[f64; 2]],
+    motor: &'a [Kinematics],
+    /// Whether what is measured is relative to the motor side.
+    relative: bool,
+}
+
+impl Part<'_> {
+    /// The interval that an instant is in, looked for from interval `k` on.
+    fn interval(&self, mut k: usize, at: f64) -> usize {
+        while k + 2 < self.time.len() && self.time[k + 1] < at {
+            k += 1;
+        }
+        while k > 0 && self.time[k] > at {
+            k -= 1;
+        }
+        k
+    }
+
+    /// The quantity and its rate at an instant in interval `k`.
+    fn measured(&self, k: usize, at: f64) -> [f64; 2] {
+        let (start, stop) = (self.time[k], self.time[k + 1]);
+        let value = hermite(start, stop, self.curve[k], self.curve[k + 1], at);
+        let s = (at - start) / (stop - start);
+        let rate = self.curve[k][1] + s * (self.curve[k + 1][1] - self.curve[k][1]);
+        [value, rate]
+    }
+
+    /// What sensors make of a value at an instant in interval `k`.
+    fn shown(&self, sensors: &[Box<dyn Sensor>], k: usize, at: f64, value: f64) -> f64 {
+        if sensors.is_empty() {
+            return value;
+        }
+        let u = |k: usize| [self.motor[k][0], self.motor[k][1]];
+        let motor = match self.relative {
+            true => 0.0,
+            false => hermite(self.time[k], self.time[k + 1], u(k), u(k + 1), at),
+        };
+        sensors.iter().fold(value, |value, sensor| {
+            sensor.read(&Reading {
+                time: at,
+                value,
+                motor,
+            })
+        })
+    }
+}

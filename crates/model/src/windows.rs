@@ -1,0 +1,109 @@
+//! Windows of a recording under a model that forgets nothing.
+
+use super::Model;
+use super::chain::MotorSide;
+use super::experiment::{Experiment, Output};
+use quell_recording::Role;
+use std::f64::consts::TAU;
+
+/// Longest window in periods of the mode: a damping ratio of 0.1 lets a vibration fall to a
+/// twentieth in five, so that a window holds it whole; what is longer shows the drift alone.
+const PERIODS: f64 = 5.0;
+
+/// The same of a rigid axis, in its time constants `m / b`: after three a velocity has fallen to a twentieth.
+const TIME_CONSTANTS: f64 = 3.0;
+
+/// Least number of windows of a rigid axis, whose friction may be too little to end any: a third is held
+/// out, and a third of that is the least that shows a spread.
+const FEWEST: f64 = 9.0;
+
+/// Share of a period over which a rate is measured: the mode is straight in it to a hundredth.
+const STRAIGHT: f64 = 0.05;
+
+/// The start of a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// When, s: a stamp of the input.
+    pub time: f64,
+    /// Position and velocity of the motor side, deformation and its rate, as they were measured.
+    pub state: [f64; 4],
+}
+
+/// Windows after the first of a motor side that a force drives freely.
+///
+/// Nothing in such a model brings the motor side back: a force that is wrong by little makes an error
+/// that grows without bound, and no noise explains it (what held the machine in its place was feedback,
+/// which is not in the model). So the motion starts anew every few periods, from a state that is free:
+/// multiple shooting. A position loop in the model brings it back, and needs none.
+///
+/// Source: Bock, Recent advances in parameter identification techniques for ODE, Numerical Treatment of
+/// Inverse Problems in Differential and Integral Equations (1983).
+pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
+    let linear = (model.kind.linear)(&model.keys(), experiment.input);
+    let measured = experiment
+        .outputs
+        .iter()
+        .any(|o| o.role == Role::MotorPosition);
+    let MotorSide::Free { inertia, viscous } = linear.motor else {
+        return Vec::new();
+    };
+    if linear.position_loop.is_some() || !measured {
+        return Vec::new();
+    }
+    let (first, last) = experiment.span();
+    let span = last - first;
+    let (longest, reach) = match linear.link {
+        Some(_) => {
+            let period = TAU / model.fastest();
+            (PERIODS * period, STRAIGHT * period)
+        }
+        None => {
+            let longest = (TIME_CONSTANTS * inertia / viscous).min(span / FEWEST);
+            (longest, STRAIGHT * longest)
+        }
+    };
+    let count = (span / longest).ceil();
+    let start = |k: usize| {
+        let edge = first + span * k as f64 / count;
+        let stamp = experiment.input_time.partition_point(|t| *t < edge);
+        let time = experiment.input_time[stamp.min(experiment.input_time.len() - 1)];
+        Window {
+            time,
+            state: state(experiment, time, reach),
+        }
+    };
+    (1..count as usize).map(start).collect()
+}
+
+/// What the sensors show about an instant, by the straight line over this time on both sides.
+fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
+    let mut state = [0.0; 4];
+    for output in &experiment.outputs {
+        let slot = match output.role {
+            Role::MotorPosition => 0,
+            Role::Deformation => 2,
+            _ => continue,
+        };
+        [state[slot], state[slot + 1]] = line(output, time, reach);
+    }
+    state
+}
+
+/// Value and slope at an instant.
+fn line(output: &Output, time: f64, reach: f64) -> [f64; 2] {
+    let from = output.time.partition_point(|t| *t < time - reach);
+    let to = output.time.partition_point(|t| *t <= time + reach);
+    let n = (to - from) as f64;
+    if to < from + 2 {
+        let nearest = from.min(output.values.len() - 1);
+        return [output.values[nearest], 0.0];
+    }
+    let (times, values) = (&output.time[from..to], &output.values[from..to]);
+    let centre = times.iter().sum::<f64>() / n;
+    let mean = values.iter().sum::<f64>() / n;
+    let pairs = || times.iter().zip(values);
+    let product: f64 = pairs().map(|(t, y)| (t - centre) * (y - mean)).sum();
+    let square: f64 = times.iter().map(|t| (t - centre).powi(2)).sum();
+    let slope = product / square;
+    [mean + slope * (time - centre), slope]
+}

@@ -1,0 +1,170 @@
+//! The score as a page.
+
+use super::{Judged, Rate, Score};
+use quell_report::{Bars, Cell, Figure, Page, Table, Verdict};
+use std::collections::BTreeSet;
+
+/// Share of right cases from which the page opens with a good sign.
+const GOOD: f64 = 95.0;
+
+impl Score {
+    /// A page with the score: what was aimed at, what came out, what was taken for what.
+    pub fn page(&self, subtitle: &str) -> Page {
+        let judgements = self.cases.iter().map(|case| &case.judgement);
+        let right = judgements.fold(Rate::default(), |rate, j| rate.and(j.is_right()));
+        let sign = if right.percent() >= GOOD {
+            Verdict::Good
+        } else {
+            Verdict::Bad
+        };
+        let sentence = format!(
+            "Right in {} of {} concealed cases: the family named, silence where nothing is hidden, \
+             doubt where no catalogue helps.",
+            right.right, right.of
+        );
+        Page::new("Diagnosis of concealed cases")
+            .subtitle(subtitle)
+            .verdict(sign, sentence)
+            .figures(self.key_figures())
+            .table(self.rates_table())
+            .table(self.spreads_table())
+            .heading("What was taken for what")
+            .table(self.confusion_table())
+            .heading("Effect by effect")
+            .bars(self.effect_bars())
+            .table(self.effects_table())
+            .table(self.wrong_table())
+            .footnote(
+                "A family is right when the first name (for two effects: each of both) is of the \
+                 hidden effect's family. Intervals of rates are Wilson's.",
+            )
+    }
+
+    fn key_figures(&self) -> Vec<Figure> {
+        let wanted = ["family", "in_set", "false_alarms", "outside_flagged"];
+        let lines = self
+            .lines()
+            .into_iter()
+            .filter(|line| wanted.contains(&line.key));
+        let rates =
+            lines.map(|line| Figure::text(line.name, line.rate.share()).note(line.rate.count()));
+        let spreads = self.spreads();
+        let test = spreads.iter().filter(|entry| entry.0 == "test_over_noise");
+        let test =
+            test.map(|(_, name, spread)| Figure::new(*name, spread.median, "").note("median"));
+        rates.chain(test).collect()
+    }
+
+    fn rates_table(&self) -> Table {
+        let mut table = Table::new("Score")
+            .text_column("score")
+            .text_column("cases")
+            .column("share", "%")
+            .text_column("95 % interval")
+            .text_column("aim");
+        for line in self.lines() {
+            let [low, high] = line.rate.interval();
+            let interval = if line.rate.of == 0 {
+                "-".into()
+            } else {
+                format!("{low:.1} to {high:.1} %")
+            };
+            table = table.row([
+                line.name.into(),
+                line.rate.count().into(),
+                line.rate.percent().into(),
+                interval.into(),
+                line.aim.into(),
+            ]);
+        }
+        table
+    }
+
+    fn spreads_table(&self) -> Table {
+        let mut table = Table::new("Figures")
+            .text_column("figure")
+            .column("mean", "")
+            .column("median", "")
+            .column("90th percentile", "");
+        for (_, name, spread) in self.spreads() {
+            let figures = [spread.mean, spread.median, spread.ninth_decile].map(Cell::from);
+            table = table.row([name.into()].into_iter().chain(figures));
+        }
+        table
+    }
+
+    fn confusion_table(&self) -> Table {
+        let matrix = self.confusion();
+        let said: BTreeSet<&String> = matrix.values().flat_map(|row| row.keys()).collect();
+        let table =
+            Table::new("Families: hidden in rows, named first in columns").text_column("hidden");
+        let mut table = said
+            .iter()
+            .fold(table, |table, name| table.column(name.as_str(), ""));
+        for (hidden, row) in &matrix {
+            let cell = |name: &&String| match row.get(*name) {
+                Some(count) => Cell::from(*count),
+                None => "".into(),
+            };
+            table = table.row(
+                [hidden.as_str().into()]
+                    .into_iter()
+                    .chain(said.iter().map(cell)),
+            );
+        }
+        table
+    }
+
+    fn effect_bars(&self) -> Bars {
+        let rows = self.by_effect();
+        let right: Vec<f64> = rows.values().map(|rates| rates[1].percent()).collect();
+        Bars::new("Right, by what was hidden", "%", rows.keys()).series("right", &right)
+    }
+
+    fn effects_table(&self) -> Table {
+        let mut table = Table::new("One effect hidden")
+            .text_column("hidden")
+            .column("cases", "")
+            .column("detected", "%")
+            .column("right", "%")
+            .column("exact name", "%")
+            .column("in the set", "%");
+        for (effect, rates) in self.by_effect() {
+            let shares = rates.map(|rate| Cell::from(rate.percent()));
+            let first = [effect.into(), Cell::from(rates[0].of)];
+            table = table.row(first.into_iter().chain(shares));
+        }
+        table
+    }
+
+    fn wrong_table(&self) -> Table {
+        let mut table = Table::new("Cases that went wrong")
+            .text_column("case")
+            .text_column("hidden")
+            .text_column("verdict")
+            .text_column("named")
+            .column("refit / noise", "")
+            .column("test / noise", "");
+        for case in self.cases.iter().filter(|case| !case.judgement.is_right()) {
+            table = table.row(wrong_row(case));
+        }
+        table
+    }
+}
+
+fn wrong_row(case: &Judged) -> [Cell; 6] {
+    let names: Vec<String> = case
+        .verdict
+        .findings
+        .iter()
+        .map(|f| f.set().join(" / "))
+        .collect();
+    [
+        case.name.as_str().into(),
+        case.truth.name().into(),
+        case.verdict.kind.as_str().into(),
+        names.join(" + ").into(),
+        case.truth.baseline_residual_over_noise.into(),
+        case.verdict.test_rms_over_noise.into(),
+    ]
+}

@@ -1,0 +1,276 @@
+//! Why a recording is refused: the place and the problem.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Why a recording cannot be read or written, with its place in the file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}{problem}")]
+pub struct RecordingError {
+    /// Where it was found.
+    pub place: Place,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+/// File, line and column of a problem, as an editor shows them; byte, topic and field of an MCAP file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The manifest, the CSV file or the MCAP file.
+    pub file: PathBuf,
+    /// Line, counted from 1, where the problem has one.
+    pub line: Option<usize>,
+    /// Name of the CSV column, where the problem has one.
+    pub column: Option<String>,
+    /// Byte of an MCAP file, counted from 0, where the problem has one.
+    pub byte: Option<usize>,
+    /// Topic of an MCAP file, where the problem has one.
+    pub topic: Option<String>,
+    /// Field of the topic's messages, where the problem has one.
+    pub field: Option<String>,
+}
+
+/// What is wrong with a manifest, a CSV file or an MCAP file; carries the bad value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// The file or folder is not there.
+    #[error("no such file or folder")]
+    Missing,
+    /// The folder holds no `recording.toml`.
+    #[error("this folder has no recording.toml")]
+    NoManifest,
+    /// A CSV file was given where its manifest is expected.
+    #[error("this is a CSV file; a recording is described by a manifest (a .toml file)")]
+    NotAManifest,
+    /// The operating system refused to read or write it.
+    #[error("{0}")]
+    Io(String),
+    /// The manifest is not TOML or a value has the wrong type.
+    #[error("{0}")]
+    Toml(String),
+    /// A key that manifests do not have.
+    #[error("unknown key \"{key}\"{}", suggestion(.nearest))]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The known key it resembles.
+        nearest: Option<&'static str>,
+    },
+    /// A role that is not in the table of roles.
+    #[error("unknown role \"{role}\"{}", suggestion(.nearest))]
+    UnknownRole {
+        /// The role.
+        role: String,
+        /// The known role it resembles.
+        nearest: Option<&'static str>,
+    },
+    /// A unit that is not in the table of units.
+    #[error("unknown unit \"{unit}\"{}", suggestion(.nearest))]
+    UnknownUnit {
+        /// The unit.
+        unit: String,
+        /// The known unit it resembles.
+        nearest: Option<&'static str>,
+    },
+    /// A key is missing, given twice in two forms, or its value is out of range.
+    #[error("{key}: {reason}")]
+    Key {
+        /// The key.
+        key: &'static str,
+        /// What holds for it.
+        reason: String,
+    },
+    /// The file has no bytes, or only blank lines.
+    #[error("the file is empty")]
+    Empty,
+    /// The file has a header and no rows.
+    #[error("the file has a header but no rows")]
+    NoRows,
+    /// The gzip stream ends early or is damaged.
+    #[error("the gzip data cannot be read: {0}")]
+    Gzip(String),
+    /// The bytes are not UTF-8 text.
+    #[error("the text is not UTF-8")]
+    NotUtf8,
+    /// The column is not in the header.
+    #[error("no such column; the columns are: {}", present.join(", "))]
+    NoColumn {
+        /// The columns that are there.
+        present: Vec<String>,
+    },
+    /// The header has the column more than once.
+    #[error("the header has this column {0} times")]
+    AmbiguousColumn(usize),
+    /// A row has not as many cells as the header.
+    #[error("{cells} cells where the header has {header}")]
+    Ragged {
+        /// Cells in the row.
+        cells: usize,
+        /// Cells in the header.
+        header: usize,
+    },
+    /// A cell does not hold a number.
+    #[error("{text:?} is not a number{}", hint(.text))]
+    NotANumber {
+        /// The cell.
+        text: String,
+    },
+    /// A cell holds NaN or an infinity.
+    #[error("{text:?} is not a finite number")]
+    NotFinite {
+        /// The cell.
+        text: String,
+    },
+    /// The time of a row is not above the time of the row before.
+    #[error(
+        "time {} (\"{text}\" after {} s)",
+        if .repeats == &true { "repeats" } else { "runs backwards" },
+        super::plain(*.previous)
+    )]
+    Clock {
+        /// The cell.
+        text: String,
+        /// Time of the row before, s.
+        previous: f64,
+        /// Whether it is the same time again.
+        repeats: bool,
+    },
+    /// A stamp does not lie on the ticks of the rate that was given.
+    #[error(
+        "time \"{text}\" is {off:.2} ticks from its place at {rate_hz} Hz (the file runs at about \
+         {own_rate_hz:.2} Hz)"
+    )]
+    Rate {
+        /// The cell.
+        text: String,
+        /// Distance from the row's tick, ticks.
+        off: f64,
+        /// The rate that was given, Hz.
+        rate_hz: f64,
+        /// The rate by the median interval, Hz.
+        own_rate_hz: f64,
+    },
+    /// An MCAP file is damaged, or does not have what is looked for.
+    #[error("{0}")]
+    Mcap(String),
+    /// An MCAP file without a topic that says which role it has.
+    #[error("none of its topics is known to have a role")]
+    NoJoints,
+    /// A channel that was to be written is not well formed.
+    #[error("channel {role}: {reason}")]
+    Channel {
+        /// The channel's role.
+        role: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl RecordingError {
+    /// What the operating system says of a file.
+    pub fn io(file: &Path, error: &std::io::Error) -> Self {
+        super::table::from_io(error).in_file(file)
+    }
+
+    /// Whether the operating system refused, rather than that the recording is none.
+    pub fn is_io(&self) -> bool {
+        matches!(self.problem, Problem::Io(_) | Problem::Missing)
+    }
+}
+
+impl Problem {
+    /// The problem in a file, without a line.
+    pub fn in_file(self, file: &Path) -> RecordingError {
+        RecordingError {
+            place: Place {
+                file: file.into(),
+                ..Place::default()
+            },
+            problem: self,
+        }
+    }
+
+    /// The problem at a line of a file.
+    pub fn at_line(self, file: &Path, line: usize) -> RecordingError {
+        let place = Place {
+            file: file.into(),
+            line: Some(line),
+            ..Place::default()
+        };
+        RecordingError {
+            place,
+            problem: self,
+        }
+    }
+
+    /// The problem at a cell of a CSV file.
+    pub fn at_cell(self, file: &Path, line: usize, column: &str) -> RecordingError {
+        let place = Place {
+            file: file.into(),
+            line: Some(line),
+            column: Some(column.into()),
+            ..Place::default()
+        };
+        RecordingError {
+            place,
+            problem: self,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, "{line}:")?;
+        }
+        if let Some(column) = &self.column {
+            write!(f, " column \"{column}\":")?;
+        }
+        if let Some(byte) = self.byte {
+            write!(f, " byte {byte}:")?;
+        }
+        for (what, name) in [("topic", &self.topic), ("field", &self.field)] {
+            if let Some(name) = name {
+                write!(f, " {what} \"{name}\":")?;
+            }
+        }
+        f.write_str(" ")
+    }
+}
+
+fn suggestion(nearest: &Option<&'static str>) -> String {
+    nearest
+        .map(|name| format!("; did you mean \"{name}\"?"))
+        .unwrap_or_default()
+}
+
+fn hint(text: &str) -> &'static str {
+    let is_decimal_comma =
+        text.matches(',').count() == 1 && text.replace(',', ".").parse::<f64>().is_ok();
+    match text {
+        "" => " (the cell is empty)",
+        _ if is_decimal_comma => " (decimal commas are not read: write a decimal point)",
+        _ => "",
+    }
+}
+
+/// The candidate that a misspelt name resembles most, if any does: at most a third of its letters
+/// differ, by insertions, deletions, substitutions and swaps.
+pub fn nearest(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'static str>,
+) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| {
+            (
+                strsim::damerau_levenshtein(&name, &candidate.to_lowercase()),
+                candidate,
+            )
+        })
+        .filter(|(distance, candidate)| *distance <= candidate.len().max(3) / 3)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,85 @@
+//! A channel's clock: period, jitter, gaps.
+
+use super::median;
+
+/// Figures of a clock, s.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clock {
+    /// Number of samples.
+    pub samples: usize,
+    /// First stamp.
+    pub start: f64,
+    /// Last stamp minus the first.
+    pub duration: f64,
+    /// Median interval; 0 for a single sample.
+    pub period: f64,
+    /// Root mean square of interval minus period, gaps left out.
+    pub jitter: f64,
+    /// Greatest `|interval - period|`, gaps left out.
+    pub worst_jitter: f64,
+    /// Intervals nearer to two periods, or more, than to one.
+    pub gaps: Vec<Gap>,
+    /// Samples that the gaps would hold.
+    pub missing: usize,
+}
+
+/// A hole in a clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Stamp before the hole, s.
+    pub from: f64,
+    /// Stamp after the hole, s.
+    pub until: f64,
+    /// Samples that it would hold: `round(interval / period) - 1`.
+    pub missing: usize,
+}
+
+/// The figures of stamps that increase strictly.
+///
+/// # Example
+/// ```
+/// use quell_recording::health::clock;
+/// let figures = clock(&[0.0, 0.5, 1.0, 2.5, 3.0]);
+/// assert_eq!((figures.period, figures.missing, figures.gaps.len()), (0.5, 2, 1));
+/// ```
+pub fn clock(time: &[f64]) -> Clock {
+    let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let period = median(intervals.clone());
+    let mut clock = Clock {
+        samples: time.len(),
+        start: time.first().copied().unwrap_or(0.0),
+        duration: intervals.iter().sum(),
+        period,
+        jitter: 0.0,
+        worst_jitter: 0.0,
+        gaps: Vec::new(),
+        missing: 0,
+    };
+    for (interval, pair) in intervals.iter().zip(time.windows(2)) {
+        let periods = (interval / period).round();
+        if periods >= 2.0 {
+            let missing = periods as usize - 1;
+            clock.gaps.push(Gap {
+                from: pair[0],
+                until: pair[1],
+                missing,
+            });
+            clock.missing = clock.missing.saturating_add(missing);
+        } else {
+            let deviation = (interval - period).abs();
+            // Over the period, so that the square of no period overflows.
+            clock.jitter += (deviation / period).powi(2);
+            clock.worst_jitter = clock.worst_jitter.max(deviation);
+        }
+    }
+    let regular = intervals.len() - clock.gaps.len();
+    clock.jitter = period * (clock.jitter / regular.max(1) as f64).sqrt();
+    clock
+}
+
+impl Clock {
+    /// Samples a second, `1 / period`; nothing for a single sample.
+    pub fn rate(&self) -> Option<f64> {
+        (self.period > 0.0).then(|| 1.0 / self.period)
+    }
+}

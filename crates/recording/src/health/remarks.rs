@@ -1,0 +1,133 @@
+//! What looks wrong with a channel, in plain words.
+
+use super::{ColumnHealth, Flat, FlatKind, Health};
+use crate::{Channel, plain};
+
+/// Jitter, as a share of the period, from which it is remarked upon. A stamp that is off by j
+/// shifts a sample by j times the slope; 1 % of a period is 1 % of an increment between samples.
+pub const JITTER: f64 = 0.01;
+/// Quantisation step, as a share of the range, from which it is remarked upon: from there on the
+/// rounding error (step / sqrt 12) is above 0.3 % of the range.
+const COARSE: f64 = 0.01;
+
+/// Period, s, from which it is remarked upon. Joints of robots vibrate at 1 Hz and above (the recorded
+/// ones of this project at 1.8 Hz and above), of which two samples a second or fewer show nothing; a
+/// clock in milliseconds that is read as seconds has a thousand times its true period.
+const SLOW: f64 = 0.5;
+
+/// One sentence for each thing that looks wrong; none where nothing does.
+pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if !channel.has_usual_unit() {
+        let (unit, role) = (&channel.unit, channel.role);
+        remarks.push(format!(
+            "the unit {unit} is not one of {role}: kept as it is"
+        ));
+    }
+    clock(health, &mut remarks);
+    for (index, column) in health.columns.iter().enumerate() {
+        let name = match health.columns.len() {
+            1 => String::new(),
+            _ => format!("{}: ", ["x", "y", "z"].get(index).unwrap_or(&"?")),
+        };
+        remarks.extend(
+            values(channel, column)
+                .into_iter()
+                .map(|remark| name.clone() + &remark),
+        );
+    }
+    remarks
+}
+
+fn clock(health: &Health, remarks: &mut Vec<String>) {
+    let clock = &health.clock;
+    if clock.samples == 1 {
+        remarks.push("it has one sample only".into());
+    }
+    if clock.period >= SLOW {
+        remarks.push(format!(
+            "a sample every {:.3} s shows no vibration of a robot: its time may not be in seconds",
+            clock.period
+        ));
+    }
+    if let [first, ..] = clock.gaps[..] {
+        remarks.push(format!(
+            "{} missing samples in {} gap(s), the first from {} to {} s",
+            clock.missing,
+            clock.gaps.len(),
+            plain(first.from),
+            plain(first.until)
+        ));
+    }
+    if clock.jitter > JITTER * clock.period {
+        remarks.push(format!(
+            "the clock jitters by {:.1} % of its period (root mean square; worst {:.1} %)",
+            100.0 * clock.jitter / clock.period,
+            100.0 * clock.worst_jitter / clock.period
+        ));
+    }
+}
+
+fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
+    let unit = &channel.unit;
+    let mut remarks = Vec::new();
+    if column.minimum == column.maximum && channel.time.len() > 1 {
+        remarks.push(format!(
+            "the value is {} {unit} throughout",
+            plain(column.minimum)
+        ));
+    }
+    flats(channel, column, &mut remarks);
+    if let [first, ..] = column.wraps[..] {
+        let count = column.wraps.len();
+        remarks.push(format!(
+            "jumps by a turn {count} time(s), first at {} s: unwrap it",
+            plain(first)
+        ));
+    }
+    if let [first, ..] = column.spikes[..] {
+        let count = column.spikes.len();
+        remarks.push(format!(
+            "{count} lone sample(s) far from both neighbours, first at {} s",
+            plain(first)
+        ));
+    }
+    let range = column.maximum - column.minimum;
+    if let Some(step) = column.quantum.filter(|step| *step > COARSE * range) {
+        let share = 100.0 * step / range;
+        remarks.push(format!(
+            "coarse: one quantisation step is {share:.1} % of the range"
+        ));
+    }
+    remarks
+}
+
+fn flats(channel: &Channel, column: &ColumnHealth, remarks: &mut Vec<String>) {
+    let unit = &channel.unit;
+    let words = [
+        (
+            FlatKind::Saturated,
+            "stays at the end of its range, as if saturated,",
+        ),
+        (FlatKind::Stuck, "hangs at one value in motion"),
+    ];
+    // A command is piecewise constant by intention.
+    for (kind, words) in words.iter().filter(|_| !channel.role.is_input()) {
+        let of_kind = |flat: &&Flat| flat.kind == *kind;
+        let count = column.flats.iter().filter(of_kind).count();
+        if let Some(flat) = column
+            .flats
+            .iter()
+            .filter(of_kind)
+            .max_by_key(|flat| flat.samples)
+        {
+            remarks.push(format!(
+                "{words} {count} time(s), longest {} samples from {} to {} s at {:.6e} {unit}",
+                flat.samples,
+                plain(flat.from),
+                plain(flat.until),
+                flat.value
+            ));
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Recordings: channels, each on its own clock, described by a manifest.
+//!
+//! ```toml
+//! name = "arm 7"
+//! payload = "2 kg"          # optional: what the arm carries; recordings of one axis may differ in it
+//! rows = [0, 8000]          # optional: only rows 0 to 7999 below the header, at their own stamps
+//! [[channel]]
+//! role = "motor_position"   # a name of the table of roles
+//! file = "encoder.csv.gz"   # beside the manifest; .csv or .csv.gz
+//! time = "time_s"           # the column with seconds, or rate_hz = 500
+//! column = "joint_1_rad"    # or columns = ["x_m", "y_m", "z_m"] for a vector
+//! unit = "rad"              # a name of the table of units
+//! scale = 1.0               # optional: value in `unit` = cell * scale + offset
+//! offset = 0.0
+//! # rows = [0, 4000]        # optional: instead of the recording's, where files differ in rate
+//! ```
+//!
+//! Of an MCAP file a channel names a topic and a field of its messages; the file says how they are laid out:
+//!
+//! ```toml
+//! [[channel]]
+//! role = "motor_position"
+//! file = "run.mcap"
+//! topic = "/joint_states"
+//! field = "position[shoulder]"  # or position[0]; fields = ["point.x", "point.y", "point.z"] for a vector
+//! unit = "rad"
+//! # time = "log_time"           # optional: or "publish_time", or a field; else header.stamp where there is one
+//! ```
+//!
+//! `rows` lets parts of one file be recordings of their own, one to fit and one to be judged by. A
+//! unit need not be one that the role usually has: the force of an analogue circuit may be in `V`,
+//! and a quantity of unknown scale in `raw`. It is kept, and remarked upon.
+
+mod carries;
+mod error;
+pub mod health;
+mod manifest;
+mod mcap;
+#[cfg(test)]
+mod properties;
+mod role;
+mod table;
+mod unit;
+mod write;
+
+pub use carries::plain;
+pub use error::nearest;
+pub use error::{Place, Problem, RecordingError};
+pub use manifest::MANIFEST;
+pub use mcap::{Cut, Found, McapFile, McapWriter, Mended, Topic};
+pub use mcap::{Damage, Decoder, Encoder};
+pub use role::{ROLES, Role, RoleEntry};
+pub use table::Table;
+pub use unit::{Dimension, UNITS, Unit};
+pub use write::Sink;
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+/// One measured quantity on its own clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// What is measured.
+    pub role: Role,
+    /// SI unit of `columns`; not always one that is usual for the role (see
+    /// [`Channel::has_usual_unit`]).
+    pub unit: String,
+    /// Stamps, s, strictly increasing; length n.
+    pub time: Vec<f64>,
+    /// One column for a scalar, three for a vector; each of length n.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Channels of one run of one machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Name given in the manifest.
+    pub name: String,
+    /// What the axis carries, as the manifest calls it; where it differs between recordings of one axis,
+    /// so does the inertia of the link.
+    pub payload: Option<String>,
+    /// Channels in the manifest's order.
+    pub channels: Vec<Channel>,
+}
+
+impl Recording {
+    /// Reads a recording: a manifest, a folder that has a `recording.toml`, or an MCAP file with Quell's own
+    /// topics. Of a file with several joints `run.mcap#joint_2` takes one.
+    ///
+    /// Values are converted to SI. File names in the manifest are relative to its folder.
+    ///
+    /// # Errors
+    /// [`RecordingError`] with file, line and column, or file, byte, topic and field.
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self, RecordingError> {
+        let (file, joint) = mcap_and_joint(path.as_ref());
+        match McapFile::is_named(&file) {
+            true => McapFile::open(&file)?.recording(joint.as_deref()),
+            false => manifest::read(&file),
+        }
+    }
+
+    /// Writes the recording into a folder, as `recording.toml` and one CSV file a channel,
+    /// gzipped where `compress` says so. [`Recording::from_path`] reads the same values back, to
+    /// the bit.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where a channel would not be read back, or a file cannot be written.
+    pub fn write(&self, folder: impl AsRef<Path>, compress: bool) -> Result<(), RecordingError> {
+        let folder = folder.as_ref();
+        write::checked(self, folder)?;
+        std::fs::create_dir_all(folder).map_err(|error| RecordingError::io(folder, &error))?;
+        write::write(self, folder, compress, &mut |path| {
+            Ok(Box::new(std::fs::File::create(path)?))
+        })
+    }
+
+    /// As [`Recording::write`], into a folder that is there and into files that `create` gives.
+    ///
+    /// # Errors
+    /// As [`Recording::write`].
+    pub fn write_by(
+        &self,
+        folder: &Path,
+        compress: bool,
+        mut create: impl FnMut(&Path) -> std::io::Result<Sink>,
+    ) -> Result<(), RecordingError> {
+        write::checked(self, folder)?;
+        write::write(self, folder, compress, &mut create)
+    }
+
+    /// The first channel with this role.
+    pub fn channel(&self, role: Role) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.role == role)
+    }
+
+    /// What was recorded before an instant, and what from it on.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_recording::{Channel, Recording, Role};
+    /// let (role, unit, time) = (Role::Torque, "N.m".into(), vec![0.0, 0.1, 0.2]);
+    /// let channel = Channel { role, unit, time, columns: vec![vec![1.0, 2.0, 3.0]] };
+    /// let whole = Recording { name: "torque".into(), channels: vec![channel], payload: None };
+    /// let (before, after) = whole.at(0.1);
+    /// assert_eq!(before.channels[0].columns, [[1.0]]);
+    /// assert_eq!(after.channels[0].columns, [[2.0, 3.0]]);
+    /// ```
+    pub fn at(&self, instant: f64) -> (Self, Self) {
+        let part = |after: bool| Self {
+            payload: self.payload.clone(),
+            name: self.name.clone(),
+            channels: self.channels.iter().map(|c| c.at(instant, after)).collect(),
+        };
+        (part(false), part(true))
+    }
+
+    /// What was recorded from the first of two instants on, before the second. The rest is not copied.
+    pub fn within(&self, span: [f64; 2]) -> Self {
+        Self {
+            payload: self.payload.clone(),
+            name: self.name.clone(),
+            channels: self.channels.iter().map(|c| c.within(span)).collect(),
+        }
+    }
+}
+
+/// The MCAP file and the joint of `run.mcap#joint_2`; any other path is left as it is.
+pub fn mcap_and_joint(path: &Path) -> (PathBuf, Option<String>) {
+    let text = path.to_string_lossy();
+    match text.rsplit_once(".mcap#") {
+        Some((stem, joint)) if !path.exists() => {
+            (format!("{stem}.mcap").into(), Some(joint.into()))
+        }
+        _ => (path.into(), None),
+    }
+}
+
+impl Channel {
+    /// What was measured before an instant, or from it on.
+    fn at(&self, instant: f64, after: bool) -> Self {
+        match after {
+            true => self.within([instant, f64::INFINITY]),
+            false => self.within([f64::NEG_INFINITY, instant]),
+        }
+    }
+
+    /// What was measured from the first of two instants on, before the second.
+    fn within(&self, [from, to]: [f64; 2]) -> Self {
+        let before = |instant: f64| self.time.partition_point(|t| *t < instant);
+        let range = before(from)..before(to).max(before(from));
+        let part = |column: &Vec<f64>| column[range.clone()].to_vec();
+        Self {
+            role: self.role,
+            unit: self.unit.clone(),
+            time: part(&self.time),
+            columns: self.columns.iter().map(part).collect(),
+        }
+    }
+
+    /// Takes out the jumps by a turn that an angle makes where its sensor wraps: after it, no two
+    /// neighbours are further apart than half a turn.
+    ///
+    /// Does nothing to a channel that is no angle, or that moves by a twentieth of a turn between
+    /// samples at the median (see [`health::wraps`]).
+    ///
+    /// # Example
+    /// ```
+    /// use quell_recording::{Channel, Role};
+    /// use std::f64::consts::{PI, TAU};
+    /// let angle = vec![PI - 0.3, PI - 0.2, PI - 0.1, PI - TAU, PI + 0.1 - TAU];
+    /// let time = vec![0.0, 1.0, 2.0, 3.0, 4.0];
+    /// let (role, unit) = (Role::MotorPosition, "rad".into());
+    /// let mut channel = Channel { role, unit, time, columns: vec![angle] };
+    /// channel.unwrap_turns();
+    /// assert!((channel.columns[0][4] - (PI + 0.1)).abs() < 1e-14);
+    /// ```
+    pub fn unwrap_turns(&mut self) {
+        if self.unit != "rad" {
+            return;
+        }
+        for column in &mut self.columns {
+            let wraps = health::wraps(column);
+            let (mut turns, mut next) = (0.0, 0);
+            for sample in 1..column.len() {
+                if wraps.get(next) == Some(&sample) {
+                    // The sample before has its turns added already.
+                    let jump = column[sample] + turns - column[sample - 1];
+                    turns -= TAU * (jump / TAU).round();
+                    next += 1;
+                }
+                column[sample] += turns;
+            }
+        }
+    }
+
+    /// Whether the unit is one that channels of this role usually have; a force in volts is not.
+    pub fn has_usual_unit(&self) -> bool {
+        Unit::from_name(&self.unit)
+            .is_some_and(|unit| self.role.entry().dimensions.contains(&unit.dimension))
+    }
+}

@@ -1,0 +1,91 @@
+//! Text and numbers as HTML and JSON take them.
+
+/// `text` with the characters that mean something in HTML, in text and in attributes, replaced.
+pub(super) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// `text` as a JSON string that may stand within a `script` element: `<` is spelled out.
+pub(super) fn json_string(text: &str) -> String {
+    serde_json::Value::from(text)
+        .to_string()
+        .replace('<', "\\u003c")
+}
+
+/// Numbers as a JSON list with `digits` significant digits; what is not finite becomes `null`.
+pub(super) fn json_numbers(values: impl IntoIterator<Item = f64>, digits: usize) -> String {
+    let list: Vec<_> = values
+        .into_iter()
+        .map(|value| json_number(value, digits))
+        .collect();
+    format!("[{}]", list.join(","))
+}
+
+/// One JSON number in the shorter of both notations, or `null`.
+pub(super) fn json_number(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "null".into();
+    }
+    let rounded = round(value, digits);
+    let (plain, scientific) = (format!("{rounded}"), format!("{rounded:e}"));
+    if plain.len() <= scientific.len() {
+        plain
+    } else {
+        scientific
+    }
+}
+
+/// `value` to four significant digits as tables and figures show it; an en dash where there is none.
+///
+/// # Example
+/// ```
+/// use quell_report::number;
+/// assert_eq!(number(8.1234567), "8.123");
+/// assert_eq!(number(0.0), "0");
+/// assert_eq!(number(1234567.0), "1.235e6");
+/// assert_eq!(number(f64::NAN), "–");
+/// ```
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let rounded = round(value, 4);
+    let size = rounded.abs();
+    if size != 0.0 && !(1e-4..1e6).contains(&size) {
+        return format!("{rounded:e}").replace('-', "\u{2212}");
+    }
+    format!("{rounded}").replace('-', "\u{2212}")
+}
+
+/// `value` with so many decimals as columns show it; as [`number`] where that would fill the line or there is none.
+///
+/// # Example
+/// ```
+/// use quell_report::fixed;
+/// assert_eq!([fixed(8.12, 3), fixed(1e300, 3), fixed(f64::NAN, 3)], ["8.120", "1e300", "–"]);
+/// ```
+pub fn fixed(value: f64, decimals: usize) -> String {
+    match value.abs() < 1e9 {
+        true => format!("{value:.decimals$}"),
+        false => number(value),
+    }
+}
+
+fn round(value: f64, digits: usize) -> f64 {
+    // Adding zero turns a negative zero into zero.
+    format!("{value:.*e}", digits - 1)
+        .parse::<f64>()
+        .unwrap_or(value)
+        + 0.0
+}

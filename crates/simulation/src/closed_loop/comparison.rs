@@ -1,0 +1,162 @@
+//! The same move unshaped, shaped by a wrong belief, and adaptive.
+
+use quell_shapers::{Mode, Shaper};
+use quell_trajectories::Limits;
+
+use super::{Cell, CellSettings, ClosedLoopError, MoveTrace};
+use crate::plant::{Robot, SimulationOptions};
+use quell_control::controller::RetunePolicy;
+use quell_control::estimators::EstimatorEntry;
+
+/// One of the four moves that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MoveKind {
+    /// The plan as it is.
+    Unshaped,
+    /// Shaped for the belief, which stays.
+    WrongBelief,
+    /// Shaped for the belief, and corrected in motion once the mode is known.
+    AdaptiveFirst,
+    /// The next move of the same controller: back, with what it has learned.
+    AdaptiveNext,
+}
+
+impl MoveKind {
+    /// All four, in the order in which they are made.
+    pub const ALL: [Self; 4] = [
+        Self::Unshaped,
+        Self::WrongBelief,
+        Self::AdaptiveFirst,
+        Self::AdaptiveNext,
+    ];
+
+    /// Name in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unshaped => "unshaped",
+            Self::WrongBelief => "wrong_belief",
+            Self::AdaptiveFirst => "adaptive_first",
+            Self::AdaptiveNext => "adaptive_next",
+        }
+    }
+}
+
+/// A move to be compared, and the robot that makes it.
+#[derive(Clone)]
+pub struct Scenario {
+    /// The robot.
+    pub robot: Robot,
+    /// Moved joint, counted from 0.
+    pub joint: usize,
+    /// Displacement of the move, rad.
+    pub displacement: f64,
+    /// Limits of the move.
+    pub limits: Limits,
+    /// How the arm is simulated.
+    pub simulation: SimulationOptions,
+    /// What the engineer believes of the mode.
+    pub belief: Mode,
+    /// The rule that designs trains.
+    pub shaper: &'static dyn Shaper,
+    /// Method of estimation.
+    pub estimator: &'static EstimatorEntry,
+}
+
+/// The four moves side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The moves, in the order of [`MoveKind::ALL`].
+    pub moves: Vec<(MoveKind, MoveTrace)>,
+    /// The simulated arm's true mode.
+    pub truth: Mode,
+}
+
+impl Comparison {
+    /// Puts the moves of the three cells side by side.
+    pub fn new(
+        unshaped: MoveTrace,
+        wrong_belief: MoveTrace,
+        (first, next, truth): (MoveTrace, MoveTrace, Mode),
+    ) -> Self {
+        let traces = [unshaped, wrong_belief, first, next];
+        Self {
+            moves: MoveKind::ALL.into_iter().zip(traces).collect(),
+            truth,
+        }
+    }
+
+    /// The move of that kind.
+    pub fn trace(&self, kind: MoveKind) -> &MoveTrace {
+        &self.moves[kind as usize].1
+    }
+
+    /// Residual vibration of a move over that of the unshaped one.
+    pub fn ratio(&self, kind: MoveKind) -> f64 {
+        self.trace(kind).residual() / self.trace(MoveKind::Unshaped).residual()
+    }
+
+    /// The same of the whole move, in cruise and at the end.
+    pub fn whole_ratio(&self, kind: MoveKind) -> f64 {
+        self.trace(kind).vibration() / self.trace(MoveKind::Unshaped).vibration()
+    }
+}
+
+impl Scenario {
+    /// Makes the four moves, the three cells one after the other; for cells side by side see
+    /// [`Scenario::unshaped`], [`Scenario::wrong_belief`] and [`Scenario::adaptive`].
+    ///
+    /// # Errors
+    /// [`ClosedLoopError`] where the robot cannot be simulated or the move cannot be planned.
+    pub fn run(&self) -> Result<Comparison, ClosedLoopError> {
+        Ok(Comparison::new(
+            self.unshaped()?,
+            self.wrong_belief()?,
+            self.adaptive()?,
+        ))
+    }
+
+    /// The plan as it is.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`].
+    pub fn unshaped(&self) -> Result<MoveTrace, ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(None, false))?;
+        cell.run_move(cell.position() + self.displacement)
+    }
+
+    /// Shaped for the belief, which stays.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`].
+    pub fn wrong_belief(&self) -> Result<MoveTrace, ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(Some(self.shaper), false))?;
+        cell.run_move(cell.position() + self.displacement)
+    }
+
+    /// Two moves of one adaptive controller, there and back, and the arm's true mode.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`].
+    pub fn adaptive(&self) -> Result<(MoveTrace, MoveTrace, Mode), ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(Some(self.shaper), true))?;
+        let start = cell.position();
+        let first = cell.run_move(start + self.displacement)?;
+        let next = cell.run_move(start)?;
+        Ok((first, next, cell.arm().true_mode().unwrap_or(self.belief)))
+    }
+
+    fn cell(&self, shaper: Option<&'static dyn Shaper>, adaptive: bool) -> CellSettings {
+        CellSettings {
+            robot: self.robot.clone(),
+            joint: self.joint,
+            displacement: self.displacement,
+            simulation: self.simulation.clone(),
+            limits: self.limits,
+            shaper,
+            belief: self.belief,
+            adaptive,
+            retune: RetunePolicy::InMotion,
+            estimator: self.estimator,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Why robot descriptions and simulation options are refused.
+
+use std::path::PathBuf;
+
+use quell_shapers::ModeError;
+
+use quell_signal::SignalError;
+
+/// Why a robot description is refused; carries file, key and value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RobotError {
+    /// The file cannot be read.
+    #[error("{}: {reason}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is not TOML, or a key is missing, unknown or of another type.
+    #[error("{}: {message}", file.display())]
+    Syntax {
+        /// The file.
+        file: PathBuf,
+        /// Line, column and cause.
+        message: String,
+    },
+    /// A value that is out of its range.
+    #[error("{}: {key} = {value}: {expected}", file.display())]
+    Value {
+        /// The file.
+        file: PathBuf,
+        /// The key, as `joint[1].mode[1].damping_ratio`, tables counted from 1.
+        key: String,
+        /// The value as given.
+        value: String,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// The kinematics cannot be used.
+    #[error("{}: {reason}", file.display())]
+    Kinematics {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        reason: SignalError,
+    },
+}
+
+/// Why a simulation cannot be set up or changed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// The joint or the pose does not serve.
+    #[error(transparent)]
+    Kinematics(#[from] SignalError),
+    /// Pose and payload lead to something that is not a vibratory mode.
+    #[error("mode at this pose and payload: {0}")]
+    Mode(#[from] ModeError),
+    /// An option out of its range.
+    #[error("{name} = {value}: {expected}")]
+    Option {
+        /// Which option.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+}
