@@ -97,6 +97,26 @@ fn what_is_learned_calms_the_next_move_and_outlives_a_kill() {
     assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
 }
 
+/// What is gripped lowers the mode: the first move with it learns that, the next ones are calm.
+#[test]
+fn a_mode_that_jumps_is_followed() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = embedded(data.path());
+    for target in [0.5, 0.0] {
+        go(&mut world, target, None);
+    }
+    let free = world.joint().mode.expect("a mode").frequency_hz;
+    world.ask(Request::Payload { mass: 20.0 });
+    world.steps(1);
+    let unshaped = go(&mut world, 0.5, Some("none"));
+    go(&mut world, 0.0, None);
+    let next = go(&mut world, 0.5, None);
+    let [all, left] = [&unshaped, &next].map(|done| done.residual_rad.expect("measured"));
+    assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
+    let loaded = world.joint().mode.expect("a mode").frequency_hz;
+    assert!(loaded < 0.95 * free, "{free} Hz, {loaded} Hz loaded");
+}
+
 /// A long move is judged in cruise, too: the adaptive one is never worse than the one that keeps a wrong belief.
 #[test]
 fn the_whole_of_a_long_move_is_judged() {
