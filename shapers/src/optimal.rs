@@ -118,6 +118,22 @@ impl Optimal {
     }
 }
 
+impl UncertainMode {
+    /// A mode that is believed rather than measured: two standard deviations are what [`Optimal::TYPICAL`] is
+    /// solved for.
+    pub fn believed(mode: Mode) -> Self {
+        let Optimal {
+            frequency_spread,
+            damping_spread,
+        } = Optimal::TYPICAL;
+        Self {
+            mode,
+            natural_frequency_std: frequency_spread / WITHIN * mode.natural_frequency(),
+            damping_ratio_std: damping_spread / WITHIN * mode.damping_ratio(),
+        }
+    }
+}
+
 impl Shaper for Optimal {
     fn name(&self) -> &'static str {
         "optimal"

@@ -1,6 +1,6 @@
 //! A mode and how well it is known.
 
-use crate::{Mode, Optimal};
+use crate::Mode;
 
 /// 95 % of a Gaussian lie within two standard deviations.
 pub(crate) const WITHIN: f64 = 2.0;
@@ -17,20 +17,6 @@ pub struct UncertainMode {
 }
 
 impl UncertainMode {
-    /// A mode that is believed rather than measured: two standard deviations are what [`Optimal::TYPICAL`] is
-    /// solved for.
-    pub fn believed(mode: Mode) -> Self {
-        let Optimal {
-            frequency_spread,
-            damping_spread,
-        } = Optimal::TYPICAL;
-        Self {
-            mode,
-            natural_frequency_std: frequency_spread / WITHIN * mode.natural_frequency(),
-            damping_ratio_std: damping_spread / WITHIN * mode.damping_ratio(),
-        }
-    }
-
     /// Whether another mode is within a standard deviation of this one, in frequency and in damping.
     pub fn is_near(&self, other: Mode) -> bool {
         let across = other.natural_frequency() - self.mode.natural_frequency();

@@ -13,6 +13,15 @@ pub struct AxisLabel {
     pub name: Option<String>,
 }
 
+impl AxisLabel {
+    pub(crate) fn of(index: usize, names: &[String]) -> Self {
+        Self {
+            index,
+            name: names.get(index).cloned(),
+        }
+    }
+}
+
 impl fmt::Display for AxisLabel {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.name {

@@ -68,7 +68,7 @@ impl Planner {
         self.check_start(from, limits)?;
         self.check_target(to, limits)?;
         let problem = Problem {
-            planner: self,
+            names: &self.names,
             from,
             to,
             limits,
@@ -116,7 +116,7 @@ impl Planner {
             .map(|state| AxisState::at_rest(state.position))
             .collect();
         let problem = Problem {
-            planner: self,
+            names: &self.names,
             from,
             to: &to,
             limits,
@@ -126,9 +126,6 @@ impl Planner {
     }
 
     pub(crate) fn label(&self, index: usize) -> AxisLabel {
-        AxisLabel {
-            index,
-            name: self.names.get(index).cloned(),
-        }
+        AxisLabel::of(index, &self.names)
     }
 }

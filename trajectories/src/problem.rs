@@ -5,7 +5,7 @@ use ruckig::{ControlInterface, InputParameter, Synchronization};
 use crate::closed_form::Known;
 use crate::read_back::{Scale, read_back};
 use crate::solver::Solver;
-use crate::{AxisProfile, AxisState, Limits, PlanError, Planner, Trajectory};
+use crate::{AxisLabel, AxisProfile, AxisState, Limits, PlanError, Trajectory};
 
 /// Ruckig refuses longer moves of several axes (`calculator_target.hpp`); of one axis, too, here.
 const LONGEST_MOVE: f64 = 7.6e3;
@@ -26,7 +26,8 @@ const SEEN_AT: f64 = 0.5;
 
 /// A checked problem: one entry for each axis in each list.
 pub(crate) struct Problem<'a> {
-    pub(crate) planner: &'a Planner,
+    /// What errors call the axes.
+    pub(crate) names: &'a [String],
     pub(crate) from: &'a [AxisState],
     pub(crate) to: &'a [AxisState],
     pub(crate) limits: &'a [Limits],
@@ -106,7 +107,7 @@ impl Problem<'_> {
             let allowed = tolerance + 4.0 * f64::EPSILON * largest;
             if error.is_nan() || error.abs() > allowed {
                 return Err(PlanError::Inexact {
-                    axis: self.planner.label(index),
+                    axis: AxisLabel::of(index, self.names),
                     what,
                     error,
                 });
@@ -118,7 +119,7 @@ impl Problem<'_> {
     fn failure(&self, result: ruckig::Result) -> PlanError {
         match result {
             ruckig::Result::ErrorExecutionTimeCalculation => PlanError::NoProfile {
-                axis: self.planner.label(self.first_unsolvable_axis()),
+                axis: AxisLabel::of(self.first_unsolvable_axis(), self.names),
             },
             ruckig::Result::ErrorSynchronizationCalculation => PlanError::NoCommonDuration {
                 axes: self.from.len(),
@@ -176,7 +177,7 @@ impl Problem<'_> {
         let fails = |&index: &usize| {
             let one = index..index + 1;
             let problem = Problem {
-                planner: self.planner,
+                names: self.names,
                 from: &self.from[one.clone()],
                 to: &self.to[one.clone()],
                 limits: &self.limits[one],

@@ -16,6 +16,20 @@ pub struct SampledTrajectory {
     accelerations: Vec<f64>,
 }
 
+impl Trajectory {
+    /// The move at the ticks `0, T_s, 2 T_s, ...` up to the first tick that is not before its end;
+    /// that last sample is exactly the end state.
+    ///
+    /// `period` is `T_s` in s. Off the tick: allocates the buffers.
+    ///
+    /// # Errors
+    /// [`PlanError::Period`] if the period is not finite and above 0, [`PlanError::TooManySamples`]
+    /// if there would be more than [`crate::MAX_SAMPLES`] samples for each axis.
+    pub fn sample(&self, period: f64) -> Result<SampledTrajectory, PlanError> {
+        SampledTrajectory::new(self, period)
+    }
+}
+
 impl SampledTrajectory {
     pub(crate) fn new(trajectory: &Trajectory, period: f64) -> Result<Self, PlanError> {
         if !(period.is_finite() && period > 0.0) {

@@ -1,6 +1,6 @@
 //! A planned move of all axes.
 
-use crate::{AxisProfile, AxisState, PlanError, SampledTrajectory};
+use crate::{AxisProfile, AxisState};
 
 /// A planned move of 1 to 7 axes that start and end together.
 ///
@@ -37,17 +37,5 @@ impl Trajectory {
     /// The state in which every axis ends.
     pub fn end(&self) -> Vec<AxisState> {
         self.axes.iter().map(AxisProfile::end).collect()
-    }
-
-    /// The move at the ticks `0, T_s, 2 T_s, ...` up to the first tick that is not before its end;
-    /// that last sample is exactly the end state.
-    ///
-    /// `period` is `T_s` in s. Off the tick: allocates the buffers.
-    ///
-    /// # Errors
-    /// [`PlanError::Period`] if the period is not finite and above 0, [`PlanError::TooManySamples`]
-    /// if there would be more than [`crate::MAX_SAMPLES`] samples for each axis.
-    pub fn sample(&self, period: f64) -> Result<SampledTrajectory, PlanError> {
-        SampledTrajectory::new(self, period)
     }
 }

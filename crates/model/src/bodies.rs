@@ -1,6 +1,6 @@
 //! Motor side and link at one instant: forces on them, and what friction needs to hold them.
 
-use super::chain::Seat;
+use super::attachment::Attachment;
 use crate::effects::{Inertia, Motion};
 
 /// Forces and mobilities (inverse inertias) of motor side and link; a mobility of 0 is a prescribed
@@ -18,17 +18,17 @@ impl Bodies {
         self.bias[body] + self.mobility[body] * self.force[body]
     }
 
-    /// A force that resists motion at a seat; `ratio` is the velocity of the transmission's input for
+    /// A force that resists motion at an attachment; `ratio` is the velocity of the transmission's input for
     /// a unit velocity of the motor side.
     #[inline(always)]
-    pub fn resist(&mut self, seat: Seat, force: f64, ratio: f64) {
-        match seat {
-            Seat::Motor => self.force[0] -= force,
-            Seat::Across => {
+    pub fn resist(&mut self, attachment: Attachment, force: f64, ratio: f64) {
+        match attachment {
+            Attachment::Motor => self.force[0] -= force,
+            Attachment::Across => {
                 self.force[1] -= force;
                 self.force[0] += ratio * force;
             }
-            Seat::Link => self.force[1] -= force,
+            Attachment::Link => self.force[1] -= force,
         }
     }
 
@@ -43,9 +43,9 @@ impl Bodies {
     }
 
     /// Applies the forces that leave nothing to slip where friction sticks, and gives them: what each
-    /// seat must bear.
+    /// attachment must bear.
     ///
-    /// Two sticking seats stop both bodies. Three share what two could bear: nothing is across.
+    /// Two sticking attachments stop both bodies. Three share what two could bear: nothing is across.
     pub fn hold(&mut self, sticks: [bool; 3]) -> [f64; 3] {
         let [motor, link] = [self.acceleration(0), self.acceleration(1)];
         let [m, l] = self.mobility;

@@ -8,6 +8,7 @@
 //! A motor side that an encoder has measured is prescribed; one that stands still is fixed; an axis
 //! without a spring has no link.
 
+use super::attachment::Attachment;
 use super::bodies::Bodies;
 pub use super::linear::{Linear, MotorSide, PositionLoop};
 use crate::effects::{Force, Friction, Inertia, Memory, Motion, Place, Resonance};
@@ -58,20 +59,6 @@ pub const RESONANCES: usize = 2;
 /// Position and velocity of motor side, link, further modes.
 pub type State = [f64; 4 + 2 * RESONANCES];
 
-/// Where a force acts: between which of motor side, link and ground.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seat {
-    /// Between motor side and ground.
-    Motor,
-    /// Between motor side and link.
-    Across,
-    /// Between link and ground.
-    Link,
-}
-
-/// All seats, in their order.
-pub const SEATS: [Seat; 3] = [Seat::Motor, Seat::Across, Seat::Link];
-
 /// All that follows from a state at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Instant {
@@ -88,7 +75,7 @@ pub struct Instant {
     /// Force on the motor side that the drive makes; where the link's position is the input, the
     /// force that holds it there. In the equation's unit.
     pub force: f64,
-    /// Forces of sticking friction at each seat, in the equation's unit.
+    /// Forces of sticking friction at each attachment, in the equation's unit.
     pub holding: [f64; 3],
 }
 
@@ -205,7 +192,7 @@ impl Chain {
             mobility: constants.mobility,
             bias,
         };
-        bodies.resist(Seat::Across, elastic, ratio);
+        bodies.resist(Attachment::Across, elastic, ratio);
         let mut instant = Instant {
             motion,
             encoder,
@@ -232,10 +219,10 @@ impl Chain {
     fn resist(&self, motion: &Motion, ratio: f64, bodies: &mut Bodies) -> [f64; 3] {
         let unit = self.linear.unit_force;
         for element in &self.forces {
-            let seat = self.seat(element.place);
-            let [x, v] = coordinate(seat, motion);
+            let attachment = self.attachment(element.place);
+            let [x, v] = coordinate(attachment, motion);
             let force = element.law.force(motion, x, v, &element.memory);
-            bodies.resist(seat, unit * force, ratio);
+            bodies.resist(attachment, unit * force, ratio);
         }
         let body = usize::from(self.linear.link.is_some());
         for inertia in &self.inertias {
@@ -246,13 +233,13 @@ impl Chain {
         }
         let mut sticks = [false; 3];
         for element in &self.frictions {
-            let seat = self.seat(element.place);
+            let attachment = self.attachment(element.place);
             if element.slides == 0.0 {
-                sticks[seat as usize] = true;
+                sticks[attachment as usize] = true;
             } else {
-                let speed = coordinate(seat, motion)[1].abs();
+                let speed = coordinate(attachment, motion)[1].abs();
                 let force = sliding_force(&element.law, element.slides, speed);
-                bodies.resist(seat, unit * element.slides * force, ratio);
+                bodies.resist(attachment, unit * element.slides * force, ratio);
             }
         }
         bodies.hold(sticks)
@@ -260,14 +247,14 @@ impl Chain {
 
     /// Where a place is in this chain: one that is missing is where its neighbour is.
     #[inline(always)]
-    pub(super) fn seat(&self, place: Place) -> Seat {
+    pub(super) fn attachment(&self, place: Place) -> Attachment {
         match (place, self.linear.link.is_some()) {
-            (_, false) => Seat::Motor,
+            (_, false) => Attachment::Motor,
             // A spring to ground: what is across it is at the link, and so is the drive.
-            _ if self.linear.motor == MotorSide::Fixed => Seat::Link,
-            (Place::Drive, _) => Seat::Motor,
-            (Place::Transmission, _) => Seat::Across,
-            _ => Seat::Link,
+            _ if self.linear.motor == MotorSide::Fixed => Attachment::Link,
+            (Place::Drive, _) => Attachment::Motor,
+            (Place::Transmission, _) => Attachment::Across,
+            _ => Attachment::Link,
         }
     }
 
@@ -337,23 +324,23 @@ impl Constants {
         }
     }
 
-    /// Slip acceleration for a unit force at a seat; 0 where motion is prescribed.
-    pub(super) fn mobility(&self, seat: Seat) -> f64 {
-        match seat {
-            Seat::Motor => self.mobility[0],
-            Seat::Across => self.mobility[0] + self.mobility[1],
-            Seat::Link => self.mobility[1],
+    /// Slip acceleration for a unit force at an attachment; 0 where motion is prescribed.
+    pub(super) fn mobility(&self, attachment: Attachment) -> f64 {
+        match attachment {
+            Attachment::Motor => self.mobility[0],
+            Attachment::Across => self.mobility[0] + self.mobility[1],
+            Attachment::Link => self.mobility[1],
         }
     }
 }
 
-/// Position and velocity on which a force at a seat acts.
+/// Position and velocity on which a force at an attachment acts.
 #[inline(always)]
-pub(super) fn coordinate(seat: Seat, motion: &Motion) -> [f64; 2] {
-    match seat {
-        Seat::Motor => motion.motor,
-        Seat::Across => motion.deformation(),
-        Seat::Link => motion.link,
+pub(super) fn coordinate(attachment: Attachment, motion: &Motion) -> [f64; 2] {
+    match attachment {
+        Attachment::Motor => motion.motor,
+        Attachment::Across => motion.deformation(),
+        Attachment::Link => motion.link,
     }
 }
 

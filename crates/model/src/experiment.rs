@@ -1,12 +1,8 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
-use super::chain::MotorSide;
 use super::circle::Radius;
 use super::piecewise::{Grid, Hold};
-use super::windows::Window;
-use super::{ExperimentError, Model, predict_windows};
-use quell_recording::{Channel, Recording, Role};
-use quell_signal::noise_floor;
+use quell_recording::Role;
 
 /// What one sensor showed.
 #[derive(Clone, Debug)]
@@ -36,6 +32,15 @@ pub struct Output {
     pub clock_offset: f64,
     /// Noise that other coordinates of the sensor show, in the unit of the values.
     pub noise_witness: Option<f64>,
+}
+
+/// The start of a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// When, s: a stamp of the input.
+    pub time: f64,
+    /// Position and velocity of the motor side, deformation and its rate, as they were measured.
+    pub state: [f64; 4],
 }
 
 /// One stretch of a recording.
@@ -70,149 +75,7 @@ pub struct Experiment {
 /// `0.25^5 / 144 = 7e-6` of the damping ratio.
 pub const RADIANS_A_STEP: f64 = 0.25;
 
-/// The same where an input is sampled more densely: half, as a law with a memory sees where its motion turns
-/// once a step.
-const RADIANS_A_COARSE_STEP: f64 = 0.125;
-
-/// Share of the steps that must be left at most for it to be worth while.
-const SPARED: f64 = 0.7;
-
-/// Difference of two predictions in standard deviations of a sensor's noise that is not seen: its square is
-/// below that by which chance moves the chi-squared of a million samples.
-const UNSEEN: f64 = 0.03;
-
 impl Experiment {
-    /// The recording as the model sees it; the grid is fine enough for the mode that it believes in.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] where the recording has no channel that can drive the model, none that it
-    /// predicts, or too few samples.
-    pub fn new(model: &Model, recording: &Recording) -> Result<Self, ExperimentError> {
-        Self::of(model, recording.clone())
-    }
-
-    /// [`Self::new`] of a recording that nobody else needs: its samples are not copied.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn of(model: &Model, mut recording: Recording) -> Result<Self, ExperimentError> {
-        recording
-            .channels
-            .iter_mut()
-            .for_each(Channel::unwrap_turns);
-        let input = Self::input(model, &recording)?;
-        let position = recording.channels.iter().find(|channel| {
-            let role = channel.role;
-            role != recording.channels[input].role && model.kind.outputs.contains(&role)
-                || role.is_position()
-        });
-        let position_unit = position.map_or("rad".into(), |channel| channel.unit.clone());
-        let mut input = recording.channels.remove(input);
-        let hold = model.hold.unwrap_or((model.kind.hold)(input.role));
-        let step = RADIANS_A_STEP / model.fastest();
-        let mut experiment = Self {
-            grid: Grid::new(&input.time, &input.columns[0], hold, step)?,
-            input: input.role,
-            input_time: input.time,
-            input_values: input.columns.swap_remove(0),
-            hold,
-            outputs: Vec::new(),
-            initial: [0.0; 4],
-            windows: Vec::new(),
-            position_unit,
-            input_unit: input.unit,
-            payload: recording.payload,
-        };
-        for channel in recording.channels {
-            let wanted = model.kind.outputs.contains(&channel.role);
-            if wanted && channel.role != experiment.input {
-                let mut output = super::output::output(model, &experiment, channel)?;
-                output.keep_within(experiment.span());
-                experiment.outputs.push(output);
-            }
-        }
-        if experiment.outputs.is_empty() {
-            return Err(ExperimentError::NothingPredicted {
-                recording: recording.name,
-                kind: model.kind.name,
-                outputs: names(model.kind.outputs),
-            });
-        }
-        experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
-        experiment.windows = super::windows::windows(model, &experiment);
-        experiment.coarsen(model);
-        Ok(experiment)
-    }
-
-    /// Takes longer steps where the input was sampled more densely than its motion needs, and no sensor sees
-    /// the difference.
-    fn coarsen(&mut self, model: &Model) {
-        let step = RADIANS_A_COARSE_STEP / model.fastest();
-        let span = self.span();
-        if self.hold != Hold::Spline
-            || (span.1 - span.0) / step > SPARED * self.grid.input.len() as f64
-        {
-            return;
-        }
-        let Ok(coarse) = Grid::new(&self.input_time, &self.input_values, Hold::Smooth, step) else {
-            return;
-        };
-        let fine = self.predicted(model);
-        let before = (std::mem::replace(&mut self.grid, coarse), self.hold);
-        self.hold = Hold::Smooth;
-        let other = self.predicted(model);
-        let unseen = |(output, (fine, other)): (&Output, (&Vec<f64>, &Vec<f64>))| {
-            let noise = noise_floor(&output.values).standard_deviation;
-            let square: f64 = fine.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
-            square < (UNSEEN * noise).powi(2) * fine.len() as f64
-        };
-        let pairs = fine.iter().zip(&other);
-        if !self.outputs.iter().zip(pairs).all(unseen) {
-            (self.grid, self.hold) = before;
-        }
-    }
-
-    /// What the model says of each output, its clock as a first guess has it.
-    fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
-        let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
-        let start = &[[0.0; 8]];
-        let (keys, terms) = (model.keys(), model.terms());
-        let all = predict_windows(model.kind, &keys, &terms, self, start, &clocks);
-        all.into_iter().map(|one| one.values).collect()
-    }
-
-    /// Which channel drives the model.
-    fn input(model: &Model, recording: &Recording) -> Result<usize, ExperimentError> {
-        let of = |role| recording.channels.iter().position(|c| c.role == role);
-        let mut roles = model.kind.inputs.iter();
-        let found = roles.find_map(|&role| of(role).filter(|_| model.takes(role)));
-        found.ok_or_else(|| ExperimentError::NoInput {
-            recording: recording.name.clone(),
-            kind: model.kind.name,
-            inputs: names(model.kind.inputs),
-        })
-    }
-
-    /// Where the chain starts: what the first samples of its sensors show of a motor side or a link that
-    /// the input does not prescribe. One on a prescribed motor side starts at rest on it.
-    fn measure_start(&mut self, motor: MotorSide) {
-        let first = |role| {
-            let mut outputs = self.outputs.iter();
-            outputs.find(|o| o.role == role).map(|o| o.values[0])
-        };
-        let (motor_position, link) = (first(Role::MotorPosition), first(Role::LinkPosition));
-        let deformation = first(Role::Deformation);
-        self.initial = match motor {
-            MotorSide::Prescribed => [0.0; 4],
-            MotorSide::Fixed => [0.0, 0.0, link.or(deformation).unwrap_or(0.0), 0.0],
-            MotorSide::Free { .. } => {
-                let start = motor_position.or(link).unwrap_or(0.0);
-                let bent = deformation.or(link.map(|link| link - start));
-                [start, 0.0, bent.unwrap_or(0.0), 0.0]
-            }
-        };
-    }
-
     /// The same experiment with other values of the input at its stamps; values that are not finite change
     /// nothing.
     pub fn with_input(&self, values: Vec<f64>) -> Self {
@@ -236,12 +99,4 @@ impl Experiment {
     pub fn samples(&self) -> usize {
         self.outputs.iter().map(|output| output.values.len()).sum()
     }
-}
-
-fn names(roles: &[Role]) -> String {
-    roles
-        .iter()
-        .map(|role| role.name())
-        .collect::<Vec<_>>()
-        .join(", ")
 }

@@ -46,21 +46,7 @@ pub struct Kind {
     pub normalised: bool,
 }
 
-/// All kinds. Those of one name differ in the keys that they must be given.
-pub const KINDS: &[&Kind] = &[
-    &super::flexible_joint::FLEXIBLE_JOINT,
-    &super::rigid_axis::RIGID_AXIS,
-    &super::oscillator::OSCILLATOR,
-    &super::oscillator::SPRING_AND_DAMPER,
-    &super::two_mass::TWO_MASS,
-];
-
 impl Kind {
-    /// The first kind of this name.
-    pub fn from_name(name: &str) -> Option<&'static Self> {
-        KINDS.iter().copied().find(|kind| kind.name == name)
-    }
-
     /// Values of the keys with the link's inertia this many times as large (the mass of a rigid axis): as
     /// stiffness and damper stay, natural frequency and damping ratio fall with its root.
     pub fn loaded(&self, keys: &[f64], inertia: f64) -> Vec<f64> {

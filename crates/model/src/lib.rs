@@ -2,6 +2,7 @@
 //!
 //! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
 
+mod attachment;
 pub mod believed;
 mod bodies;
 pub mod chain;
@@ -12,7 +13,9 @@ mod file;
 mod flexible_joint;
 mod integrate;
 mod kind;
+mod kinds;
 mod linear;
+mod observation;
 mod oscillator;
 mod output;
 mod piecewise;
@@ -28,16 +31,16 @@ mod two_mass;
 mod windows;
 
 pub use circle::Radius;
-pub use experiment::{Experiment, Output};
+pub use experiment::{Experiment, Output, Window};
 pub use file::ModelError;
 pub use integrate::{Kick, Restart, Timed, integrate};
-pub use kind::{KINDS, Key, Kind};
+pub use kind::{Key, Kind};
+pub use kinds::KINDS;
 pub use piecewise::{Cubic, Grid, Hold};
 pub use predict::{Simulated, Term, predict_windows, see_motion, simulate, simulate_windows};
 pub use reading::Prediction;
 pub use tally::simulations;
 pub use trace::{Kinematics, Trace, hermite};
-pub use windows::Window;
 
 use crate::effects::{Effect, Place};
 use quell_recording::Role;

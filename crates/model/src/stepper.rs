@@ -1,7 +1,7 @@
 //! Steps that end where something is not smooth: friction that stops to slide or to stick, a corner
 //! of a force.
 //!
-//! Friction does not change between steps: it sticks or slides one way. A sliding seat whose velocity
+//! Friction does not change between steps: it sticks or slides one way. A sliding attachment whose velocity
 //! changes its sign within a step ends it there and sticks; at the start of every step what sticks
 //! is let go if it bears more than it can. So no step gains energy, however many events meet.
 //! Source: Karnopp, ASME J. Dynamic Systems, Measurement and Control 107 (1985), for the state
@@ -10,7 +10,8 @@
 
 mod events;
 
-use super::chain::{Chain, Constants, Instant, SEATS, Seat, State, coordinate};
+use super::attachment::{ATTACHMENTS, Attachment};
+use super::chain::{Chain, Constants, Instant, State, coordinate};
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use super::trace::Trace;
 
@@ -40,9 +41,9 @@ pub(super) struct Stepper<'a> {
     given: bool,
     /// Corners of forces: index, sign of the switch.
     corners: Vec<(usize, f64)>,
-    /// Breakaway force of a seat in either direction, in the equation's unit, where it has friction.
+    /// Breakaway force of an attachment in either direction, in the equation's unit, where it has friction.
     breakaway: [Option<[f64; 2]>; 3],
-    /// Least Stribeck velocity of a seat, and the acceleration by which friction falls, where it does
+    /// Least Stribeck velocity of an attachment, and the acceleration by which friction falls, where it does
     /// so slowly enough to be followed.
     stribeck: [Option<(f64, f64)>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
@@ -51,7 +52,7 @@ pub(super) struct Stepper<'a> {
 
 #[derive(Clone, Copy)]
 enum Event {
-    Stop(Seat),
+    Stop(Attachment),
     Breakaway,
     Corner,
 }
@@ -64,8 +65,8 @@ impl<'a> Stepper<'a> {
         let (motion, _) = chain.motion(time, state, input);
         let mut corners = Vec::new();
         for index in 0..chain.forces.len() {
-            let seat = chain.seat(chain.forces[index].place);
-            let [x, v] = coordinate(seat, &motion);
+            let attachment = chain.attachment(chain.forces[index].place);
+            let [x, v] = coordinate(attachment, &motion);
             let element = &mut chain.forces[index];
             (element.memory.time, element.memory.position) = (time, x);
             element.memory.state = element.law.advance(&motion, x, v, &element.memory);
@@ -75,13 +76,13 @@ impl<'a> Stepper<'a> {
         }
         let mut breakaway = [None; 3];
         for element in &chain.frictions {
-            let seat = chain.seat(element.place) as usize;
-            let [up, down] = breakaway[seat].unwrap_or([0.0; 2]);
+            let attachment = chain.attachment(element.place) as usize;
+            let [up, down] = breakaway[attachment].unwrap_or([0.0; 2]);
             let own = element
                 .law
                 .breakaway
                 .map(|force| force * chain.linear.unit_force);
-            breakaway[seat] = Some([up + own[0], down + own[1]]);
+            breakaway[attachment] = Some([up + own[0], down + own[1]]);
         }
         let stribeck = stribeck(chain, &constants, h);
         let (step, whole) = steps(chain);
@@ -120,20 +121,20 @@ impl<'a> Stepper<'a> {
             .chain
             .position::<true>(&self.constants, time, state, input)
             .motion;
-        for seat in self.rough() {
-            let rate = coordinate(seat, &motion)[1];
+        for attachment in self.rough() {
+            let rate = coordinate(attachment, &motion)[1];
             if rate.abs() > ROUNDING * (motion.motor[1].abs() + motion.link[1].abs()) {
-                self.slides[seat as usize] = rate.signum();
+                self.slides[attachment as usize] = rate.signum();
             }
         }
         self.set_sliding();
         loop {
             let instant = self.evaluate(time, state, input);
-            let Some(seat) = self.overburdened(&instant.holding) else {
+            let Some(attachment) = self.overburdened(&instant.holding) else {
                 return instant;
             };
-            // Each turn lets one seat go, so that there are at most three.
-            self.slides[seat as usize] = instant.holding[seat as usize].signum();
+            // Each turn lets one attachment go, so that there are at most three.
+            self.slides[attachment as usize] = instant.holding[attachment as usize].signum();
             self.set_sliding();
         }
     }
@@ -218,16 +219,16 @@ impl<'a> Stepper<'a> {
     /// The longest step in which friction that falls with speed can be followed.
     fn longest(&self, start: &Instant, h: f64) -> f64 {
         let mut longest = h;
-        for seat in self.rough() {
-            let Some((velocity, drop)) = self.stribeck[seat as usize] else {
+        for attachment in self.rough() {
+            let Some((velocity, drop)) = self.stribeck[attachment as usize] else {
                 continue;
             };
-            let slides = self.slides[seat as usize];
+            let slides = self.slides[attachment as usize];
             if slides == 0.0 {
                 continue;
             }
-            let rate = slides * coordinate(seat, &start.motion)[1];
-            let change = slides * slip(start, seat);
+            let rate = slides * coordinate(attachment, &start.motion)[1];
+            let change = slides * slip(start, attachment);
             // Beyond three velocities the force is the kinetic one to 1e-4.
             let above = rate - 3.0 * velocity;
             longest = match above > 0.0 {
@@ -248,58 +249,59 @@ impl<'a> Stepper<'a> {
         (self.step)(self.chain, &self.constants, span, state, start, h)
     }
 
-    /// Seats that have friction.
-    fn rough(&self) -> impl Iterator<Item = Seat> + use<> {
+    /// Attachments that have friction.
+    fn rough(&self) -> impl Iterator<Item = Attachment> + use<> {
         let breakaway = self.breakaway;
-        SEATS
+        ATTACHMENTS
             .into_iter()
-            .filter(move |&seat| breakaway[seat as usize].is_some())
+            .filter(move |&attachment| breakaway[attachment as usize].is_some())
     }
 
-    /// What a seat that sticks could bear besides the force that it bears.
-    fn spare(&self, seat: Seat, force: f64) -> f64 {
-        let breakaway = self.breakaway[seat as usize].unwrap_or_default();
+    /// What an attachment that sticks could bear besides the force that it bears.
+    fn spare(&self, attachment: Attachment, force: f64) -> f64 {
+        let breakaway = self.breakaway[attachment as usize].unwrap_or_default();
         breakaway[usize::from(force < 0.0)] - force.abs()
     }
 
-    /// The sticking seat that lacks most.
-    fn overburdened(&self, holding: &[f64; 3]) -> Option<Seat> {
-        let spare = |seat: &Seat| self.spare(*seat, holding[*seat as usize]);
-        let seats = self.rough().filter(|&seat| self.holds(seat));
-        let lacking = seats.filter(|seat| spare(seat) < 0.0);
+    /// The sticking attachment that lacks most.
+    fn overburdened(&self, holding: &[f64; 3]) -> Option<Attachment> {
+        let spare =
+            |attachment: &Attachment| self.spare(*attachment, holding[*attachment as usize]);
+        let attachments = self.rough().filter(|&attachment| self.holds(attachment));
+        let lacking = attachments.filter(|attachment| spare(attachment) < 0.0);
         lacking.min_by(|a, b| spare(a).total_cmp(&spare(b)))
     }
 
-    /// Whether a seat sticks and something could make it slide.
-    fn holds(&self, seat: Seat) -> bool {
-        self.slides[seat as usize] == 0.0 && self.yields(seat)
+    /// Whether an attachment sticks and something could make it slide.
+    fn holds(&self, attachment: Attachment) -> bool {
+        self.slides[attachment as usize] == 0.0 && self.yields(attachment)
     }
 
-    /// Whether what slides at a seat can be stopped there.
-    fn yields(&self, seat: Seat) -> bool {
-        self.constants.mobility(seat) > 0.0
+    /// Whether what slides at an attachment can be stopped there.
+    fn yields(&self, attachment: Attachment) -> bool {
+        self.constants.mobility(attachment) > 0.0
     }
 
-    /// Hands the state of the seats on to their frictions.
+    /// Hands the state of the attachments on to their frictions.
     fn set_sliding(&mut self) {
         for index in 0..self.chain.frictions.len() {
-            let seat = self.chain.seat(self.chain.frictions[index].place);
-            self.chain.frictions[index].slides = self.slides[seat as usize];
+            let attachment = self.chain.attachment(self.chain.frictions[index].place);
+            self.chain.frictions[index].slides = self.slides[attachment as usize];
         }
     }
 
     /// The state at the end of a step: what sticks stands still, memories move on.
     fn accept(&mut self, state: &mut State, time: f64, input: [f64; 3]) {
-        for seat in self.rough() {
-            if self.holds(seat) {
+        for attachment in self.rough() {
+            if self.holds(attachment) {
                 let motion = self
                     .chain
                     .position::<true>(&self.constants, time, state, input)
                     .motion;
-                match seat {
-                    Seat::Motor => state[1] = 0.0,
-                    Seat::Across => state[3] = motion.motor[1],
-                    Seat::Link => state[3] = 0.0,
+                match attachment {
+                    Attachment::Motor => state[1] = 0.0,
+                    Attachment::Across => state[3] = motion.motor[1],
+                    Attachment::Link => state[3] = 0.0,
                 }
             }
         }
@@ -312,15 +314,15 @@ impl<'a> Stepper<'a> {
             .position::<true>(&self.constants, time, state, input)
             .motion;
         for index in 0..self.chain.forces.len() {
-            let seat = self.chain.seat(self.chain.forces[index].place);
+            let attachment = self.chain.attachment(self.chain.forces[index].place);
             let element = &mut self.chain.forces[index];
-            let [x, v] = coordinate(seat, &motion);
+            let [x, v] = coordinate(attachment, &motion);
             element.memory.state = element.law.advance(&motion, x, v, &element.memory);
             (element.memory.position, element.memory.time) = (x, time);
         }
         for (force, side) in &mut self.corners {
             let element = &self.chain.forces[*force];
-            let [x, v] = coordinate(self.chain.seat(element.place), &motion);
+            let [x, v] = coordinate(self.chain.attachment(element.place), &motion);
             let value = element.law.switch(&motion, x, v, &element.memory);
             *side = value.map_or(*side, sign);
         }
@@ -332,11 +334,11 @@ impl<'a> Stepper<'a> {
 fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f64)>; 3] {
     let mut found = [None; 3];
     for index in 0..chain.frictions.len() {
-        let seat = chain.seat(chain.frictions[index].place);
+        let attachment = chain.attachment(chain.frictions[index].place);
         let law = &mut chain.frictions[index].law;
         let sides = [0, 1].map(|side| law.breakaway[side] - law.kinetic[side]);
         let unit = chain.linear.unit_force;
-        let drop = unit * constants.mobility(seat) * sides[0].max(sides[1]);
+        let drop = unit * constants.mobility(attachment) * sides[0].max(sides[1]);
         if drop <= 0.0 {
             continue;
         }
@@ -344,18 +346,18 @@ fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f
             law.stribeck_velocity = 0.0;
             continue;
         }
-        let (velocity, fall) = found[seat as usize].unwrap_or((f64::INFINITY, 0.0));
-        found[seat as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
+        let (velocity, fall) = found[attachment as usize].unwrap_or((f64::INFINITY, 0.0));
+        found[attachment as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
     }
     found
 }
 
-/// Slip acceleration at a seat.
-fn slip(instant: &Instant, seat: Seat) -> f64 {
-    match seat {
-        Seat::Motor => instant.motor,
-        Seat::Across => instant.link - instant.motor,
-        Seat::Link => instant.link,
+/// Slip acceleration at an attachment.
+fn slip(instant: &Instant, attachment: Attachment) -> f64 {
+    match attachment {
+        Attachment::Motor => instant.motor,
+        Attachment::Across => instant.link - instant.motor,
+        Attachment::Link => instant.link,
     }
 }
 

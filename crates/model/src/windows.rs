@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::chain::MotorSide;
-use super::experiment::{Experiment, Output};
+use super::experiment::{Experiment, Output, Window};
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
@@ -19,15 +19,6 @@ const FEWEST: f64 = 9.0;
 
 /// Share of a period over which a rate is measured: the mode is straight in it to a hundredth.
 const STRAIGHT: f64 = 0.05;
-
-/// The start of a window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
-    /// When, s: a stamp of the input.
-    pub time: f64,
-    /// Position and velocity of the motor side, deformation and its rate, as they were measured.
-    pub state: [f64; 4],
-}
 
 /// Windows after the first of a motor side that a force drives freely.
 ///

@@ -169,12 +169,20 @@ pub enum Problem {
 impl RecordingError {
     /// What the operating system says of a file.
     pub fn io(file: &Path, error: &std::io::Error) -> Self {
-        super::table::from_io(error).in_file(file)
+        from_io(error).in_file(file)
     }
 
     /// Whether the operating system refused, rather than that the recording is none.
     pub fn is_io(&self) -> bool {
         matches!(self.problem, Problem::Io(_) | Problem::Missing)
+    }
+}
+
+/// What the operating system said, with "missing" told apart.
+pub(super) fn from_io(error: &std::io::Error) -> Problem {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => Problem::Missing,
+        _ => Problem::Io(error.to_string()),
     }
 }
 

@@ -39,23 +39,24 @@ mod mcap;
 #[cfg(test)]
 mod properties;
 mod role;
+mod sink;
 mod table;
 mod unit;
 mod write;
 
 pub use carries::plain;
-pub use error::nearest;
-pub use error::{Place, Problem, RecordingError};
-pub use manifest::MANIFEST;
-pub use mcap::{Cut, Found, McapFile, McapWriter, Mended, Topic};
-pub use mcap::{Damage, Decoder, Encoder};
+pub use error::{Place, Problem, RecordingError, nearest};
+pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mended, Topic};
 pub use role::{ROLES, Role, RoleEntry};
+pub use sink::Sink;
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
-pub use write::Sink;
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
+
+/// The manifest's name in a folder of its own.
+pub const MANIFEST: &str = "recording.toml";
 
 /// One measured quantity on its own clock.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,19 +4,16 @@
 mod csv;
 mod topic;
 
-use super::error::{Problem, RecordingError, nearest};
+use super::error::{Problem, RecordingError, from_io, nearest};
 use super::mcap::McapFile;
 use super::role::{ROLES, Role};
-use super::table::{Table, from_io};
+use super::table::Table;
 use super::unit::{UNITS, Unit};
-use super::{Channel, Recording};
+use super::{Channel, MANIFEST, Recording};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-
-/// The manifest's name in a folder of its own.
-pub const MANIFEST: &str = "recording.toml";
 
 /// The keys of a manifest and of its channels, for suggestions.
 const KEYS: &[&str] = &[

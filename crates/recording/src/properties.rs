@@ -1,8 +1,9 @@
 //! What holds for every input of the reader.
 
+use super::MANIFEST;
+use super::error::from_io;
 use super::health::{health, remarks};
-use super::manifest::{MANIFEST, read};
-use super::table::from_io;
+use super::manifest::read;
 use super::{Channel, RecordingError, Role};
 use proptest::prelude::*;
 

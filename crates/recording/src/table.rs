@@ -1,6 +1,6 @@
 //! CSV and gzipped CSV as a table of text, and its columns as numbers.
 
-use super::error::{Problem, RecordingError};
+use super::error::{Problem, RecordingError, from_io};
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, Read};
@@ -268,13 +268,5 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {
             Err(Problem::Gzip("it ends early, the file is cut off".into()))
         }
         Err(error) => Err(Problem::Gzip(error.to_string())),
-    }
-}
-
-/// What the operating system said, with "missing" told apart.
-pub(super) fn from_io(error: &io::Error) -> Problem {
-    match error.kind() {
-        io::ErrorKind::NotFound => Problem::Missing,
-        _ => Problem::Io(error.to_string()),
     }
 }

@@ -1,8 +1,8 @@
 //! Writing a recording as a folder: a manifest and one CSV file a channel.
 
 use super::error::{Problem, RecordingError};
-use super::manifest::MANIFEST;
-use super::{Channel, Recording, Unit};
+use super::sink::Sink;
+use super::{Channel, MANIFEST, Recording, Unit};
 use flate2::{Compression, write::GzEncoder};
 use serde::Serialize;
 use std::collections::HashMap;
@@ -28,9 +28,6 @@ struct Entry<'a> {
     columns: Option<Vec<String>>,
     unit: &'a str,
 }
-
-/// A file that is open for writing, or what stands in for one. Nothing is done with it once it is flushed.
-pub type Sink = Box<dyn Write + Send + Sync>;
 
 /// What gives a file to write into.
 type Create<'a> = dyn FnMut(&Path) -> io::Result<Sink> + 'a;

@@ -22,9 +22,10 @@ impl Stepper<'_> {
             }
         };
         let end = self.motion_at(state, trial, span, 1.0);
-        for seat in self.rough() {
-            if self.holds(seat) {
-                let spare = |holding: &[f64; 3]| self.spare(seat, holding[seat as usize]);
+        for attachment in self.rough() {
+            if self.holds(attachment) {
+                let spare =
+                    |holding: &[f64; 3]| self.spare(attachment, holding[attachment as usize]);
                 let [middle, last] = &trial.holding;
                 let spare = [spare(&start.holding), spare(middle), spare(last)];
                 if spare[1].min(spare[2]) < 0.0 {
@@ -34,29 +35,33 @@ impl Stepper<'_> {
                 }
                 continue;
             }
-            let slides = self.slides[seat as usize];
-            let rate = |motion: &Motion| slides * coordinate(seat, motion)[1];
+            let slides = self.slides[attachment as usize];
+            let rate = |motion: &Motion| slides * coordinate(attachment, motion)[1];
             let within = |share: f64| rate(&self.motion_at(state, trial, span, share));
             let below = match rate(&end) < 0.0 {
                 true => Some(1.0),
                 // It may have stopped and started again.
                 false => {
-                    let half = rate(&start.motion) + 0.5 * trial.h * slides * slip(start, seat);
+                    let half =
+                        rate(&start.motion) + 0.5 * trial.h * slides * slip(start, attachment);
                     let quarters = [0.5, 0.25, 0.75].into_iter();
                     let mut below = quarters.filter(|&share| half < 0.0 && within(share) < 0.0);
                     below.next()
                 }
             };
             if let Some(below) = below {
-                note(Event::Stop(seat), first_root(within, below).unwrap_or(0.0));
+                note(
+                    Event::Stop(attachment),
+                    first_root(within, below).unwrap_or(0.0),
+                );
             }
         }
         for index in 0..self.corners.len() {
             let (force, side) = self.corners[index];
             let element = &self.chain.forces[force];
-            let seat = self.chain.seat(element.place);
+            let attachment = self.chain.attachment(element.place);
             let switch = |motion: &Motion| {
-                let [x, v] = coordinate(seat, motion);
+                let [x, v] = coordinate(attachment, motion);
                 let value = element.law.switch(motion, x, v, &element.memory);
                 side * value.unwrap_or(side)
             };
@@ -69,7 +74,7 @@ impl Stepper<'_> {
                     None => self.corners[index].1 = -side,
                 }
             } else if side == 0.0 {
-                let [x, v] = coordinate(seat, &end);
+                let [x, v] = coordinate(attachment, &end);
                 let value = element.law.switch(&end, x, v, &element.memory);
                 self.corners[index].1 = value.map_or(0.0, sign);
             }
@@ -97,23 +102,25 @@ impl Stepper<'_> {
     pub(super) fn happen(&mut self, event: Event) {
         match event {
             Event::Breakaway | Event::Corner => {}
-            Event::Stop(seat) if self.yields(seat) => self.slides[seat as usize] = 0.0,
-            Event::Stop(seat) => self.slides[seat as usize] *= -1.0,
+            Event::Stop(attachment) if self.yields(attachment) => {
+                self.slides[attachment as usize] = 0.0
+            }
+            Event::Stop(attachment) => self.slides[attachment as usize] *= -1.0,
         }
     }
 
     /// Too much happens in one step: what would slide back sticks.
     pub(super) fn calm(&mut self, trial: &Trial, span: &Span) {
         let end = self.motion_at(&trial.end, trial, span, 1.0);
-        for seat in self.rough() {
-            let rate = coordinate(seat, &end)[1];
-            if self.slides[seat as usize] * rate < 0.0 && self.yields(seat) {
-                self.slides[seat as usize] = 0.0;
+        for attachment in self.rough() {
+            let rate = coordinate(attachment, &end)[1];
+            if self.slides[attachment as usize] * rate < 0.0 && self.yields(attachment) {
+                self.slides[attachment as usize] = 0.0;
             }
         }
         for (force, side) in &mut self.corners {
             let element = &self.chain.forces[*force];
-            let [x, v] = coordinate(self.chain.seat(element.place), &end);
+            let [x, v] = coordinate(self.chain.attachment(element.place), &end);
             let value = element.law.switch(&end, x, v, &element.memory);
             *side = value.map_or(*side, sign);
         }

@@ -1,14 +1,10 @@
 //! A robot as the simulation knows it: kinematics, masses, modes, servo, sensors, limits.
 
-use std::path::Path;
-
 use nalgebra::{Isometry3, Point3};
 use quell_shapers::{Mode, ModeError};
 use quell_trajectories::Limits;
 use serde::Deserialize;
 
-use super::error::RobotError;
-use super::robot_file;
 use quell_signal::{Body, Chain, Clock, DeformationSensor, JointArc, SignalError};
 
 /// Where the damper of a mode is attached.
@@ -110,32 +106,6 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// The embedded arm: RX-170B class, joint 1 at 8.12 Hz and 8.4 %.
-    pub fn rx170() -> Self {
-        robot_file::parse(include_str!("rx170.toml"), Path::new("rx170.toml"))
-            .expect("the embedded description is part of the source and read by the tests")
-    }
-
-    /// Reads a robot description.
-    ///
-    /// # Errors
-    /// [`RobotError`] with file, key and value.
-    pub fn from_file(file: &Path) -> Result<Self, RobotError> {
-        let text = std::fs::read_to_string(file).map_err(|error| RobotError::Unreadable {
-            file: file.to_path_buf(),
-            reason: error.to_string(),
-        })?;
-        robot_file::parse(&text, file)
-    }
-
-    /// Parses a robot description; `file` names it in errors and is what `urdf` is relative to.
-    ///
-    /// # Errors
-    /// As [`Robot::from_file`].
-    pub fn from_toml(text: &str, file: &Path) -> Result<Self, RobotError> {
-        robot_file::parse(text, file)
-    }
-
     /// The reference pose, rad.
     pub fn home(&self) -> Vec<f64> {
         self.joints.iter().map(|joint| joint.home).collect()

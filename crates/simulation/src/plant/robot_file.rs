@@ -17,8 +17,36 @@ use keys::{
 };
 use quell_signal::{Chain, Clock, JointKind};
 
+impl Robot {
+    /// The embedded arm: RX-170B class, joint 1 at 8.12 Hz and 8.4 %.
+    pub fn rx170() -> Self {
+        parse(include_str!("rx170.toml"), Path::new("rx170.toml"))
+            .expect("the embedded description is part of the source and read by the tests")
+    }
+
+    /// Reads a robot description.
+    ///
+    /// # Errors
+    /// [`RobotError`] with file, key and value.
+    pub fn from_file(file: &Path) -> Result<Self, RobotError> {
+        let text = std::fs::read_to_string(file).map_err(|error| RobotError::Unreadable {
+            file: file.to_path_buf(),
+            reason: error.to_string(),
+        })?;
+        parse(&text, file)
+    }
+
+    /// Parses a robot description; `file` names it in errors and is what `urdf` is relative to.
+    ///
+    /// # Errors
+    /// As [`Robot::from_file`].
+    pub fn from_toml(text: &str, file: &Path) -> Result<Self, RobotError> {
+        parse(text, file)
+    }
+}
+
 /// Parses and checks a description; `file` names it in errors and is what `urdf` is relative to.
-pub(super) fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
+fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
     let keys: RobotFile = toml::from_str(text).map_err(|error| RobotError::Syntax {
         file: file.to_path_buf(),
         message: error.to_string().trim_end().to_owned(),

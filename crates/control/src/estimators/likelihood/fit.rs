@@ -3,13 +3,9 @@
 use super::cholesky::Cholesky;
 use super::moments::Moments;
 use super::priors::Priors;
-use super::track::Track;
+use super::track::{Past, Track};
 use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE, RESIDUAL, WIDTH};
 use nalgebra::SMatrix;
-
-/// Normal equations of past stretches, their free decays eliminated: `ln w`, `xi`, offset, rate,
-/// scale, gain, and the residual as last row.
-pub type Past = SMatrix<f64, 7, 7>;
 
 /// Column of the first of the linear unknowns: free decay (two), offset, rate, scale, gain. They come first,
 /// so that the factor of their normal equations is the beginning of that of all eight.

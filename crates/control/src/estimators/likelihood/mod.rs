@@ -22,6 +22,7 @@
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
 
+mod absorb;
 pub(super) mod cholesky;
 pub(super) mod correlation;
 mod fit;
@@ -38,9 +39,10 @@ mod window;
 
 use quell_shapers::Mode;
 
+pub(super) use self::absorb::Folding;
 pub(super) use self::fit::fit;
 pub(super) use self::priors::{Priors, inverse_square};
-pub(super) use self::track::{Folding, Track};
+pub(super) use self::track::Track;
 pub(super) use self::window::Window;
 
 use self::correlation::Correlation;

@@ -2,14 +2,16 @@
 
 use quell_shapers::Mode;
 
-use super::fit::{Past, fold};
 use super::moments::Moments;
-use super::priors::Priors;
 use super::region::log_point;
-use super::walk::{Step, Walk};
-use super::window::Window;
+use super::walk::Walk;
 use crate::estimators::Sample;
 use crate::estimators::modal_response::{INPUT, ModalResponse, WIDTH};
+use nalgebra::SMatrix;
+
+/// Normal equations of past stretches, their free decays eliminated: `ln w`, `xi`, offset, rate,
+/// scale, gain, and the residual as last row.
+pub type Past = SMatrix<f64, 7, 7>;
 
 /// One linearisation of the likelihood, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
@@ -45,17 +47,6 @@ struct Still {
     deformation_square: f64,
 }
 
-/// When a stretch ends, and what its elimination needs.
-#[derive(Clone, Copy, Debug)]
-pub struct Folding {
-    /// Length of a stretch, s.
-    pub memory: f64,
-    /// Priors at the time.
-    pub priors: Priors,
-    /// The noise's variance.
-    pub variance: f64,
-}
-
 impl Track {
     /// A linearisation that has seen no sample.
     pub fn new(mode: Mode, sample_time: f64) -> Self {
@@ -70,28 +61,6 @@ impl Track {
             walk: Walk::default(),
             still: Still::default(),
         }
-    }
-
-    /// Takes the next sample of the window, if there is one.
-    pub fn absorb(&mut self, window: &Window, folding: &Folding) {
-        if let Some(sample) = self.approach(window, folding) {
-            self.take(sample);
-        }
-    }
-
-    /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
-    pub fn approach<'a>(&mut self, window: &'a Window, folding: &Folding) -> Option<&'a Sample> {
-        let (sample, step) = self.walk.next(window, folding.memory)?;
-        match step {
-            Step::First => {}
-            Step::Interval(length, input) => self.response.advance(length, &input),
-            Step::Free => self.set_free(folding),
-        }
-        let input = self.walk.input(sample);
-        self.row = self.response.row(input, sample.deformation);
-        // The gain is on the input since the first sample, whatever the stretch.
-        self.row[INPUT] = self.walk.total_input(sample);
-        Some(sample)
     }
 
     /// Adds the last row to the sums, unless its deformation was left out.
@@ -112,16 +81,6 @@ impl Track {
     /// Samples in the sums.
     pub fn taken(&self) -> f64 {
         self.still.count
-    }
-
-    /// Ends a stretch: what it says is kept, the vibration from here on is free.
-    fn set_free(&mut self, folding: &Folding) {
-        if let Some(past) = fold(self, &folding.priors, folding.variance) {
-            self.past = past;
-            self.has_past = true;
-        }
-        self.moments = Moments::ZERO;
-        self.response.restart();
     }
 
     /// Sum of squares that an offset and a gain alone leave of the deformation.
