@@ -10,8 +10,10 @@ pub use quell_model::effects;
 pub use quell_proof as proof;
 pub use quell_recording as recording;
 pub use quell_report as report;
+pub use quell_shapers as shapers;
 pub use quell_signal as signal;
 pub use quell_simulation::{closed_loop, plant};
+pub use quell_trajectories as trajectories;
 
 pub mod batch;
 pub mod cli;

@@ -1,12 +1,12 @@
 //! The same move unshaped, shaped by a wrong belief, and adaptive.
 
-use quell_shapers::{Mode, Shaper};
+use quell_shapers::{Mode, Shaper, Zvd};
 use quell_trajectories::Limits;
 
 use super::{Cell, CellSettings, ClosedLoopError, MoveTrace};
 use crate::plant::{Robot, SimulationOptions};
 use quell_control::controller::RetunePolicy;
-use quell_control::estimators::EstimatorEntry;
+use quell_control::estimators::{ESTIMATORS, EstimatorEntry};
 
 /// One of the four moves that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -102,6 +102,21 @@ impl Comparison {
 }
 
 impl Scenario {
+    /// The robot's default move at the joint's own limits, with ZVD and the likelihood estimator.
+    pub fn new(robot: Robot, belief: Mode) -> Self {
+        let joint = robot.default_move.joint;
+        Self {
+            joint,
+            displacement: robot.default_move.target,
+            limits: robot.joints[joint].limits,
+            simulation: SimulationOptions::default(),
+            belief,
+            shaper: &Zvd,
+            estimator: &ESTIMATORS[0],
+            robot,
+        }
+    }
+
     /// Makes the four moves, the three cells one after the other; for cells side by side see
     /// [`Scenario::unshaped`], [`Scenario::wrong_belief`] and [`Scenario::adaptive`].
     ///
