@@ -15,6 +15,9 @@ pub use quell_signal as signal;
 pub use quell_simulation::{closed_loop, plant};
 pub use quell_trajectories as trajectories;
 
+#[cfg(feature = "cli")]
 pub mod batch;
+#[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "serve")]
 pub mod service;

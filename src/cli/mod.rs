@@ -21,6 +21,10 @@ pub mod prove;
 pub mod results;
 pub mod robot_args;
 pub mod score;
+#[cfg(feature = "serve")]
+pub mod serve;
+#[cfg(not(feature = "serve"))]
+#[path = "serve_absent.rs"]
 pub mod serve;
 pub mod shape;
 pub mod shaping;

@@ -6,7 +6,6 @@ mod page;
 mod scenario;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use quell_shapers::{Mode, Shaper};
 
@@ -120,36 +119,20 @@ fn finished(kind: MoveKind, trace: MoveTrace) -> Result<MoveTrace, CliError> {
 
 /// The three cells do not know each other: each runs on a thread of its own.
 fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
-    let runtime = tokio::runtime::Runtime::new().map_err(CliError::failure)?;
-    let scenario = Arc::new(scenario.clone());
-    runtime.block_on(async {
-        let unshaped = cell(&scenario, Scenario::unshaped);
-        let wrong_belief = cell(&scenario, Scenario::wrong_belief);
-        let adaptive = cell(&scenario, Scenario::adaptive);
-        let unshaped = finished(MoveKind::Unshaped, unshaped.await?)?;
-        let wrong_belief = finished(MoveKind::WrongBelief, wrong_belief.await?)?;
-        let (first, next, truth) = adaptive.await?;
-        let first = finished(MoveKind::AdaptiveFirst, first)?;
-        let next = finished(MoveKind::AdaptiveNext, next)?;
-        Ok(Comparison::new(
-            unshaped,
-            wrong_belief,
-            (first, next, truth),
-        ))
-    })
-}
-
-/// Starts one cell now, and gives its result later.
-fn cell<T: Send + 'static>(
-    scenario: &Arc<Scenario>,
-    run: fn(&Scenario) -> Result<T, ClosedLoopError>,
-) -> impl Future<Output = Result<T, CliError>> + use<T> {
-    let scenario = Arc::clone(scenario);
-    let task = tokio::task::spawn_blocking(move || {
-        let _span = tracing::info_span!("cell", shaper = scenario.shaper.name()).entered();
-        run(&scenario)
-    });
-    async { task.await.map_err(CliError::failure)?.map_err(refused) }
+    let (unshaped, (wrong_belief, adaptive)) = rayon::join(
+        || scenario.unshaped(),
+        || rayon::join(|| scenario.wrong_belief(), || scenario.adaptive()),
+    );
+    let unshaped = finished(MoveKind::Unshaped, unshaped.map_err(refused)?)?;
+    let wrong_belief = finished(MoveKind::WrongBelief, wrong_belief.map_err(refused)?)?;
+    let (first, next, truth) = adaptive.map_err(refused)?;
+    let first = finished(MoveKind::AdaptiveFirst, first)?;
+    let next = finished(MoveKind::AdaptiveNext, next)?;
+    Ok(Comparison::new(
+        unshaped,
+        wrong_belief,
+        (first, next, truth),
+    ))
 }
 
 fn refused(error: ClosedLoopError) -> CliError {

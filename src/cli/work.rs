@@ -1,10 +1,11 @@
 //! `quell work`: diagnoses what is in a queue.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::thread::available_parallelism;
+#[cfg(feature = "nats")]
+mod interrupts;
 
-use tokio::signal::unix::{Signal, SignalKind, signal};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::thread::available_parallelism;
 
 use super::answers::told;
 use super::{CliError, output};
@@ -46,32 +47,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
         drain: args.drain,
     };
     let ending = Arc::new(AtomicBool::new(false));
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(1)
-        .enable_all()
-        .build()?;
-    let _guard = runtime.enter();
-    let interrupts = [
-        signal(SignalKind::interrupt())?,
-        signal(SignalKind::terminate())?,
-    ];
-    runtime.spawn(interrupted(interrupts, Arc::clone(&ending)));
+    // Without NATS there is no queue, and this is not reached.
+    #[cfg(feature = "nats")]
+    let _runtime = interrupts::watch(Arc::clone(&ending))?;
     work(&*queue, settings, &ending, &shown).map_err(told)
-}
-
-/// Sets `ending` at the first signal, and ends the process at the second.
-async fn interrupted([mut interrupt, mut terminate]: [Signal; 2], ending: Arc<AtomicBool>) {
-    for last in [false, true] {
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-        }
-        if last {
-            std::process::exit(1);
-        }
-        tracing::warn!("finishing what is begun; a second interrupt ends at once");
-        ending.store(true, Relaxed);
-    }
 }
 
 /// A line for each answer; work goes on where nobody reads them.

@@ -4,6 +4,7 @@ pub mod alignment;
 pub mod arc_registration;
 pub mod clock_offset;
 pub mod deformation;
+pub mod description;
 pub mod error;
 pub mod forced_response;
 pub mod icp;
@@ -14,7 +15,8 @@ pub mod registration;
 pub mod rest;
 pub mod spectrum;
 pub mod spline;
-pub mod urdf;
+#[cfg(feature = "urdf")]
+mod urdf;
 
 pub use alignment::{Aligned, Aligner, Clock};
 pub use arc_registration::{ArcRegistration, register_arc};
@@ -23,6 +25,7 @@ pub use deformation::{
     DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
     tip_deformation,
 };
+pub use description::{Body, UrdfChain, read_urdf};
 pub use error::SignalError;
 pub use forced_response::ForcedResponse;
 pub use icp::{IcpOptions, IcpResult, icp, initial_guess};
@@ -33,4 +36,3 @@ pub use registration::{Registration, kabsch};
 pub use rest::{Motion, Phase, Quiet, RestDetector, RestRule, free_decays, phases};
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End};
-pub use urdf::{Body, UrdfChain, read_urdf};
