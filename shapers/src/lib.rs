@@ -1,25 +1,4 @@
-//! Input shapers: impulse trains that leave a vibratory mode at rest, and the filter that runs them.
-//!
-//! Pure mathematics: no I/O, no `std`, no `unsafe`. Only the constructors of the filters allocate,
-//! once; designing a train, stepping a filter and retuning it do not. Without the feature `alloc`
-//! (on by default) nothing does, and filters are made in buffers that they are lent
-//! ([`AdaptiveFilter::in_buffers`]).
-//!
-//! # Example
-//! ```
-//! use quell_shapers::{GridTrain, Mode, Setpoint, ShapingFilter, shaper_by_name};
-//! let mode = Mode::from_hertz(8.12, 0.084).unwrap();
-//! let zv = shaper_by_name("zv").unwrap();
-//! let train: GridTrain = zv.on_grid(mode, 0.004).unwrap();
-//! let mut filter = ShapingFilter::new(0.004, 64);
-//! filter.install(&train).unwrap();
-//! let first = filter.step(Setpoint::at_rest(1.0));
-//! assert!((first.position - 0.57).abs() < 0.01); // the first impulse of ZV, 1 / (1 + K)
-//! for _ in 0..64 {
-//!     filter.step(Setpoint::at_rest(1.0));
-//! }
-//! assert_eq!(filter.step(Setpoint::at_rest(1.0)).position, 1.0);
-//! ```
+#![doc = include_str!("../README.md")]
 #![no_std]
 
 #[cfg(feature = "alloc")]

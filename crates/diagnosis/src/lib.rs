@@ -1,6 +1,4 @@
-//! Diagnosis: where a model and a recording part, and what physics the model lacks.
-//!
-//! A pure function from a model and recordings to a [`Diagnosis`]; it never sees names of files.
+#![doc = include_str!("../README.md")]
 
 mod baseline;
 mod belief;

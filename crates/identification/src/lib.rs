@@ -1,7 +1,4 @@
-//! Identification of a recording: every estimator on-line over it, and the off-line references on
-//! the same stretches.
-//!
-//! [`identify`] is a pure function of an aligned series; [`prepare`] makes one from a recording.
+#![doc = include_str!("../README.md")]
 
 mod amplitude;
 mod evidence;

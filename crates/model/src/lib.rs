@@ -1,6 +1,4 @@
-//! Models of an axis: what an engineer believes, as a file, and its simulation.
-//!
-//! A model is a [`Kind`] with values for its keys, and any number of effects of the catalogue.
+#![doc = include_str!("../README.md")]
 
 mod attachment;
 pub mod believed;

@@ -1,8 +1,4 @@
-//! The proof: recordings in which something is hidden, made by a simulator that the diagnosis does not
-//! know, and the score of what the diagnosis finds in them.
-//!
-//! [`generate`] makes a case, [`write_cases`] and [`read_cases`] keep a folder of them, [`run`] gives
-//! each case's recording to a diagnosis and breaks the seal after the last one, [`Score`] counts.
+#![doc = include_str!("../README.md")]
 
 pub mod families;
 mod folder;

@@ -1,5 +1,6 @@
-//! Recordings: channels, each on its own clock, described by a manifest.
+#![doc = include_str!("../README.md")]
 //!
+//! # The manifest
 //! ```toml
 //! name = "arm 7"
 //! payload = "2 kg"          # optional: what the arm carries; recordings of one axis may differ in it

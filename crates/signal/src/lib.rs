@@ -1,4 +1,4 @@
-//! Time series on their own clocks: alignment, registration of frames, kinematics, spectra.
+#![doc = include_str!("../README.md")]
 
 pub mod alignment;
 pub mod arc_registration;

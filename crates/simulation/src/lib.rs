@@ -1,4 +1,4 @@
-//! Simulated flexible arms ([`plant`]), and shaped moves of them in closed loop ([`closed_loop`]).
+#![doc = include_str!("../README.md")]
 
 pub mod closed_loop;
 pub mod plant;
