@@ -231,7 +231,7 @@ fn a_page_is_complete_and_asks_for_nothing() {
 fn what_users_name_is_escaped() {
     let html = page().render();
     assert!(!html.contains("<img") && !html.contains("\"</script>"));
-    assert!(html.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;&amp;&quot;&#39;"));
+    assert!(html.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;&amp;&quot;'"));
     // One closing tag for each of the four scripts: none comes from data.
     assert_eq!(html.matches("</script>").count(), 4);
 }

@@ -232,7 +232,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// proportional to the horizon.
     pub fn residual(&self, mode: Mode) -> Option<Residual> {
         let [planned, sent] = self.history.left(pole(mode, self.sample_time))?;
-        let (shaped, unshaped) = (sent.abs(), planned.abs());
+        let (shaped, unshaped) = (sent.norm(), planned.norm());
         Some(Residual { shaped, unshaped })
     }
 

@@ -1,10 +1,10 @@
 //! Smooth steps that add up to nothing and cancel a vibration.
 
 use crate::Setpoint;
-use crate::complex::Complex;
 use crate::modal_state::ModalState;
 use crate::smooth_step::step_at;
 use arrayvec::ArrayVec;
+use num_complex::Complex64;
 use num_traits::Float;
 
 /// Modes that one correction can cancel.
@@ -181,7 +181,7 @@ impl Comb {
     pub fn amplitudes(
         &self,
         now: u64,
-        modes: &[(Complex, ModalState)],
+        modes: &[(Complex64, ModalState)],
         order: Order,
         total: f64,
     ) -> Option<[f64; CORRECTION_STEPS]> {
@@ -215,7 +215,7 @@ impl Comb {
     }
 
     /// State left by one step of amplitude 1, as sampled, referred to its start.
-    fn single(&self, pole: Complex) -> ModalState {
+    fn single(&self, pole: Complex64) -> ModalState {
         let samples = (1..=self.ticks).map(|k| step_at(k as f64, self.ticks, 1.0).position);
         ModalState::of_future(pole, 0.0, samples)
     }

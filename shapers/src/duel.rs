@@ -7,10 +7,11 @@
 //!
 //! Source: McMahan, Gordon and Blum 2003 (double oracle).
 
-use crate::complex::Complex;
 use crate::game::solve;
+use crate::modal_state::{dot, unit_pole};
 use arrayvec::ArrayVec;
 use core::f64::consts::PI;
+use num_complex::Complex64;
 use num_traits::Float;
 
 /// Frequencies over the box, fine enough for a hump in ten of them, and damping ratios.
@@ -41,14 +42,14 @@ pub(crate) struct Uncertainty {
 /// A mode and a phase: the residual's part in that direction, times in units of `1 / omega_n`.
 #[derive(Clone, Copy)]
 struct Direction {
-    pole: Complex,
-    turn: Complex,
+    pole: Complex64,
+    turn: Complex64,
 }
 
 impl Direction {
     /// What an impulse so long before the end pays.
     fn part(&self, before_end: f64) -> f64 {
-        self.turn.dot(self.pole.scale(before_end).exp())
+        dot(self.turn, self.pole.scale(before_end).exp())
     }
 }
 
@@ -82,15 +83,15 @@ impl Duel {
             best: ArrayVec::new(),
         };
         for k in 0..NEW {
-            let phase = Complex::new(0.0, 0.5 * PI * k as f64);
-            duel.add_direction(Complex::unit_pole(lowest), phase.exp());
+            let phase = Complex64::new(0.0, 0.5 * PI * k as f64);
+            duel.add_direction(unit_pole(lowest), phase.exp());
         }
         let gaps = Float::round(delay / PI).clamp(1.0, 8.0);
         (0..=gaps as usize).for_each(|k| duel.add_instant(delay * k as f64 / gaps));
         duel
     }
 
-    fn add_direction(&mut self, pole: Complex, turn: Complex) {
+    fn add_direction(&mut self, pole: Complex64, turn: Complex64) {
         let direction = Direction { pole, turn };
         for (entry, instant) in self.payoff[self.directions.len()]
             .iter_mut()
@@ -141,18 +142,18 @@ impl Duel {
         let (first, last) = self.frequencies;
         let step = (last - first) / (FREQUENCIES - 1) as f64;
         for &ratio in &self.ratios {
-            let pole = Complex::unit_pole(ratio);
-            let mut residuals = [Complex::default(); FREQUENCIES];
+            let pole = unit_pole(ratio);
+            let mut residuals = [Complex64::default(); FREQUENCIES];
             for (&instant, &share) in self.instants.iter().zip(shares).filter(|s| *s.1 > 0.0) {
                 let before_end = self.delay - instant;
                 let mut wave = pole.scale(first * before_end).exp().scale(share);
                 let turn = pole.scale(step * before_end).exp();
                 for residual in &mut residuals {
-                    *residual = *residual + wave;
-                    wave = wave * turn;
+                    *residual += wave;
+                    wave *= turn;
                 }
             }
-            let sizes = residuals.map(Complex::abs);
+            let sizes = residuals.map(Complex64::norm);
             for (k, &size) in sizes.iter().enumerate() {
                 worst = worst.max(size);
                 let peak = (k == 0 || size >= sizes[k - 1])
@@ -210,8 +211,8 @@ impl Duel {
             let mut wave = direction.pole.scale(self.delay).exp().scale(share);
             let turn = direction.pole.scale(-step).exp();
             for pay in &mut pays {
-                *pay += direction.turn.dot(wave);
-                wave = wave * turn;
+                *pay += dot(direction.turn, wave);
+                wave *= turn;
             }
         }
         pays

@@ -11,11 +11,12 @@
 //! They are as many as the unknowns: amplitudes, delays, and the free zeros and humps. Newton's
 //! method follows the solution from `xi = 0`, where it is known in closed form.
 
-use crate::complex::Complex;
 use crate::linear::solve;
+use crate::modal_state::{dot, unit_pole};
 use crate::{Impulse, ImpulseTrain, Mode, ShaperError};
 use arrayvec::ArrayVec;
 use core::f64::consts::PI;
+use num_complex::Complex64;
 use num_traits::Float;
 
 /// Residual vibration that the extra-insensitive shapers allow.
@@ -88,11 +89,11 @@ struct Point {
 
 /// `H` at one frequency, with its derivatives by frequency, amplitudes and delays.
 struct Response {
-    value: Complex,
-    slope: Complex,
-    curvature: Complex,
-    by_amplitude: [(Complex, Complex); 4],
-    by_delay: [(Complex, Complex); 4],
+    value: Complex64,
+    slope: Complex64,
+    curvature: Complex64,
+    by_amplitude: [(Complex64, Complex64); 4],
+    by_delay: [(Complex64, Complex64); 4],
 }
 
 struct System {
@@ -262,11 +263,11 @@ impl System {
         positive && delays
     }
 
-    fn response(&self, unknowns: &Unknowns, pole: Complex, frequency: f64) -> Response {
+    fn response(&self, unknowns: &Unknowns, pole: Complex64, frequency: f64) -> Response {
         let mut response = Response {
-            value: Complex::default(),
-            slope: Complex::default(),
-            curvature: Complex::default(),
+            value: Complex64::default(),
+            slope: Complex64::default(),
+            curvature: Complex64::default(),
             by_amplitude: Default::default(),
             by_delay: Default::default(),
         };
@@ -275,16 +276,16 @@ impl System {
             let rate = pole.scale(delay);
             let wave = rate.scale(frequency).exp();
             let slope = rate * wave;
-            response.value = response.value + wave.scale(amplitude);
-            response.slope = response.slope + slope.scale(amplitude);
-            response.curvature = response.curvature + (rate * slope).scale(amplitude);
+            response.value += wave.scale(amplitude);
+            response.slope += slope.scale(amplitude);
+            response.curvature += (rate * slope).scale(amplitude);
             if i < self.free() {
                 // The last amplitude is 1 less the others and its wave is 1.
-                response.by_amplitude[i] = (wave - Complex::ONE, slope);
+                response.by_amplitude[i] = (wave - Complex64::ONE, slope);
                 let turn = (pole * wave).scale(amplitude);
                 response.by_delay[i] = (
                     turn.scale(frequency),
-                    turn * (Complex::ONE + rate.scale(frequency)),
+                    turn * (Complex64::ONE + rate.scale(frequency)),
                 );
             }
         }
@@ -292,19 +293,19 @@ impl System {
     }
 
     fn linearise(&self, unknowns: &Unknowns, xi: f64) -> ([Unknowns; SIZE], Unknowns) {
-        let pole = Complex::unit_pole(xi);
+        let pole = unit_pole(xi);
         let (mut jacobian, mut residual) = ([[0.0; SIZE]; SIZE], [0.0; SIZE]);
         for (k, point) in self.points(unknowns).iter().enumerate() {
             let at = self.response(unknowns, pole, point.frequency);
             let rows = [2 * k, 2 * k + 1];
-            let mut set = |column: usize, value: Complex, slope: Complex| {
+            let mut set = |column: usize, value: Complex64, slope: Complex64| {
                 let pair = if point.is_zero {
                     [value.re, value.im]
                 } else {
-                    let level = 2.0 * at.value.dot(value) / (self.ripple * self.ripple);
+                    let level = 2.0 * dot(at.value, value) / (self.ripple * self.ripple);
                     [
                         level,
-                        (value.dot(at.slope) + at.value.dot(slope)) / self.ripple,
+                        (dot(value, at.slope) + dot(at.value, slope)) / self.ripple,
                     ]
                 };
                 jacobian[rows[0]][column] = pair[0];
@@ -320,8 +321,8 @@ impl System {
             [residual[rows[0]], residual[rows[1]]] = if point.is_zero {
                 [at.value.re, at.value.im]
             } else {
-                let level = at.value.norm_squared() / (self.ripple * self.ripple) - 1.0;
-                [level, at.value.dot(at.slope) / self.ripple]
+                let level = at.value.norm_sqr() / (self.ripple * self.ripple) - 1.0;
+                [level, dot(at.value, at.slope) / self.ripple]
             };
         }
         (jacobian, residual)

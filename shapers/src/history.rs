@@ -1,8 +1,8 @@
 //! What a filter was given and what it has sent.
 
 use crate::Buffer;
-use crate::complex::Complex;
 use crate::modal_state::ModalState;
+use num_complex::Complex64;
 
 /// One tick of the past, as an adaptive filter remembers it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,30 +27,30 @@ pub(crate) struct History<E> {
 
 /// The weights `exp(lambda age)` of increments, from the newest on.
 struct Weight {
-    pole: Complex,
+    pole: Complex64,
     /// Of one tick.
-    turn: Complex,
+    turn: Complex64,
     age: usize,
-    value: Complex,
+    value: Complex64,
 }
 
 impl Weight {
-    fn new(pole: Complex) -> Self {
+    fn new(pole: Complex64) -> Self {
         Self {
             pole,
             turn: pole.exp(),
             age: 0,
-            value: Complex::ONE,
+            value: Complex64::ONE,
         }
     }
 
     /// The weight of an age that is not below the last one.
     #[inline]
-    fn at(&mut self, age: usize) -> Complex {
+    fn at(&mut self, age: usize) -> Complex64 {
         match age - self.age {
             0 => {}
-            1 => self.value = self.value * self.turn,
-            ticks => self.value = self.value * self.pole.scale(ticks as f64).exp(),
+            1 => self.value *= self.turn,
+            ticks => self.value *= self.pole.scale(ticks as f64).exp(),
         }
         self.age = age;
         self.value
@@ -63,7 +63,7 @@ const VALUE: f64 = 37.0;
 const SLOPE: f64 = 50.0;
 
 /// So many time constants in ticks.
-fn remembered(pole: Complex, constants: f64) -> usize {
+fn remembered(pole: Complex64, constants: f64) -> usize {
     match constants / -pole.re {
         ticks if ticks.is_finite() && ticks > 0.0 => (ticks as usize).saturating_add(1),
         _ => usize::MAX,
@@ -124,13 +124,13 @@ impl<E: Buffer<Entry>> History<E> {
     /// What is left at the newest tick of everything planned, and of everything sent.
     ///
     /// `None` where the ring has lost the start of a move that it still holds the end of.
-    pub fn left(&self, pole: Complex) -> Option<[Complex; 2]> {
+    pub fn left(&self, pole: Complex64) -> Option<[Complex64; 2]> {
         let mut weight = Weight::new(pole);
-        let mut left = [Complex::default(); 2];
+        let mut left = [Complex64::default(); 2];
         self.increments(remembered(pole, VALUE), |age, increments| {
             let weight = weight.at(age);
             for (left, increment) in left.iter_mut().zip(increments) {
-                *left = *left + weight.scale(increment);
+                *left += weight.scale(increment);
             }
         })?;
         Some(left)
@@ -138,7 +138,7 @@ impl<E: Buffer<Entry>> History<E> {
 
     /// The modal states at the newest tick of everything planned and of everything sent; `None` as for
     /// [`History::left`].
-    pub fn states(&self, pole: Complex) -> Option<[ModalState; 2]> {
+    pub fn states(&self, pole: Complex64) -> Option<[ModalState; 2]> {
         let mut weight = Weight::new(pole);
         let mut states = [ModalState::default(); 2];
         self.increments(remembered(pole, SLOPE), |age, increments| {

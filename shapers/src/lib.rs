@@ -10,7 +10,6 @@ mod adaptive_filter;
 mod ahead;
 mod buffer;
 mod candidates;
-mod complex;
 mod correction;
 mod cross_fade;
 mod duel;

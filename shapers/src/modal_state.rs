@@ -1,7 +1,8 @@
 //! What increments of a command leave of a mode, and how that changes with the mode.
 
-use crate::complex::Complex;
 use crate::{GridTrain, Mode, UncertainMode};
+use num_complex::Complex64;
+use num_traits::Float;
 
 /// `value = sum du_k exp(lambda tau_k)` and its derivative by `lambda`, times in ticks:
 /// `slope = sum tau_k du_k exp(lambda tau_k)`, where `tau_k` is the age of the increment and
@@ -11,19 +12,19 @@ use crate::{GridTrain, Mode, UncertainMode};
 /// frequency and of damping alike.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ModalState {
-    pub value: Complex,
-    pub slope: Complex,
+    pub value: Complex64,
+    pub slope: Complex64,
 }
 
 impl ModalState {
     /// Later by ticks (or earlier, if negative).
-    pub fn later(self, pole: Complex, ticks: f64) -> Self {
+    pub fn later(self, pole: Complex64, ticks: f64) -> Self {
         self.turned(pole.scale(ticks).exp(), ticks)
     }
 
     /// Later by ticks, `turn = exp(lambda ticks)`.
     #[inline]
-    pub fn turned(self, turn: Complex, ticks: f64) -> Self {
+    pub fn turned(self, turn: Complex64, ticks: f64) -> Self {
         Self {
             value: self.value * turn,
             slope: (self.slope + self.value.scale(ticks)) * turn,
@@ -32,29 +33,29 @@ impl ModalState {
 
     /// An increment more, `term = du exp(lambda tau)`, of age `tau` in ticks.
     #[inline]
-    pub fn add(&mut self, term: Complex, age: f64) {
-        self.value = self.value + term;
-        self.slope = self.slope + term.scale(age);
+    pub fn add(&mut self, term: Complex64, age: f64) {
+        self.value += term;
+        self.slope += term.scale(age);
     }
 
     /// State left, referred to now, by positions at the ticks after now.
-    pub fn of_future(pole: Complex, now: f64, positions: impl Iterator<Item = f64>) -> Self {
-        let turn = pole.scale(-1.0).exp();
-        let (mut before, mut weight, mut ticks) = (now, Complex::ONE, 0.0);
+    pub fn of_future(pole: Complex64, now: f64, positions: impl Iterator<Item = f64>) -> Self {
+        let turn = (-pole).exp();
+        let (mut before, mut weight, mut ticks) = (now, Complex64::ONE, 0.0);
         let mut state = Self::default();
         for position in positions {
-            weight = weight * turn;
+            weight *= turn;
             ticks += 1.0;
             let term = weight.scale(position - before);
-            state.value = state.value + term;
-            state.slope = state.slope - term.scale(ticks);
+            state.value += term;
+            state.slope -= term.scale(ticks);
             before = position;
         }
         state
     }
 
     /// What a train makes of increments that leave this: the product with `sum A_i exp(-lambda d_i)`, `d_i` in ticks.
-    pub fn shaped(self, train: &GridTrain, pole: Complex) -> Self {
+    pub fn shaped(self, train: &GridTrain, pole: Complex64) -> Self {
         let mut factor = Self::default();
         for tap in train.taps() {
             let delay = -f64::from(tap.delay);
@@ -86,9 +87,21 @@ impl ModalState {
     }
 }
 
+/// `mu = -xi + j sqrt(1 - xi^2)`: the pole of a mode over its natural frequency.
+pub(crate) fn unit_pole(damping_ratio: f64) -> Complex64 {
+    let imaginary = Float::sqrt(1.0 - damping_ratio * damping_ratio);
+    Complex64::new(-damping_ratio, imaginary)
+}
+
+/// Real part of `conj(a) b`.
+#[inline]
+pub(crate) fn dot(a: Complex64, b: Complex64) -> f64 {
+    (a.conj() * b).re
+}
+
 /// `lambda = (-xi omega + j omega_d) T_s`.
-pub(crate) fn pole(mode: Mode, sample_time: f64) -> Complex {
-    Complex::new(-mode.decay_rate(), mode.damped_frequency()).scale(sample_time)
+pub(crate) fn pole(mode: Mode, sample_time: f64) -> Complex64 {
+    Complex64::new(-mode.decay_rate(), mode.damped_frequency()).scale(sample_time)
 }
 
 /// Variance of [`pole`]: `|d lambda / d omega| = 1`, `|d lambda / d xi| = omega / sqrt(1 - xi^2)`, times `T_s`.

@@ -1,7 +1,6 @@
 //! The search for a correction: within the limits, and of the least vibration over the rest of the move.
 
 use crate::ahead::Ahead;
-use crate::complex::Complex;
 use crate::correction::{CORRECTED_MODES, CORRECTION_STEPS, Comb, Order, Schedule, sum};
 use crate::cross_fade::Trains;
 use crate::modal_state::ModalState;
@@ -9,6 +8,7 @@ use crate::vibration::{BINS, Meter, Profile, Sent, energy, stays_below};
 use crate::{Buffer, MotionLimits, PeakRatios, Setpoint};
 use arrayvec::ArrayVec;
 use core::ops::Range;
+use num_complex::Complex64;
 
 /// Steps of a correction, and their width in quarter periods, by growing length: more and wider
 /// steps have lower peaks.
@@ -251,7 +251,7 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
             return None;
         }
         let poles = self.meters.iter().map(|meter| meter.pole);
-        let modes: Each<(Complex, ModalState)> = poles.zip(wanted.iter().copied()).collect();
+        let modes: Each<(Complex64, ModalState)> = poles.zip(wanted.iter().copied()).collect();
         let amplitudes = comb.amplitudes(self.ahead.tick, &modes, order, self.total)?;
         // A coarse pass discards most: the mean jerk over several ticks is at most the largest.
         let coarse = (comb.spacing / 8).max(1);

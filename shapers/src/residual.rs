@@ -1,7 +1,8 @@
 //! What a train leaves of a mode's vibration.
 
-use crate::complex::Complex;
+use crate::modal_state::unit_pole;
 use crate::{Impulse, ImpulseTrain, ShaperError};
+use num_complex::Complex64;
 use num_traits::Float;
 
 /// A hump that touches the tolerance counts as below it: the solved humps are exact to about 1e-13,
@@ -45,15 +46,15 @@ pub(crate) fn residual_of(
     frequency: f64,
     damping_ratio: f64,
 ) -> f64 {
-    let pole = Complex::unit_pole(damping_ratio).scale(frequency);
+    let pole = unit_pole(damping_ratio).scale(frequency);
     impulses
         .map(|impulse| {
             pole.scale(end - impulse.time)
                 .exp()
                 .scale(impulse.amplitude)
         })
-        .fold(Complex::default(), |sum, term| sum + term)
-        .abs()
+        .sum::<Complex64>()
+        .norm()
 }
 
 /// Shaped over unshaped amplitude at the same instant: `V(omega, xi) exp(xi omega t_n)`.

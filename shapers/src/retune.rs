@@ -116,7 +116,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
         let known = self.known(request)?;
         let still = remaining == 0 && self.is_settled();
-        if still && known.sent.iter().all(|state| state.value.abs() == 0.0) {
+        if still && known.sent.iter().all(|state| state.value.norm() == 0.0) {
             self.install(request.train).map_err(Refusal::Invalid)?;
             return Ok(RetuneOutcome::Installed);
         }

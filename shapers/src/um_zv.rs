@@ -1,8 +1,9 @@
 //! Unity-magnitude zero vibration.
 
-use crate::complex::Complex;
+use crate::modal_state::unit_pole;
 use crate::{Impulse, ImpulseTrain, Mode, Shaper, ShaperError};
 use core::f64::consts::PI;
+use num_complex::Complex64;
 
 /// Newton's method converges quadratically; from the solution at a step's start 6 are enough.
 const ITERATIONS: usize = 12;
@@ -70,12 +71,12 @@ impl Shaper for UmZv {
 
 /// Delays before the last impulse of the first and second, at natural frequency 1.
 fn newton(mut delays: [f64; 2], damping_ratio: f64) -> Option<[f64; 2]> {
-    let pole = Complex::unit_pole(damping_ratio);
+    let pole = unit_pole(damping_ratio);
     for _ in 0..ITERATIONS {
         let first = pole.scale(delays[0]).exp();
         let second = pole.scale(delays[1]).exp();
-        let residual = first - second + Complex::ONE;
-        let (a, b) = (pole * first, (pole * second).scale(-1.0));
+        let residual = first - second + Complex64::ONE;
+        let (a, b) = (pole * first, -(pole * second));
         let determinant = a.re * b.im - a.im * b.re;
         let change = [
             (residual.im * b.re - residual.re * b.im) / determinant,

@@ -11,10 +11,10 @@
 //! a correction deforms the joint as much as the vibration that it cancels.
 
 use crate::Setpoint;
-use crate::complex::Complex;
 use crate::correction::CORRECTION_STEPS;
 use crate::modal_state::ModalState;
 use core::ops::Range;
+use num_complex::Complex64;
 use num_traits::Float;
 
 /// Strides in a period. Within a stride the increments count as equal, which errs by `(2 pi / 32)^2 / 24`, 0.2 %.
@@ -32,7 +32,7 @@ pub(crate) type Sent = (Setpoint, f64);
 /// A mode whose vibration is predicted; times in ticks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meter {
-    pub pole: Complex,
+    pub pole: Complex64,
     /// Variance of the pole.
     variance: f64,
     /// Ticks of a stride and of a quarter period.
@@ -40,7 +40,7 @@ pub(crate) struct Meter {
     pub quarter: usize,
     sample_time: f64,
     /// `exp(lambda stride)`.
-    turn: Complex,
+    turn: Complex64,
     /// What equal increments that add up to 1 leave at the end of a stride.
     ramp: ModalState,
     /// What an increment of 1 a tick forces, and an acceleration of 1 a tick^2.
@@ -119,18 +119,18 @@ pub(crate) fn largest(profiles: &[Profile]) -> f64 {
 }
 
 /// Ticks of a quarter period.
-pub(crate) fn quarter(pole: Complex) -> usize {
+pub(crate) fn quarter(pole: Complex64) -> usize {
     (Float::round(0.5 * core::f64::consts::PI / pole.im) as usize).max(1)
 }
 
 impl Meter {
     /// For a pole (1/ticks) of a variance (1/ticks^2), at ticks of `sample_time` (s), with quarter periods of so many
     /// ticks: those of the first of several modes.
-    pub fn new(pole: Complex, variance: f64, sample_time: f64, quarter: usize) -> Self {
+    pub fn new(pole: Complex64, variance: f64, sample_time: f64, quarter: usize) -> Self {
         let period = core::f64::consts::TAU / pole.im;
         let stride = (period / STRIDES).max(1.0) as usize;
         let z = pole.exp();
-        let r = (Complex::ONE - z).inverse();
+        let r = (Complex64::ONE - z).inv();
         let (zr, zrr) = (z * r, z * r * r);
         let even = (1..=stride).map(|k| k as f64 / stride as f64);
         Self {
@@ -146,8 +146,8 @@ impl Meter {
                 slope: zrr,
             },
             acceleration: ModalState {
-                value: zrr.scale(-1.0),
-                slope: (zrr + (zr * zr * r).scale(2.0)).scale(-1.0),
+                value: -zrr,
+                slope: -(zrr + (zr * zr * r).scale(2.0)),
             },
         }
     }
@@ -219,7 +219,7 @@ impl Meter {
 
     /// `E |phi|^2 = |phi|^2 + var(lambda) |d phi / d lambda|^2`.
     fn expected(&self, state: ModalState) -> f64 {
-        state.value.norm_squared() + self.variance * state.slope.norm_squared()
+        state.value.norm_sqr() + self.variance * state.slope.norm_sqr()
     }
 
     /// Energy of the decay of a state after the command has come to rest.

@@ -1,8 +1,9 @@
 //! Bar charts, for a few named values.
 
-use super::html::{escape, number};
+use super::html::number;
 use super::page::COLOURS;
 use super::table::swatch;
+use maud::{Markup, html};
 
 /// Horizontal bars from zero, each with its value beside it; several series stand below each other.
 ///
@@ -90,71 +91,61 @@ impl Bars {
         }
     }
 
-    pub(super) fn render(&self, colour: &dyn Fn(&str) -> Option<usize>) -> String {
-        let rows: String = (0..self.categories.len())
-            .map(|k| self.row(k, colour))
-            .collect();
-        let title = escape(&self.title);
-        let note = self
-            .note
-            .as_ref()
-            .map(|note| format!("<p class=\"note\">{}</p>", escape(note)));
-        format!(
-            "<figure class=\"chart\" style=\"margin-inline:0\"><figcaption>{title}</figcaption>\
-             <div class=\"bars\">{rows}</div>{}{}</figure>\n",
-            self.keys(colour),
-            note.unwrap_or_default(),
-        )
+    pub(super) fn render(&self, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
+        html! {
+            figure.chart style="margin-inline:0" {
+                figcaption { (self.title) }
+                div.bars {
+                    @for category in 0..self.categories.len() { (self.row(category, colour)) }
+                }
+                (self.keys(colour))
+                @if let Some(note) = &self.note { p.note { (note) } }
+            }
+        }
     }
 
-    fn row(&self, category: usize, colour: &dyn Fn(&str) -> Option<usize>) -> String {
+    fn row(&self, category: usize, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
         let name = &self.categories[category];
-        let (plain, class) = match self.marked.contains(&category) {
-            true => ("plain", "name marked"),
-            false => ("quiet", "name"),
-        };
+        let marked = self.marked.contains(&category);
+        let plain = if marked { "plain" } else { "quiet" };
         let bar = |(series, values): &(String, Vec<f64>)| {
             let value = values.get(category).copied().unwrap_or(f64::NAN);
             let owner = if self.series.len() > 1 { series } else { name };
-            format!(
-                "<div class=\"bar\"><i style=\"width:{:.2}%;background:var(--{})\"></i>\
-                 <span>{} {}</span></div>",
-                self.percent(value),
-                colour(owner).map_or(plain.into(), |slot| format!("c{}", slot % COLOURS)),
-                number(value),
-                escape(&self.unit),
-            )
+            let colour = colour(owner).map_or(plain.into(), |slot| format!("c{}", slot % COLOURS));
+            let style = format!(
+                "width:{:.2}%;background:var(--{colour})",
+                self.percent(value)
+            );
+            html! {
+                div.bar {
+                    i style=(style) {}
+                    span { (number(value)) " " (self.unit) }
+                }
+            }
         };
-        let bars: String = self.series.iter().map(bar).collect();
-        let level = self
-            .level
-            .as_ref()
-            .map(|(value, _)| format!("<hr style=\"left:{:.2}%\">", self.percent(*value)));
-        format!(
-            "<div class=\"{class}\">{}</div><div class=\"track\">{bars}{}</div>",
-            escape(name),
-            level.unwrap_or_default(),
-        )
+        html! {
+            div.name.marked[marked] { (name) }
+            div.track {
+                @for series in &self.series { (bar(series)) }
+                @if let Some((value, _)) = &self.level {
+                    hr style=(format!("left:{:.2}%", self.percent(*value)));
+                }
+            }
+        }
     }
 
-    fn keys(&self, colour: &dyn Fn(&str) -> Option<usize>) -> String {
-        let series = self.names().map(|name| {
-            format!(
-                "<span>{}{}</span>",
-                swatch(colour(name).unwrap_or(0)),
-                escape(name)
-            )
-        });
-        let level = self.level.as_ref().map(|(value, label)| {
-            let value = number(*value);
-            let text = format!("{}: {value} {}", escape(label), escape(&self.unit));
-            format!("<span><span class=\"dash\"></span>{text}</span>")
-        });
-        let keys: String = series.chain(level).collect();
-        if keys.is_empty() {
-            keys
-        } else {
-            format!("<div class=\"keys\">{keys}</div>")
+    fn keys(&self, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
+        html! {
+            @if self.names().next().is_some() || self.level.is_some() {
+                div.keys {
+                    @for name in self.names() {
+                        span { (swatch(colour(name).unwrap_or(0))) (name) }
+                    }
+                    @if let Some((value, label)) = &self.level {
+                        span { span.dash {} (label) ": " (number(*value)) " " (self.unit) }
+                    }
+                }
+            }
         }
     }
 }

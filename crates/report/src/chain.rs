@@ -1,6 +1,6 @@
 //! Stations in a row, for where in a machine something sits.
 
-use super::html::escape;
+use maud::{Markup, html};
 
 /// Boxes from left to right with arrows between them, some of them marked; boxes beside the row have
 /// no arrow.
@@ -55,31 +55,30 @@ impl Chain {
         self
     }
 
-    pub(super) fn render(&self) -> String {
-        let stations: String = self.stations.iter().map(Station::render).collect();
-        format!(
-            "<figure class=\"chart\" style=\"margin-inline:0\"><figcaption>{}</figcaption>\
-             <ol class=\"chain\">{stations}</ol></figure>\n",
-            escape(&self.title),
-        )
+    pub(super) fn render(&self) -> Markup {
+        html! {
+            figure.chart style="margin-inline:0" {
+                figcaption { (self.title) }
+                ol.chain { @for station in &self.stations { (station.render()) } }
+            }
+        }
     }
 }
 
 impl Station {
-    fn render(&self) -> String {
+    fn render(&self) -> Markup {
         let class = match (self.marks.is_empty(), self.beside) {
-            (false, false) => " class=\"mark\"",
-            (false, true) => " class=\"mark beside\"",
-            (true, false) => "",
-            (true, true) => " class=\"beside\"",
+            (false, false) => Some("mark"),
+            (false, true) => Some("mark beside"),
+            (true, true) => Some("beside"),
+            (true, false) => None,
         };
-        let line = |why: &String| format!("<strong>{}</strong>", escape(why));
-        let why: String = self.marks.iter().map(line).collect();
-        format!(
-            "<li{class}><b>{}</b><span>{}</span>{}</li>",
-            escape(&self.name),
-            escape(&self.words),
-            why,
-        )
+        html! {
+            li class=[class] {
+                b { (self.name) }
+                span { (self.words) }
+                @for why in &self.marks { strong { (why) } }
+            }
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! Charts: curves over a common abscissa, and impulse trains.
 
-use super::html::{escape, json_number, json_string};
+use super::html::{json_number, json_string};
 use super::series::{Axis, Series};
+use maud::{Markup, html};
 
 /// Curves, points and bands over one abscissa, or impulse trains; with lines at given places.
 ///
@@ -212,25 +213,20 @@ impl Chart {
     }
 
     /// The chart's place in the page; the script draws into it.
-    pub(super) fn render(&self, number: usize) -> String {
-        let title = escape(&self.title);
-        let thinned: Vec<_> = self
-            .series
-            .iter()
-            .filter_map(|s| s.thinning(&self.x))
-            .collect();
-        let hint = "<span class=\"mouse\">Drag to zoom, double-click to see all again.</span>";
-        let note = self
-            .note
-            .as_ref()
-            .map(|note| format!("{} ", escape(note)))
-            .unwrap_or_default();
-        format!(
-            "<figure class=\"chart\" style=\"margin-inline:0\"><figcaption>{title}</figcaption>\
-             <div class=\"plot\" id=\"plot-{number}\" role=\"img\" aria-label=\"{title}\"></div>\
-             <p class=\"note\">{note}{}{hint}</p></figure>\n",
-            thinned.join(""),
-        )
+    pub(super) fn render(&self, number: usize) -> Markup {
+        html! {
+            figure.chart style="margin-inline:0" {
+                figcaption { (self.title) }
+                div.plot id=(format!("plot-{number}")) role="img" aria-label=(self.title) {}
+                p.note {
+                    @if let Some(note) = &self.note { (note) " " }
+                    @for series in &self.series {
+                        @if let Some(thinning) = series.thinning(&self.x) { (thinning) }
+                    }
+                    span.mouse { "Drag to zoom, double-click to see all again." }
+                }
+            }
+        }
     }
 
     /// The chart's data for the script.

@@ -1,6 +1,7 @@
 //! Key figures.
 
-use super::html::{escape, number};
+use super::html::number;
+use maud::{Markup, html};
 
 /// A key figure: one number with its unit, and what it means.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,17 +44,13 @@ impl Figure {
         self
     }
 
-    pub(super) fn render(&self) -> String {
-        let note = if self.note.is_empty() {
-            String::new()
-        } else {
-            format!("<dd class=\"note\">{}</dd>", escape(&self.note))
-        };
-        format!(
-            "<div><dt>{}</dt><dd class=\"value\">{} <small>{}</small></dd>{note}</div>",
-            escape(&self.name),
-            escape(&self.value),
-            escape(&self.unit),
-        )
+    pub(super) fn render(&self) -> Markup {
+        html! {
+            div {
+                dt { (self.name) }
+                dd.value { (self.value) " " small { (self.unit) } }
+                @if !self.note.is_empty() { dd.note { (self.note) } }
+            }
+        }
     }
 }

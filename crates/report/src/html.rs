@@ -1,21 +1,5 @@
 //! Text and numbers as HTML and JSON take them.
 
-/// `text` with the characters that mean something in HTML, in text and in attributes, replaced.
-pub(super) fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
-
 /// `text` as a JSON string that may stand within a `script` element: `<` is spelled out.
 pub(super) fn json_string(text: &str) -> String {
     serde_json::Value::from(text)

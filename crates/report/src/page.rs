@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use thiserror::Error;
 
-use super::html::escape;
 use super::{Bars, Chain, Chart, Figure, Table};
 
 /// The script of uPlot, which draws the charts.
@@ -43,6 +43,17 @@ pub enum Verdict {
     Bad,
     /// A finding that is neither.
     Plain,
+}
+
+impl Verdict {
+    /// Its class and its sign.
+    fn shown(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Good => ("good", "\u{2713}"),
+            Self::Bad => ("bad", "!"),
+            Self::Plain => ("plain", "\u{2192}"),
+        }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -156,33 +167,28 @@ impl Page {
                 .find(|known| known.0 == name)
                 .map(|known| known.1)
         };
-        let charts = self.charts();
-        let data: Vec<_> = charts
-            .iter()
-            .map(|chart| chart.json(&|name| slot(name).unwrap_or(0)))
-            .collect();
-        let script = if charts.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "<noscript><p class=\"note\">The curves need JavaScript.</p></noscript>\
-                 <script type=\"application/json\" id=\"curves\">[{}]</script>\n\
-                 <!--\nuPlot 1.6.32\n{UPLOT_LICENCE}\n-->\n\
-                 <script>{UPLOT_SCRIPT}</script>\n<script>{SCRIPT}</script>\n",
-                data.join(","),
-            )
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta http-equiv="Content-Security-Policy" content=(POLICY);
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (self.title) }
+                    style { (PreEscaped(UPLOT_STYLE)) "\n" (PreEscaped(STYLE)) }
+                }
+                body {
+                    main {
+                        (self.render_head())
+                        (self.render_blocks(&slot))
+                        (self.render_foot())
+                    }
+                    (self.render_curves(&|name| slot(name).unwrap_or(0)))
+                    script { (PreEscaped(FRAME)) }
+                }
+            }
         };
-        format!(
-            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>{UPLOT_STYLE}\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
-             {}{}{}</main>\n{script}<script>{FRAME}</script>\n</body>\n</html>\n",
-            escape(&self.title),
-            self.render_head(),
-            self.render_blocks(&slot),
-            self.render_foot(),
-        )
+        page.into_string()
     }
 
     fn push(mut self, block: Block) -> Self {
@@ -230,49 +236,60 @@ impl Page {
         colours
     }
 
-    fn render_head(&self) -> String {
-        let mut head = format!("<h1>{}</h1>\n", escape(&self.title));
-        if !self.subtitle.is_empty() {
-            head += &format!("<p class=\"subtitle\">{}</p>\n", escape(&self.subtitle));
+    fn render_head(&self) -> Markup {
+        html! {
+            h1 { (self.title) }
+            @if !self.subtitle.is_empty() { p.subtitle { (self.subtitle) } }
+            @if let Some((verdict, sentence)) = &self.verdict {
+                @let (class, sign) = verdict.shown();
+                p class={"verdict " (class)} {
+                    b aria-hidden="true" { (sign) }
+                    span { (sentence) }
+                }
+            }
+            @if !self.figures.is_empty() {
+                dl.figures { @for figure in &self.figures { (figure.render()) } }
+            }
         }
-        if let Some((verdict, sentence)) = &self.verdict {
-            let (class, sign) = match verdict {
-                Verdict::Good => ("good", "\u{2713}"),
-                Verdict::Bad => ("bad", "!"),
-                Verdict::Plain => ("plain", "\u{2192}"),
-            };
-            head += &format!(
-                "<p class=\"verdict {class}\"><b aria-hidden=\"true\">{sign}</b><span>{}</span></p>\n",
-                escape(sentence)
-            );
-        }
-        if !self.figures.is_empty() {
-            let figures: String = self.figures.iter().map(Figure::render).collect();
-            head += &format!("<dl class=\"figures\">{figures}</dl>\n");
-        }
-        head
     }
 
-    fn render_blocks(&self, slot: &dyn Fn(&str) -> Option<usize>) -> String {
-        let mut charts = 0;
-        let render = |block: &Block| match block {
-            Block::Heading(heading) => format!("<h2>{}</h2>\n", escape(heading)),
-            Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
+    fn render_blocks(&self, slot: &dyn Fn(&str) -> Option<usize>) -> Markup {
+        let mut plots = 0..;
+        let mut render = |block: &Block| match block {
+            Block::Heading(heading) => html! { h2 { (heading) } },
+            Block::Text(text) => html! { p { (text) } },
             Block::Table(table) => table.render(slot),
             Block::Bars(bars) => bars.render(slot),
             Block::Chain(chain) => chain.render(),
-            Block::Chart(chart) => {
-                charts += 1;
-                chart.render(charts - 1)
-            }
+            Block::Chart(chart) => chart.render(plots.next().unwrap_or(0)),
         };
-        self.blocks.iter().map(render).collect()
+        html! { @for block in &self.blocks { (render(block)) "\n" } }
     }
 
-    fn render_foot(&self) -> String {
-        let line = |text: &String| format!("<p>{}</p>", escape(text));
-        let lines: String = self.footnotes.iter().map(line).collect();
-        let quell = concat!("Quell ", env!("CARGO_PKG_VERSION"));
-        format!("<footer>{lines}<p>{quell}</p></footer>\n")
+    /// The curves' data, and the scripts that draw them.
+    fn render_curves(&self, slot: &dyn Fn(&str) -> usize) -> Markup {
+        let curves: Vec<_> = self.charts().iter().map(|chart| chart.json(slot)).collect();
+        let licence = format!("<!--\nuPlot 1.6.32\n{UPLOT_LICENCE}\n-->");
+        html! {
+            @if !curves.is_empty() {
+                noscript { p.note { "The curves need JavaScript." } }
+                script type="application/json" id="curves" {
+                    // Each has its `<` spelled out.
+                    "[" (PreEscaped(curves.join(","))) "]"
+                }
+                (PreEscaped(licence))
+                script { (PreEscaped(UPLOT_SCRIPT)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+
+    fn render_foot(&self) -> Markup {
+        html! {
+            footer {
+                @for footnote in &self.footnotes { p { (footnote) } }
+                p { "Quell " (env!("CARGO_PKG_VERSION")) }
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! What a chart draws: its axes and its series, and their data for the script.
 
-use super::html::{escape, json_number, json_numbers, json_string};
+use super::html::{json_number, json_numbers, json_string};
 use super::thin::{STRETCHES, thinned};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +68,7 @@ impl Series {
             format!(
                 "{}: {drawn} of {all} samples are drawn, the first, last, smallest and largest of \
                  each of {STRETCHES} stretches. ",
-                escape(&self.label),
+                self.label,
             )
         })
     }

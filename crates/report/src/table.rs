@@ -1,7 +1,8 @@
 //! Tables.
 
-use super::html::{escape, number};
+use super::html::number;
 use super::page::COLOURS;
+use maud::{Markup, html};
 
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,61 +114,56 @@ impl Table {
         self
     }
 
-    pub(super) fn render(&self, colour: &dyn Fn(&str) -> Option<usize>) -> String {
-        let head: String = self.columns.iter().map(Column::render).collect();
-        let body: String = self
-            .rows
-            .iter()
-            .map(|row| self.render_row(row, colour))
-            .collect();
-        let note = self
-            .note
-            .as_ref()
-            .map(|note| format!("<p class=\"note\">{}</p>", escape(note)));
-        format!(
-            "<div class=\"sheet\"><table><caption>{}</caption><thead><tr>{head}</tr></thead>\
-             <tbody>{body}</tbody></table>{}</div>\n",
-            escape(&self.title),
-            note.unwrap_or_default(),
-        )
+    pub(super) fn render(&self, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
+        html! {
+            div.sheet {
+                table {
+                    caption { (self.title) }
+                    thead { tr { @for column in &self.columns { (column.render()) } } }
+                    tbody { @for row in &self.rows { (self.render_row(row, colour)) } }
+                }
+                @if let Some(note) = &self.note { p.note { (note) } }
+            }
+        }
     }
 
-    fn render_row(&self, row: &Row, colour: &dyn Fn(&str) -> Option<usize>) -> String {
-        let cell = |(index, column): (usize, &Column)| {
-            let class = if column.text { "" } else { " class=\"number\"" };
-            let (swatch, text) = match row.cells.get(index) {
-                Some(Cell::Text(text)) => {
-                    let slot = (index == 0).then(|| colour(text)).flatten();
-                    (slot.map(swatch).unwrap_or_default(), escape(text))
+    fn render_row(&self, row: &Row, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
+        let own = |index: usize, text: &str| (index == 0).then(|| colour(text)).flatten();
+        html! {
+            tr class=[row.marked.then_some("marked")] {
+                @for (index, column) in self.columns.iter().enumerate() {
+                    td class=[column.class()] {
+                        @match row.cells.get(index) {
+                            Some(Cell::Text(text)) => {
+                                @if let Some(slot) = own(index, text) { (swatch(slot)) }
+                                (text)
+                            }
+                            Some(Cell::Number(value)) => { (number(*value)) }
+                            None => {}
+                        }
+                    }
                 }
-                Some(Cell::Number(value)) => (String::new(), number(*value)),
-                None => Default::default(),
-            };
-            format!("<td{class}>{swatch}{text}</td>")
-        };
-        let cells: String = self.columns.iter().enumerate().map(cell).collect();
-        format!(
-            "<tr{}>{cells}</tr>",
-            if row.marked { " class=\"marked\"" } else { "" }
-        )
+            }
+        }
     }
 }
 
 impl Column {
-    fn render(&self) -> String {
-        let class = if self.text { "" } else { " class=\"number\"" };
-        let unit = match self.unit.as_str() {
-            "" => String::new(),
-            unit => format!("<small>{}</small>", escape(unit)),
-        };
-        format!("<th scope=\"col\"{class}>{}{unit}</th>", escape(&self.name))
+    fn class(&self) -> Option<&'static str> {
+        (!self.text).then_some("number")
+    }
+
+    fn render(&self) -> Markup {
+        html! {
+            th scope="col" class=[self.class()] {
+                (self.name)
+                @if !self.unit.is_empty() { small { (self.unit) } }
+            }
+        }
     }
 }
 
 /// A small square in the colour of a curve.
-pub(super) fn swatch(slot: usize) -> String {
-    format!(
-        "<span class=\"swatch\" style=\"background:var(--c{})\"></span>",
-        slot % COLOURS
-    )
+pub(super) fn swatch(slot: usize) -> Markup {
+    html! { span.swatch style=(format!("background:var(--c{})", slot % COLOURS)) {} }
 }

@@ -1,4 +1,7 @@
 //! The body of a request: JSON, of bounded length, in bounded time.
+//!
+//! Bounded here and not by tower-http 0.7, whose time begins anew with every piece, so that one byte now and then
+//! holds a place, and whose answers do not say what the limit is.
 
 use std::sync::Arc;
 use std::time::Duration;

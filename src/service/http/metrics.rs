@@ -1,4 +1,7 @@
 //! `GET /metrics`: Prometheus text, format 0.0.4.
+//!
+//! Written here and not by prometheus-client 0.25, which writes OpenMetrics only: a counter's family loses its
+//! `_total` there, so that a reader of 0.0.4 takes it for untyped. Its collector of a snapshot took more lines.
 
 mod joint;
 

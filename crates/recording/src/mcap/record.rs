@@ -1,6 +1,8 @@
 //! The three records that a recording is made of: schemas, channels, messages.
 //!
-//! Read here rather than by the library that writes them, which reserves what a damaged length says.
+//! Read here rather than by the library that writes them (mcap 0.26): its `parse_record` reserves up to 4 GiB where the
+//! length of a text lies, its `ChunkReader` has no limit, and its `LinearReader` does not say where in the file a
+//! record stands and, to check a chunk before it is read, reserves the size that the chunk claims.
 //!
 //! Source: MCAP format specification, version 0, "Records".
 
