@@ -10,7 +10,6 @@ pub mod page;
 mod place;
 mod ranking;
 mod record;
-mod remedy;
 pub(super) mod shown;
 mod text;
 mod words;
@@ -138,10 +137,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
         output::json(&outcome.diagnosis)?;
         return told(&outcome.diagnosis);
     }
-    let case = page::Case {
-        diagnosis: &outcome.diagnosis,
-        traces: &outcome.traces,
-    };
+    let case = page::Case::new(&outcome.diagnosis, &outcome.traces);
     output::text(&text::text(&case, &files))?;
     told(&outcome.diagnosis)
 }
