@@ -35,7 +35,7 @@ pub struct TrackerScale {
 /// explains the motion.
 pub fn tell(search: &Search, diagnosis: &mut Diagnosis) -> Option<TrackerScale> {
     let problem = search.problem;
-    let effect = problem.catalogue.find(Effect::scales)?;
+    let effect = problem.catalogue.find(Effect::is_wrong_scale)?;
     let scale = TrackerScale::of(search.judge.model, problem.experiments, effect)?;
     let finding = scale.finding();
     let elsewhere = diagnosis

@@ -37,7 +37,7 @@ pub enum Property {
     ShiftsStamps,
     /// It is a wrong scale: a tracker that has it shows the same angles about the joint, and another
     /// radius.
-    Scales,
+    WrongScale,
 }
 
 impl Effect {
@@ -130,7 +130,7 @@ impl Effect {
     }
 
     /// Whether it is a wrong scale of all that a sensor shows.
-    pub fn scales(&self) -> bool {
-        self.is(|own| matches!(own, Property::Scales))
+    pub fn is_wrong_scale(&self) -> bool {
+        self.is(|own| matches!(own, Property::WrongScale))
     }
 }

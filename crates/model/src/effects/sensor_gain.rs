@@ -32,7 +32,7 @@ pub const SENSOR_GAIN: Effect = Effect {
         neutral: 0.0,
         typical: |scales| (0.1 * scales.deformation / reach(scales)).min(0.1),
     }],
-    properties: &[Property::Scales, Property::Alike(Likeness::Pose)],
+    properties: &[Property::WrongScale, Property::Alike(Likeness::Pose)],
     law: |p| Law::Sensor(Box::new(Gain { error: p[0] })),
     starts: |scales| {
         if scales.tracked {
