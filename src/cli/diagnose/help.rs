@@ -28,9 +28,9 @@ recordings below it; what has its result already is not done again. --queue only
 `quell work` does them, `quell results` shows what came out.
 
 Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
-partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code is
-2, and what to record is told). The folder of --out gets report.html, diagnosis.json and model.toml
-with the physics in it, which `quell simulate` and `quell score` run.";
+partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code
+is 2, and what to record is told). The folder of --out gets report.html, diagnosis.json and
+model.toml with the physics in it, which `quell simulate` and `quell score` run.";
 
 /// The same, and the effects of a catalogue at each place.
 pub fn long_help(catalogue: Catalogue) -> String {
