@@ -136,12 +136,18 @@ fn recordings_are_held_out_as_a_whole() {
 #[test]
 fn neutral_effects_change_nothing() {
     use quell::effects::EFFECTS;
-    use quell::model::{Experiment, Term, simulate};
+    use quell::model::{Departure, Experiment, Term, simulate};
     let case = quell::proof::generate(3, 0).unwrap();
     let model = Model::from_toml(&case.model, "model.toml").unwrap();
     let experiment = Experiment::new(&model, &case.train).unwrap();
     let run = |terms: &[Term]| {
-        let simulated = simulate(model.kind, &model.keys(), terms, &experiment, &[0.0; 8]);
+        let simulated = simulate(
+            model.kind,
+            &model.keys(),
+            terms,
+            &experiment,
+            &Departure::default(),
+        );
         simulated.predict(&experiment.outputs[0], 0.0).values
     };
     let baseline = run(&[]);

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use quell::effects::{
-    Drive, EFFECTS, Effect, Force, Friction, Inertia, Law, Memory, Motion, Place, Reading, Scales,
-    Sensor, Units,
+    Drive, EFFECTS, Effect, Force, Friction, Inertia, Law, Memory, Motion, ParameterRole, Place,
+    Property, Reading, Scales, Sensor, Units,
 };
 use std::collections::HashSet;
 use std::path::Path;
@@ -119,6 +119,8 @@ fn within(effect: &Effect, scales: &Scales, parts: &[f64]) -> Vec<f64> {
 fn every_entry_is_well_formed() {
     let names: HashSet<_> = EFFECTS.iter().map(|effect| effect.name).collect();
     assert_eq!(names.len(), EFFECTS.len(), "a name is there twice");
+    let titles: HashSet<_> = EFFECTS.iter().map(|effect| effect.title).collect();
+    assert_eq!(titles.len(), EFFECTS.len(), "a title is there twice");
     let word = |name: &str| {
         name.chars()
             .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
@@ -139,7 +141,11 @@ fn every_entry_is_well_formed() {
             source.contains("(1") || source.contains("(2") || source.contains("ISO"),
             "{name}: {source}"
         );
-        assert!(!effect.parameters.is_empty(), "{name} has no parameters");
+        let sentence = |text: &str| text.ends_with('.') && text.starts_with(char::is_uppercase);
+        assert!(sentence(effect.remedy), "{name}: {}", effect.remedy);
+        let sizes = effect.parameters.iter();
+        let sizes = sizes.filter(|p| p.role == ParameterRole::Size).count();
+        assert_eq!(sizes, 1, "{name} vanishes with one of its parameters");
         let keys: HashSet<_> = effect.parameters.iter().map(|p| p.name).collect();
         assert_eq!(keys.len(), effect.parameters.len(), "{name}");
         assert!(keys.iter().all(|key| word(key)), "{name}");
@@ -147,46 +153,44 @@ fn every_entry_is_well_formed() {
     }
 }
 
-/// What the catalogue must hold, by place.
-const TABLE: &[(Place, &str)] = &[
-    (
-        Place::Drive,
-        "coulomb_friction stribeck_friction viscous_friction asymmetric_friction force_offset cogging \
-         dead_zone stiction drive_lag drive_delay saturation rate_limit torque_constant_nonlinearity",
-    ),
-    (
-        Place::Transmission,
-        "coulomb_friction stribeck_friction asymmetric_friction presliding_hysteresis \
-         hysteretic_stiffness backlash cubic_stiffness bilinear_stiffness quadratic_damping \
-         transmission_ripple stiffness_drift viscoelastic_creep",
-    ),
-    (
-        Place::Link,
-        "viscous_drag quadratic_drag gravity_load second_mode pose_dependent_frequency payload_change \
-         end_stop",
-    ),
-    (Place::Base, "base_mode"),
-    (
-        Place::Sensor,
-        "sensor_delay sensor_lag sensor_lag_second_order sensor_gain deformation_gain misalignment \
-         sensor_drift quantisation clock_skew",
-    ),
-    (Place::Environment, "external_disturbance"),
-];
-
+/// What an effect says of itself holds for its parameters.
 #[test]
-fn the_catalogue_is_the_table() {
-    let mut table: Vec<_> = TABLE
-        .iter()
-        .flat_map(|(place, names)| names.split_whitespace().map(|name| (*place, name)))
-        .collect();
-    let mut catalogue: Vec<_> = EFFECTS
-        .iter()
-        .flat_map(|effect| effect.places.iter().map(|place| (*place, effect.name)))
-        .collect();
-    table.sort();
-    catalogue.sort();
-    assert_eq!(catalogue, table);
+fn properties_fit_the_parameters() {
+    for effect in EFFECTS {
+        let name = effect.name;
+        for property in effect.properties {
+            match *property {
+                Property::Optional(left_out) => {
+                    let there = effect.parameters.iter().any(|p| p.name == left_out);
+                    assert!(there, "{name} has no {left_out}");
+                }
+                Property::Recurs => assert!(effect.event_time().is_some(), "{name} has no time"),
+                Property::Parts(_) => {
+                    let parts = effect.parts(&effect.neutral()).into_iter().flatten();
+                    for (part, values) in parts {
+                        assert!(
+                            part.vanishes(&values),
+                            "{name}, of which {} is left",
+                            part.name
+                        );
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+proptest! {
+    /// A walk over the sizes goes from one to the next by a factor.
+    #[test]
+    fn sizes_of_many_minima_rise_from_above_zero(scales in scales()) {
+        for effect in EFFECTS.iter().filter(|effect| effect.has_many_minima()) {
+            let starts = (effect.starts)(&scales);
+            let sizes: Vec<f64> = starts.iter().map(|values| values[effect.size()]).collect();
+            prop_assert!(sizes[0] > 0.0 && sizes.is_sorted(), "{}: {sizes:?}", effect.name);
+        }
+    }
 }
 
 #[test]
@@ -203,13 +207,13 @@ proptest! {
     fn bounds_hold_what_is_met_and_tried(scales in scales()) {
         for effect in EFFECTS {
             let bounds: Vec<_> = effect.parameters.iter().map(|p| (p.bounds)(&scales)).collect();
-            for (index, (parameter, &(low, high))) in effect.parameters.iter().zip(&bounds).enumerate() {
+            for (parameter, &(low, high)) in effect.parameters.iter().zip(&bounds) {
                 let what = format!("{} {}: {low} .. {high}", effect.name, parameter.name);
                 prop_assert!(low < high && low.is_finite() && high.is_finite(), "{what}");
                 let typical = (parameter.typical)(&scales);
                 prop_assert!(typical != 0.0 && low <= typical && typical <= high, "{what}: {typical}");
                 // The others only need a harmless value: a frequency of 0 is none that a fit may try.
-                if index == 0 {
+                if parameter.role == ParameterRole::Size {
                     prop_assert!(low <= parameter.neutral && parameter.neutral <= high, "{what}");
                 }
             }
@@ -218,7 +222,7 @@ proptest! {
             prop_assert!((1..=most).contains(&starts.len()), "{}: {}", effect.name, starts.len());
             for start in &starts {
                 prop_assert_eq!(start.len(), effect.parameters.len());
-                prop_assert!(start[0] != effect.parameters[0].neutral, "{}: {start:?}", effect.name);
+                prop_assert!(!effect.vanishes(start), "{}: {start:?}", effect.name);
                 let inside = start.iter().zip(&bounds).all(|(v, (low, high))| low <= v && v <= high);
                 prop_assert!(inside, "{}: {start:?} not in {bounds:?}", effect.name);
             }
@@ -233,7 +237,7 @@ proptest! {
     ) {
         for effect in EFFECTS {
             let mut values = within(effect, &scales, &parts);
-            values[0] = effect.parameters[0].neutral;
+            values[effect.size()] = effect.parameters[effect.size()].neutral;
             for parameters in [values, effect.neutral()] {
                 let law = (effect.law)(&parameters);
                 let result = changes_nothing(&law, &series);

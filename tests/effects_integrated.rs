@@ -1,6 +1,6 @@
 //! The laws of the catalogue in the chain: what the integration makes of them.
 
-use quell::effects::{EFFECTS, Effect, Law, Memory, Place, Scales};
+use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide};
 use quell::model::{Grid, Hold, Kick, Timed, Trace, integrate};
 use std::f64::consts::TAU;
@@ -214,8 +214,9 @@ fn everything_tried_is_finite_and_seen() {
             );
             // A further mode at a corner of its bounds is faster than this grid, which a model refines.
             assert!(change.is_finite() || resonance && !tried, "{what}");
-            // An impulse or a payload after the last move need not be seen.
-            let late = values.get(1).is_some_and(|time| *time > 6.0);
+            // What happens after the last move need not be seen.
+            let time = effect.index(ParameterRole::Time);
+            let late = time.is_some_and(|time| values[time] > 6.0);
             assert!(!tried || late || change > 1e-5, "{what}");
         }
     }
@@ -232,7 +233,7 @@ fn neutral_laws_in_the_chain_change_nothing_to_the_bit() {
             .iter()
             .map(|p| (p.typical)(&scales))
             .collect();
-        values[0] = effect.parameters[0].neutral;
+        values[effect.size()] = effect.parameters[effect.size()].neutral;
         let law = (effect.law)(&values);
         // What a share of 0 leaves out is up to the output; an impulse of 0 and friction that can hold
         // nothing split steps: a model leaves them out.

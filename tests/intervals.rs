@@ -2,7 +2,7 @@
 
 use quell::diagnosis::{Options, Verdict, diagnose};
 use quell::effects::{Effect, Place};
-use quell::model::{Experiment, Model, Term, simulate};
+use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -85,7 +85,7 @@ fn case(seed: u64) -> (Recording, f64) {
         &model.keys(),
         &[hardening],
         &experiment,
-        &[0.0; 8],
+        &Departure::default(),
     );
     let seen = motion.predict(&experiment.outputs[0], 0.0).values;
     let noisy = seen

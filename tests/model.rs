@@ -518,7 +518,7 @@ fn neutral_laws_are_the_baseline_to_the_bit() {
             .iter()
             .map(|p| (p.typical)(&scales()))
             .collect();
-        parameters[0] = effect.parameters[0].neutral;
+        parameters[effect.size()] = effect.parameters[effect.size()].neutral;
         for &place in effect.places {
             let law = (effect.law)(&parameters);
             if matches!(law, Law::Friction(_) | Law::Impulse { .. }) {

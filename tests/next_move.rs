@@ -3,7 +3,7 @@
 
 use quell::diagnosis::{Diagnosis, Options, ProposedMove, Verdict, diagnose};
 use quell::effects::{Effect, Place};
-use quell::model::{Experiment, Model, Term, simulate};
+use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
 use quell_trajectories::{AxisState, Limits, Planner};
 use rand::SeedableRng;
@@ -80,7 +80,13 @@ fn recorded(truth: &[Term], moves: &[ProposedMove], noise: f64, seed: u64) -> Re
     };
     let model = joint();
     let experiment = Experiment::new(&model, &recording).unwrap();
-    let simulated = simulate(model.kind, &model.keys(), truth, &experiment, &[0.0; 8]);
+    let simulated = simulate(
+        model.kind,
+        &model.keys(),
+        truth,
+        &experiment,
+        &Departure::default(),
+    );
     let mut shown = simulated.predict(&experiment.outputs[0], 0.0).values;
     let (mut random, normal) = (ChaCha8Rng::seed_from_u64(seed), Normal::new(0.0, noise));
     let normal = normal.unwrap();

@@ -1,6 +1,8 @@
 //! A prediction whose motion is not kept is that of the whole motion, to the bit.
 
-use quell::model::{Experiment, Model, predict_windows, simulate_windows};
+use quell::model::{
+    Departure, Experiment, Model, StartComponent, predict_windows, simulate_windows,
+};
 use quell::recording::{Channel, Recording, Role};
 use std::f64::consts::TAU;
 
@@ -70,7 +72,10 @@ fn a_motion_in_parts_shows_what_the_whole_shows() {
         let model = Model::from_toml(&(joint.to_string() + &effects), "model.toml").unwrap();
         let experiment = Experiment::new(&model, &recording).unwrap();
         let (keys, terms) = (model.keys(), model.terms());
-        let starts = [[0.0, 0.0, 1e-3, 0.02, 0.0, 0.0, 0.0, 0.0]];
+        let mut start = Departure::default();
+        start[StartComponent::Deformation] = 1e-3;
+        start[StartComponent::DeformationRate] = 0.02;
+        let starts = [start];
         let clocks = [0.004, -0.003, 0.0];
         let whole = simulate_windows(model.kind, &keys, &terms, &experiment, &starts);
         assert!(whole.trace.time.len() > 2 * 16_384, "one part");

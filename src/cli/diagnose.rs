@@ -4,23 +4,27 @@ mod batch;
 mod findings;
 mod follows;
 mod head;
+mod help;
 mod motion;
 mod next;
 pub mod page;
 mod place;
 mod ranking;
 mod record;
-mod remedy;
 pub(super) mod shown;
 mod text;
 mod words;
+
+pub use help::long_help;
 
 use super::out::{Force, Out};
 use super::{CliError, output};
 use crate::batch::Shard;
 use crate::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
+use crate::effects::Catalogue;
 use crate::model::Model;
 use crate::recording::Recording;
+use help::HELP;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 
@@ -32,31 +36,7 @@ const STEPS: f64 = 1000.0;
 /// Says what physics a model lacks, from recordings: names it, puts it into the model, and shows
 /// the fit before and after.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "\
-Examples:
-  quell diagnose --model model.toml arm7
-  quell diagnose --model model.toml monday tuesday --held-out friday --out friday-report
-  quell diagnose --model model.toml arm7 --json
-  quell diagnose --batch --model model.toml fleet --out out
-  quell diagnose --queue nats://host:4222 submit --model model.toml fleet
-
-The model says what is believed, such as
-  kind = \"flexible_joint\"
-  natural_frequency_hz = 8.2
-  damping_ratio = 0.06
-  lever_arm_m = 1.8
-  tip_height_m = 0.9
-Its parameters are refitted first, and what is still missing is looked for in the catalogue of
-effects. Without --held-out the last third of the moves judges what the rest was fitted to.
-
-With --batch or --queue each recording is diagnosed by itself, and a folder stands for the
-recordings below it; what has its result already is not done again. --queue only puts them in:
-`quell work` does them, `quell results` shows what came out.
-
-Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
-partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code is
-2, and what to record is told). The folder of --out gets report.html, diagnosis.json and model.toml
-with the physics in it, which `quell simulate` and `quell score` run.")]
+#[command(after_help = HELP, after_long_help = long_help(Catalogue::default()))]
 pub struct Args {
     /// What is believed of the machine.
     #[arg(long, value_name = "FILE")]
@@ -138,10 +118,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
         output::json(&outcome.diagnosis)?;
         return told(&outcome.diagnosis);
     }
-    let case = page::Case {
-        diagnosis: &outcome.diagnosis,
-        traces: &outcome.traces,
-    };
+    let case = page::Case::new(&outcome.diagnosis, &outcome.traces);
     output::text(&text::text(&case, &files))?;
     told(&outcome.diagnosis)
 }

@@ -3,7 +3,8 @@
 use crate::machines::Machine;
 use nalgebra::{DMatrix, DVector};
 use quell::effects::{Effect, Place, Scales};
-use quell::model::{Experiment, Term, simulate};
+use quell::model::StartComponent::{Deformation, DeformationRate, MotorPosition, MotorVelocity};
+use quell::model::{Departure, Experiment, Term, simulate};
 use quell::recording::{Recording, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -25,13 +26,14 @@ pub struct Concealed {
     pub noise: f64,
 }
 
-/// The effect at its typical size in this machine, the size of its first parameter times a factor.
+/// The effect as it is typical of this machine, its size times a factor.
 pub fn typical(machine: &Machine, effect: &'static Effect, place: Place, factor: f64) -> Term {
     let scales = scales(machine);
     let typical = effect.parameters.iter().map(|p| (p.typical)(&scales));
     let mut values: Vec<f64> = typical.collect();
-    let neutral = effect.parameters[0].neutral;
-    values[0] = neutral + factor * (values[0] - neutral);
+    let size = effect.size();
+    let neutral = effect.parameters[size].neutral;
+    values[size] = neutral + factor * (values[size] - neutral);
     Term {
         effect,
         place,
@@ -60,7 +62,14 @@ pub fn conceal(machine: &Machine, term: Term, seed: u64) -> Concealed {
 pub fn conceal_all(machine: &Machine, terms: &[Term], seed: u64) -> Concealed {
     let experiment = experiment(machine);
     let keys = machine.model.keys();
-    let after = seen(machine, &experiment, &keys, terms, 0.0, &[0.0; 8]);
+    let after = seen(
+        machine,
+        &experiment,
+        &keys,
+        terms,
+        0.0,
+        &Departure::default(),
+    );
     let scales = scales(machine);
     let rigid = (machine.model.kind.linear)(&keys, experiment.input);
     let size = match rigid.link {
@@ -97,7 +106,7 @@ fn seen(
     keys: &[f64],
     terms: &[Term],
     clock: f64,
-    departure: &[f64; 8],
+    departure: &Departure,
 ) -> Vec<f64> {
     let simulated = simulate(machine.model.kind, keys, terms, experiment, departure);
     let outputs = experiment.outputs.iter().zip(machine.noise);
@@ -116,22 +125,23 @@ fn left(machine: &Machine, experiment: &Experiment, values: &[f64]) -> f64 {
     let given = &machine.model.given;
     let free: Vec<usize> = (0..keys.len()).filter(|&k| given[k]).collect();
     let position = [Role::MotorPosition, Role::CommandPosition];
-    let starts = if position.contains(&experiment.input) {
-        0
-    } else {
-        4
+    let starts = match position.contains(&experiment.input) {
+        true => &[][..],
+        false => &[MotorPosition, MotorVelocity, Deformation, DeformationRate],
     };
     let at = |unknowns: &[f64]| {
-        let (mut keys, mut departure) = (keys.clone(), [0.0; 8]);
+        let (mut keys, mut departure) = (keys.clone(), Departure::default());
         free.iter()
             .zip(unknowns)
             .for_each(|(&k, u)| keys[k] *= u.exp());
-        departure[..starts].copy_from_slice(&unknowns[free.len() + 1..]);
+        for (component, own) in starts.iter().zip(&unknowns[free.len() + 1..]) {
+            departure[*component] = *own;
+        }
         let clock = unknowns[free.len()];
         DVector::from_vec(seen(machine, experiment, &keys, &[], clock, &departure))
     };
     let target = DVector::from_column_slice(values);
-    let mut unknowns = vec![0.0; free.len() + 1 + starts];
+    let mut unknowns = vec![0.0; free.len() + 1 + starts.len()];
     let mut least = f64::INFINITY;
     for _ in 0..5 {
         let here = at(&unknowns);

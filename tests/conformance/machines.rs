@@ -45,13 +45,8 @@ impl Machine {
         let [input, sensor, ..] = &self.blank.channels[..] else {
             return false;
         };
-        let seen = match effect.name {
-            // A part of the deformation alone is what a strain gauge shows.
-            "deformation_gain" => sensor.role == Role::Deformation,
-            // To a clock of its own a delay is an offset.
-            "sensor_delay" => sensor.time == input.time,
-            _ => true,
-        };
+        let shows = !effect.is_of_deformation_only() || sensor.role == Role::Deformation;
+        let seen = shows && (!effect.shifts_stamps() || sensor.time == input.time);
         (self.model.kind.places)(input.role).contains(&place) && seen
     }
 }

@@ -1,6 +1,6 @@
 //! Sets of effects that no such motion tells apart, and why.
 
-use quell::effects::contains;
+use quell::effects::Effect;
 
 /// Effects that stand for each other, and the reason.
 const SETS: &[(&[&str], &str)] = &[
@@ -33,14 +33,14 @@ const SETS: &[(&[&str], &str)] = &[
 ];
 
 /// Why another name (or none) stands for an effect: a law that contains it as a limit, or a set.
-pub fn known(effect: &str, named: Option<&str>) -> Option<&'static str> {
+pub fn known(effect: &Effect, named: Option<&str>) -> Option<&'static str> {
     let Some(named) = named else {
         // The noise floor of a sensor that rounds is step / sqrt(12): rounding is part of the noise.
-        return (effect == "quantisation").then_some("what a sensor rounds away is its noise");
+        return (effect.name == "quantisation").then_some("what a sensor rounds away is its noise");
     };
-    if contains(effect, named) {
+    if effect.limits().any(|simpler| simpler.name == named) {
         return Some("the simpler law is a limit of it, and explains the recording as well");
     }
-    let both = |set: &[&str]| set.contains(&effect) && set.contains(&named);
+    let both = |set: &[&str]| set.contains(&effect.name) && set.contains(&named);
     SETS.iter().find(|set| both(set.0)).map(|set| set.1)
 }

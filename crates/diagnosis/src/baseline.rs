@@ -10,8 +10,8 @@ use super::start::{departure_scale, departures};
 use super::stop::Stop;
 use super::whitening::Whitening;
 use quell_model::chain::MotorSide;
-use quell_model::effects::Scales;
-use quell_model::{Experiment, Kind, Model, Trace, see_motion};
+use quell_model::effects::{Catalogue, Scales};
+use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Trace, see_motion};
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
@@ -112,6 +112,7 @@ pub fn problem<'a>(
         given: model.effects.iter().map(|e| e.parameters.clone()).collect(),
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
+        catalogue: Catalogue::default(),
         scales,
         frozen: false,
         stop: Stop::default(),
@@ -155,8 +156,8 @@ fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
 
 /// The departure of the start that makes a link as lively as its sensor, where its motor side stands
 /// still throughout: all that is seen is then free decay.
-fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> [f64; 8] {
-    let mut start = [0.0; 8];
+fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> Departure {
+    let mut start = Departure::default();
     let range = |values: &[f64]| {
         let fold = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), fold);
@@ -165,7 +166,7 @@ fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> [f64; 8] {
     let linear = (kind.linear)(keys, experiment.input);
     if linear.motor == MotorSide::Prescribed && range(&experiment.input_values) == 0.0 {
         let output = &experiment.outputs[0];
-        start[2] = match output.role {
+        start[StartComponent::Deformation] = match output.role {
             Role::LinkAcceleration => 0.5 * range(&output.values) / linear.stiffness,
             _ => 0.5 * range(&output.values),
         };

@@ -18,10 +18,10 @@ impl Problem<'_> {
         let (frequency, _) = self.kind.mode?;
         let input = self.experiments.first()?.input;
         let motor = (self.kind.linear)(&point.keys, input).motor;
-        let drag = |term: &Term| term.effect.name == "viscous_drag";
+        let drag = |term: &Term| term.effect.damps_to_ground();
         let index = point.terms.iter().position(drag)?;
         let half = 0.5 * TAU * point.keys[frequency];
-        (motor == MotorSide::Prescribed).then_some((index, half * point.terms[index].values[0]))
+        (motor == MotorSide::Prescribed).then_some((index, half * point.terms[index].size()))
     }
 
     /// Bounds of an unknown, in its own unit.

@@ -5,7 +5,7 @@ use super::found::Trial;
 use super::screen::candidates;
 use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, ratio};
 use quell_model::Term;
-use quell_model::effects::{Quantity, becomes, contains, limits, parts};
+use quell_model::effects::{Effect, Quantity};
 use quell_recording::Role;
 
 /// Fall of chi-squared that two needless parameters exceed once in twenty times (Wilks 1938).
@@ -31,7 +31,7 @@ impl Search<'_> {
         let simpler = sound().find(|other| {
             let names = (best.effects(), other.effects());
             let limit = match (names.0.as_slice(), names.1.as_slice()) {
-                ([own], [theirs]) => own.1 == theirs.1 && contains(own.0, theirs.0),
+                ([own], [theirs]) => own.1 == theirs.1 && own.0.contains(theirs.0),
                 _ => false,
             };
             limit && self.is_within_shape(baseline, best, other)
@@ -93,8 +93,8 @@ impl Search<'_> {
             .all(|output| output.role != Role::Deformation);
         let point = &best.fitted.point;
         let mut added = point.terms[point.given_terms..].iter();
-        let gain = added.find(|term| term.effect.name == "deformation_gain")?;
-        let too_little = gain.values[0] < 0.0;
+        let gain = added.find(|term| term.effect.is_of_deformation_only())?;
+        let too_little = gain.size() < 0.0;
         let near =
             |other: &&Explanation| other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best);
         let sound = pool.iter().filter(|trial| absolute && trial.passed);
@@ -102,12 +102,11 @@ impl Search<'_> {
         let instead = |lag: bool| {
             let takes = |other: &&&Explanation| {
                 substitution(best, other).is_some_and(|(own, theirs)| {
-                    let other = if lag {
-                        theirs == "sensor_lag"
-                    } else {
-                        becomes(theirs, own)
+                    let stands_for = match lag {
+                        true => theirs.lessens(own),
+                        false => theirs.becomes(own),
                     };
-                    own == gain.effect.name && other
+                    own == gain.effect && stands_for
                 })
             };
             self.lowest(sound.iter().filter(takes).copied())
@@ -133,7 +132,7 @@ impl Search<'_> {
             let worse = self.criterion(explanation) - self.criterion(best);
             let held = ratio(explanation.held_out, best.held_out);
             let limit = match (explanation.effects().as_slice(), best.effects().as_slice()) {
-                ([theirs], [own]) => contains(theirs.0, own.0),
+                ([theirs], [own]) => theirs.0.contains(own.0),
                 _ => false,
             };
             // A law that contains the best one always fits as well: it is listed if what it adds is more than
@@ -156,7 +155,7 @@ impl Search<'_> {
     /// Whether another explanation has a law that acts as a simpler one: the unknowns that it has besides are not
     /// determined, and do not count. As far as its descent came it may leave more, by what is chance.
     fn stands_in(&self, best: &Explanation, other: &Explanation) -> bool {
-        let simpler = substitution(best, other).is_some_and(|(own, theirs)| becomes(theirs, own));
+        let simpler = substitution(best, other).is_some_and(|(own, theirs)| theirs.becomes(own));
         simpler && other.fitted.cost < best.fitted.cost + CHANCE * self.unit(best)
     }
 
@@ -217,13 +216,13 @@ impl Search<'_> {
         let point = &from.fitted.point;
         let own = &point.terms[index];
         let places = candidates(self.problem);
-        limits(own.effect.name).filter_map(move |limit| {
-            let there = || places.iter().filter(|other| other.0.name == limit.name);
+        own.effect.limits().filter_map(move |limit| {
+            let there = || places.iter().filter(|other| other.0 == limit);
             let same = there().find(|other| other.1 == own.place);
             // Without a spring all forces act at one seat.
             let any = || there().next().filter(|_| self.problem.scales.rigid);
             let &(effect, place) = same.or_else(any)?;
-            let twice = |term: &Term| term.identity() == (effect.name, place);
+            let twice = |term: &Term| term.identity() == (effect, place);
             if point.terms.iter().any(twice) {
                 return None;
             }
@@ -249,7 +248,7 @@ impl Search<'_> {
         }
         for index in point.given_terms..point.terms.len() {
             let own = &point.terms[index];
-            let Some(parts) = parts(own.effect.name, &own.values) else {
+            let Some(parts) = own.effect.parts(&own.values) else {
                 continue;
             };
             if parts.iter().any(|part| !part.0.places.contains(&own.place)) {
@@ -272,7 +271,10 @@ impl Search<'_> {
 }
 
 /// The effect of one explanation that another has another one for, and that one, where all others are the same.
-fn substitution(own: &Explanation, other: &Explanation) -> Option<(&'static str, &'static str)> {
+fn substitution(
+    own: &Explanation,
+    other: &Explanation,
+) -> Option<(&'static Effect, &'static Effect)> {
     let (own, theirs) = (own.effects(), other.effects());
     let mut gone = own.iter().filter(|effect| !theirs.contains(effect));
     let mut new = theirs.iter().filter(|effect| !own.contains(effect));

@@ -5,25 +5,27 @@ use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Locat
 use super::explanation::Explanation;
 use super::found::{Found, Trial};
 use super::locate::Located;
-use super::point::Global;
+use super::point::{EffectAt, Global};
 use super::quality::{level, quality};
+use super::scale::TrackerScale;
 use super::search::{EQUAL, Search};
-use super::summary::{times, whole};
-use quell_model::effects::{Place, parts};
+use super::summary::{summary, times, whole};
+use quell_model::effects::Effect;
 use quell_model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
 
 /// Residual, in times the noise, that anyone sees in a plot of it.
 const PLAIN: f64 = 2.0;
 
-/// All of a diagnosis that follows from a search; the intervals are drawn with a seed.
+/// All of a diagnosis that follows from a search, and a scale of a tracker that is told in it; the intervals are
+/// drawn with a seed.
 pub fn conclude(
     search: &Search,
     found: &Found,
     located: &Located,
     remarks: Vec<String>,
     seed: u64,
-) -> Diagnosis {
+) -> (Diagnosis, Option<TrackerScale>) {
     let verdict = verdict(search, found, located);
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
@@ -51,9 +53,14 @@ pub fn conclude(
         candidates: found.trials.iter().filter_map(candidate).collect(),
         remarks,
     };
-    super::scale::tell(search, &mut diagnosis);
-    diagnosis.summary = super::summary::summary(&diagnosis, search.judge.data.judged_by);
-    diagnosis
+    let scale = super::scale::tell(search, &mut diagnosis);
+    diagnosis.summary = summary(
+        &diagnosis,
+        scale.as_ref(),
+        search.judge.data.judged_by,
+        search.problem.catalogue,
+    );
+    (diagnosis, scale)
 }
 
 /// The explanation that is offered: never one that was not believed.
@@ -92,7 +99,7 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
 
 fn candidate(trial: &Trial) -> Option<Candidate> {
     let effects = trial.explanation.effects();
-    let names: Vec<&str> = effects.iter().map(|effect| effect.0).collect();
+    let names: Vec<&str> = effects.iter().map(|effect| effect.0.name).collect();
     let finite = trial.delta_bic.is_finite() && trial.held_out_ratio.is_finite();
     finite.then(|| Candidate {
         effect: names.join(" + "),
@@ -129,11 +136,10 @@ fn stands_for_one(found: &Found) -> bool {
         let [term] = &point.terms[point.given_terms..] else {
             return false;
         };
-        let parts = parts(term.effect.name, &term.values);
+        let parts = term.effect.parts(&term.values);
         parts.is_some_and(|parts| {
-            own.iter()
-                .map(|effect| effect.0)
-                .eq(parts.iter().map(|part| part.0.name))
+            let own = own.iter().map(|effect| effect.0);
+            own.eq(parts.iter().map(|part| part.0))
         })
     };
     found.equals.iter().any(whole)
@@ -142,12 +148,12 @@ fn stands_for_one(found: &Found) -> bool {
 fn finding(
     search: &Search,
     found: &Found,
-    effect: (&'static str, Place),
+    effect: EffectAt,
     parameters: Vec<FittedParameter>,
 ) -> Finding {
     let (best, without) = (&found.best, found.without(effect));
     let own = best.effects();
-    let mut alternatives: Vec<(String, f64)> = Vec::new();
+    let mut alternatives: Vec<(&Effect, f64)> = Vec::new();
     for equal in &found.equals {
         // What is told before a simpler law is believed no less than that.
         let worse = (search.criterion(&equal.explanation) - search.criterion(best)).max(0.0);
@@ -155,7 +161,7 @@ fn finding(
             let shared = own.iter().any(|own| own.0 == other);
             let known = alternatives.iter().any(|known| known.0 == other);
             if !shared && !known && replaces(best, &equal.explanation, effect) {
-                alternatives.push((other.to_string(), worse / found.unit));
+                alternatives.push((other, worse / found.unit));
             }
         }
     }
@@ -166,7 +172,7 @@ fn finding(
     let noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
     let rows = search.judge.held_out_rows;
     Finding {
-        effect: effect.0.to_string(),
+        effect: effect.0.name.to_string(),
         place: effect.1.name().to_string(),
         probability: 1.0 / (1.0 + weight),
         parameters,
@@ -177,12 +183,15 @@ fn finding(
             times(noise(best.held_out, rows)),
             whole((search.criterion(without) - search.criterion(best)) / found.unit),
         ),
-        alternatives: alternatives.into_iter().map(|(name, _)| name).collect(),
+        alternatives: alternatives
+            .into_iter()
+            .map(|(other, _)| other.name.to_string())
+            .collect(),
     }
 }
 
 /// Whether an explanation has all other effects of the best one, so that it replaces this one.
-fn replaces(best: &Explanation, other: &Explanation, effect: (&str, Place)) -> bool {
+fn replaces(best: &Explanation, other: &Explanation, effect: EffectAt) -> bool {
     let (own, theirs) = (best.effects(), other.effects());
     let mut kept = own.iter().filter(|kept| **kept != effect);
     kept.all(|kept| theirs.iter().any(|other| other.0 == kept.0)) || theirs.len() < own.len()
@@ -191,15 +200,13 @@ fn replaces(best: &Explanation, other: &Explanation, effect: (&str, Place)) -> b
 fn parameters(
     search: &Search,
     best: &Explanation,
-    effect: (&'static str, Place),
+    effect: EffectAt,
     scatter: &Scatter,
 ) -> Vec<FittedParameter> {
     let point = &best.fitted.point;
     let units = super::units::units(search.problem, point);
-    let terms = (point.given_terms..point.terms.len()).filter(|term| {
-        let own = &point.terms[*term];
-        (own.effect.name, own.place) == effect
-    });
+    let terms = (point.given_terms..point.terms.len())
+        .filter(|term| point.terms[*term].identity() == effect);
     let mut all = Vec::new();
     for (count, term) in terms.enumerate() {
         let own = &point.terms[term];

@@ -10,7 +10,6 @@ use super::normal::solve;
 use super::point::Point;
 use super::problem::Problem;
 use nalgebra::{DMatrix, DVector};
-use quell_model::effects::has_many_minima;
 
 /// Damping at the start, as a share of the normal matrix' diagonal.
 const DAMPING: f64 = 1e-3;
@@ -109,7 +108,7 @@ impl<'a> Descent<'a> {
     /// Whether the misfit has many minima over the size of the last effect.
     pub fn winds(&self) -> bool {
         let last = self.point.terms.last();
-        last.is_some_and(|term| has_many_minima(term.effect.name))
+        last.is_some_and(|term| term.effect.has_many_minima())
     }
 
     /// The normal matrix where it is.

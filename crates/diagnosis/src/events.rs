@@ -6,7 +6,6 @@ use super::point::{Global, Point};
 use super::race::SHORT;
 use super::search::{STRONG, Search};
 use quell_model::Term;
-use quell_model::effects::recurs;
 use std::cmp::Ordering;
 
 /// Steps in which the size of an event is found at the instant at which it is suspected.
@@ -17,7 +16,9 @@ impl Search<'_> {
     /// something seems to happen: each must lower the criterion as much as an effect of its own.
     pub(super) fn recurring(&self, explanation: Explanation) -> Explanation {
         let point = &explanation.fitted.point;
-        let Some(event) = point.terms.last().filter(|term| recurs(term.effect.name)) else {
+        let last = point.terms.last();
+        let Some((event, when)) = last.and_then(|term| Some((term, term.effect.event_time()?)))
+        else {
             return explanation;
         };
         let suspects = &self.problem.scales.suspects;
@@ -27,31 +28,34 @@ impl Search<'_> {
         for &time in suspects {
             let point = &best.fitted.point;
             let own = point.terms.iter().filter(|term| is_like(term, event));
-            // Its size comes first among an event's parameters, its time last.
-            let mut times = own.filter_map(|term| term.values.last());
+            let mut times = own.map(|term| term.values[when]);
             if times.any(|own| (own - time).abs() <= self.problem.scales.period()) {
                 continue;
             }
             let mut values = effect.neutral();
-            values.pop();
-            values.push(time);
-            let next = self.with_event(&point.with(effect, place, values));
+            values[when] = time;
+            let next = self.with_event(&point.with(effect, place, values), when);
             if self.criterion(&next) < self.criterion(&best) - worth * self.unit(&next) {
                 best = next;
             }
         }
         match best.fitted.point.terms.len() > point.terms.len() {
-            true => self.together(best, event, worth),
+            true => self.together(best, (event, when), worth),
             false => explanation,
         }
     }
 
     /// Events in the order of their times, all fitted together, without those that the others have made needless.
-    fn together(&self, found: Explanation, event: &Term, worth: f64) -> Explanation {
+    fn together(
+        &self,
+        found: Explanation,
+        (event, when): (&Term, usize),
+        worth: f64,
+    ) -> Explanation {
         let mut point = found.fitted.point;
         let mut added = point.terms.split_off(point.given_terms);
-        let time = |term: &Term| (is_like(term, event)).then(|| term.values.last().copied());
-        let order = |a: &Term, b: &Term| time(a).flatten().partial_cmp(&time(b).flatten());
+        let time = |term: &Term| (is_like(term, event)).then(|| term.values[when]);
+        let order = |a: &Term, b: &Term| time(a).partial_cmp(&time(b));
         added.sort_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
         point.terms.append(&mut added);
         let mut best = self.refitted(&point);
@@ -78,12 +82,10 @@ impl Search<'_> {
         }
     }
 
-    /// A structure whose last term is an event: its size first, then all.
-    fn with_event(&self, point: &Point) -> Explanation {
+    /// A structure whose last term is an event: what is not its time first, then all.
+    fn with_event(&self, point: &Point, when: usize) -> Explanation {
         let mut held = point.clone();
-        let term = point.terms.len() - 1;
-        let last = point.terms[term].values.len() - 1;
-        held.held = vec![Global::Parameter(term, last)];
+        held.held = vec![Global::Parameter(point.terms.len() - 1, when)];
         let fitted = |point: &Point, steps| {
             let mut descent = Descent::new(self.problem, self.projector, point, None);
             descent.run(steps);

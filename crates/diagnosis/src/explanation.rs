@@ -2,13 +2,13 @@
 
 use super::baseline::{self, Data};
 use super::fit::{Fitted, Projector};
-use super::point::Point;
+use super::point::{EffectAt, Point};
 use super::problem::{Problem, Rows};
 use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
-use quell_model::Model;
-use quell_model::effects::{Place, Scales};
+use quell_model::effects::Scales;
+use quell_model::{Model, StartComponent};
 
 /// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
 /// windows in which friction sticks take more.
@@ -26,8 +26,8 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// Names and places of the effects that were added to the model.
-    pub fn effects(&self) -> Vec<(&'static str, Place)> {
+    /// The effects that were added to the model, at their places.
+    pub fn effects(&self) -> Vec<EffectAt> {
         self.fitted.point.effects()
     }
 
@@ -60,7 +60,7 @@ pub struct Judge<'a> {
     /// Number of held-out rows.
     pub held_out_rows: usize,
     /// Components of the start that are free in the recordings kept apart, once that is decided.
-    starts: Option<Vec<usize>>,
+    starts: Option<Vec<StartComponent>>,
 }
 
 impl<'a> Judge<'a> {

@@ -3,11 +3,10 @@
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::found::Trial;
-use super::point::Point;
+use super::point::{EffectAt, Point};
 use super::race::Race;
 use super::screen::{Start, screen};
 use super::search::{GATE, STRONG, Search, ratio, sort};
-use quell_model::effects::Place;
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
@@ -27,8 +26,8 @@ pub struct Known {
 
 /// An effect at a place, and where its fit may start.
 pub(super) struct Candidate {
-    /// Its name and place.
-    pub effect: (&'static str, Place),
+    /// Which, and where.
+    pub effect: EffectAt,
     /// Starts at the explanation that it extends, or near it.
     pub near: Vec<Point>,
     /// Starts elsewhere.
@@ -69,7 +68,7 @@ impl Search<'_> {
             let near = starts.iter().map(|start| with(point, start));
             let near = near.chain([with(&believed, &starts[0])]);
             Candidate {
-                effect: (starts[0].effect.name, starts[0].place),
+                effect: (starts[0].effect, starts[0].place),
                 near: near.collect(),
                 far: Vec::new(),
             }
@@ -137,7 +136,7 @@ impl Search<'_> {
 }
 
 /// Adds starts elsewhere to those of an effect.
-fn add_far(found: &mut Vec<Candidate>, effect: (&'static str, Place), mut far: Vec<Point>) {
+fn add_far(found: &mut Vec<Candidate>, effect: EffectAt, mut far: Vec<Point>) {
     match found
         .iter_mut()
         .find(|candidate| candidate.effect == effect)
@@ -159,8 +158,7 @@ fn chosen(starts: Vec<Start>) -> Vec<Vec<Start>> {
             break;
         }
         let same = |group: &&mut Vec<Start>| {
-            let first: (&str, Place) = (group[0].effect.name, group[0].place);
-            first == (start.effect.name, start.place)
+            (group[0].effect, group[0].place) == (start.effect, start.place)
         };
         let room = groups.len() < FITTED;
         match groups.iter_mut().find(same) {

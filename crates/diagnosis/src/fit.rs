@@ -8,7 +8,7 @@
 use super::point::{Global, Point};
 use super::problem::{Problem, Run};
 use nalgebra::{DMatrix, DVector};
-use quell_model::effects::has_many_minima;
+use quell_model::StartComponent;
 
 /// Step of a derivative in typical sizes of a change.
 const FINE: f64 = 1e-3;
@@ -98,7 +98,7 @@ pub struct Linearised {
     /// The shared unknowns.
     pub globals: Vec<Global>,
     /// Components of the starts, whose unknowns follow.
-    pub departures: Vec<usize>,
+    pub departures: Vec<StartComponent>,
     /// Cost at the point.
     pub cost: f64,
 }
@@ -206,11 +206,11 @@ impl Problem<'_> {
         let here = self.get(p, global);
         let typical = self.typical(p, global);
         let step = match global {
-            Global::Parameter(term, parameter) if has_many_minima(p.terms[term].effect.name) => {
+            Global::Parameter(term, parameter) if p.terms[term].effect.has_many_minima() => {
                 // Its size may be far from typical.
-                match parameter {
-                    0 => COARSE * here.abs().max(FINE * typical),
-                    _ => COARSE * typical,
+                match parameter == p.terms[term].effect.size() {
+                    true => COARSE * here.abs().max(FINE * typical),
+                    false => COARSE * typical,
                 }
             }
             _ => FINE * self.reach(p, global),
@@ -236,7 +236,7 @@ impl Problem<'_> {
     fn start_slopes(
         &self,
         p: &Point,
-        component: usize,
+        component: StartComponent,
         e: usize,
         at: &DVector<f64>,
     ) -> Vec<DVector<f64>> {

@@ -1,8 +1,7 @@
 //! What a search found.
 
 use super::explanation::Explanation;
-use super::point::Point;
-use quell_model::effects::Place;
+use super::point::{EffectAt, Point};
 
 /// A candidate that was fitted, against the model without it.
 #[derive(Clone)]
@@ -37,7 +36,7 @@ pub struct Found {
 
 impl Found {
     /// The best explanation without one of its effects.
-    pub fn without(&self, effect: (&str, Place)) -> &Explanation {
+    pub fn without(&self, effect: EffectAt) -> &Explanation {
         let effects = self.best.effects();
         let index = effects.iter().position(|own| *own == effect);
         let ablated = index.and_then(|index| self.ablated.get(index));

@@ -1,7 +1,10 @@
 //! A point in the space of the unknowns: what all recordings share, and what each has of its own.
 
-use quell_model::Term;
 use quell_model::effects::{Effect, Place};
+use quell_model::{Departure, Term};
+
+/// An effect at a place.
+pub type EffectAt = (&'static Effect, Place);
 
 /// What an experiment alone has.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,7 +12,7 @@ pub struct Local {
     /// Clock offset of each output, s.
     pub clocks: Vec<f64>,
     /// Departure of the start of each window.
-    pub departures: Vec<[f64; 8]>,
+    pub departures: Vec<Departure>,
 }
 
 /// A point in the space of unknowns.
@@ -48,8 +51,8 @@ impl Point {
         point
     }
 
-    /// Names and places of the effects that were added to the model, each once: an event may have several terms.
-    pub fn effects(&self) -> Vec<(&'static str, Place)> {
+    /// The effects that were added to the model, each once: an event may have several terms.
+    pub fn effects(&self) -> Vec<EffectAt> {
         let mut effects = Vec::new();
         for term in &self.terms[self.given_terms..] {
             let effect = term.identity();
@@ -61,7 +64,7 @@ impl Point {
     }
 
     /// The point without an effect that was added.
-    pub fn without_effect(&self, effect: (&str, Place)) -> Self {
+    pub fn without_effect(&self, effect: EffectAt) -> Self {
         let mut point = self.clone();
         point.terms = self.terms[..self.given_terms].to_vec();
         let added = self.terms[self.given_terms..].iter();

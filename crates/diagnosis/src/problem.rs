@@ -4,11 +4,10 @@ use super::point::{Global, Local, Point};
 use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
-use quell_model::chain::RESONANCES;
-use quell_model::effects::{Law, Scales};
+use quell_model::effects::{Catalogue, Law, Scales};
 use quell_model::{
-    Experiment, Kind, Model, Output, Prediction, Simulated, Term, Value, predict_windows,
-    simulate_windows,
+    Departure, Experiment, Kind, Model, Output, Prediction, Simulated, StartComponent, Value,
+    predict_windows, simulate_windows,
 };
 use std::ops::Range;
 
@@ -41,9 +40,11 @@ pub struct Problem<'a> {
     /// Which of them have an inertia that is free.
     pub free_payloads: Range<usize>,
     /// Components of the start (see [`simulate`]) that are free.
-    pub departures: Vec<usize>,
+    pub departures: Vec<StartComponent>,
     /// Typical sizes of these components.
-    pub departure_scale: [f64; 8],
+    pub departure_scale: Departure,
+    /// What the model may lack.
+    pub catalogue: Catalogue,
     /// How large the motion is.
     pub scales: Scales,
     /// Whether only what each experiment alone has is fitted.
@@ -67,7 +68,7 @@ impl Problem<'_> {
     pub fn start(&self, model: &Model) -> Point {
         let local = |experiment: &Experiment| Local {
             clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
-            departures: vec![[0.0; 8]; 1 + experiment.windows.len()],
+            departures: vec![Departure::default(); 1 + experiment.windows.len()],
         };
         let terms = model.terms();
         Point {
@@ -113,22 +114,20 @@ impl Problem<'_> {
 
     /// Components of the start that are free at a point's structure: those of the model, and those of
     /// further modes that a force drives. Where the motor side's motion drives them they start at rest.
-    pub fn departures(&self, point: &Point) -> Vec<usize> {
+    pub fn departures(&self, point: &Point) -> Vec<StartComponent> {
         let mut free = self.departures.clone();
-        let there = |term: &&Term| term.values[0] != term.effect.parameters[0].neutral;
         if self.scales.forced {
-            let terms = point.terms.iter().filter(there);
+            let terms = point.terms.iter().filter(|term| term.acts());
             let modes = terms.filter(|t| matches!((t.effect.law)(&t.values), Law::Resonance(_)));
-            let count = modes.count().min(RESONANCES);
-            free.extend(4..4 + 2 * count);
+            free.extend(StartComponent::of_modes(modes.count()));
         }
         free
     }
 
     /// Free unknowns of the starts of an experiment: window and component. Further modes are not measured
     /// where a window starts: they go on.
-    pub fn starts(&self, point: &Point, experiment: usize) -> Vec<(usize, usize)> {
-        let each = |component: usize| {
+    pub fn starts(&self, point: &Point, experiment: usize) -> Vec<(usize, StartComponent)> {
+        let each = |component: StartComponent| {
             let windows = self.starts_of(point, experiment, component);
             windows.into_iter().map(move |window| (window, component))
         };
@@ -136,9 +135,14 @@ impl Problem<'_> {
     }
 
     /// Windows of an experiment in which a component of the start is free.
-    pub fn starts_of(&self, point: &Point, experiment: usize, component: usize) -> Vec<usize> {
+    pub fn starts_of(
+        &self,
+        point: &Point,
+        experiment: usize,
+        component: StartComponent,
+    ) -> Vec<usize> {
         let windows = point.locals[experiment].departures.len();
-        (0..if component < 4 { windows } else { 1 }).collect()
+        (0..if component.is_of_mode() { 1 } else { windows }).collect()
     }
 
     /// Whether an unknown is fitted by its logarithm.

@@ -7,10 +7,9 @@ use super::explanation::Explanation;
 use super::extend::Candidate;
 use super::fit::Linearised;
 use super::found::Trial;
-use super::point::Point;
+use super::point::{EffectAt, Point};
 use super::search::{LONG, Search};
 use super::walk::LOST;
-use quell_model::effects::{Place, has_many_minima};
 use rayon::prelude::*;
 
 /// How many of a candidate's starts go on after a step.
@@ -33,7 +32,7 @@ pub(super) struct Race<'a> {
 
 /// A candidate.
 struct Runner<'a> {
-    effect: (&'static str, Place),
+    effect: EffectAt,
     /// Fits from its starts on, the best first.
     starts: Vec<Descent<'a>>,
 }
@@ -100,7 +99,7 @@ impl<'a> Race<'a> {
     /// Carries the one that is ahead to its end before the others. None whose misfit has many minima: its
     /// starts may not all be there yet.
     pub fn lead(&mut self) {
-        let plain = |index: &usize| !has_many_minima(self.runners[*index].effect.0);
+        let plain = |index: &usize| !self.runners[*index].effect.0.has_many_minima();
         let cost = |index: &usize| self.runners[*index].cost();
         let all = (0..self.runners.len()).filter(plain);
         if let Some(first) = all.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
@@ -116,7 +115,7 @@ impl<'a> Race<'a> {
     }
 
     /// Whether an effect takes part.
-    pub fn has(&self, effect: (&str, Place)) -> bool {
+    pub fn has(&self, effect: EffectAt) -> bool {
         self.runners.iter().any(|runner| runner.effect == effect)
     }
 

@@ -44,10 +44,10 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
     let mut remarks = Vec::new();
     let point = &found.best.fitted.point;
     for term in &point.terms[..point.given_terms] {
-        let parameter = &term.effect.parameters[0];
+        let size = &term.effect.parameters[term.effect.size()];
         // A thousandth of a typical size changes nothing that could be seen.
-        let least = 1e-3 * (parameter.typical)(&problem.scales).abs();
-        if (term.values[0] - parameter.neutral).abs() < least {
+        let least = 1e-3 * (size.typical)(&problem.scales).abs();
+        if (term.size() - size.neutral).abs() < least {
             remarks.push(format!(
                 "{} in the {}, which the model has, went to nothing: the recording does not need it.",
                 term.effect.name,

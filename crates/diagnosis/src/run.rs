@@ -21,6 +21,7 @@ use super::start::ringing;
 use super::stop::Stop;
 use super::traces::Traces;
 use super::weights::measure_noise;
+use quell_model::effects::Catalogue;
 use quell_model::{Experiment, Model, simulate_windows};
 use quell_recording::{Recording, Role};
 use std::f64::consts::TAU;
@@ -30,6 +31,8 @@ use std::f64::consts::TAU;
 pub struct Options {
     /// Seed of the bootstrap.
     pub seed: u64,
+    /// What the model may lack.
+    pub catalogue: Catalogue,
     /// Ends the diagnosis before its time; by default nothing does.
     pub stop: Stop,
 }
@@ -38,6 +41,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             seed: 1,
+            catalogue: Catalogue::default(),
             stop: Stop::default(),
         }
     }
@@ -132,6 +136,7 @@ fn investigate(
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     problem.stop = options.stop.clone();
+    problem.catalogue = options.catalogue;
     let (fitted, mut projector) = baseline(model, &mut problem);
     options.stop.check()?;
     let judge = Judge::new(model, data, &problem, &fitted.point);
@@ -150,19 +155,23 @@ fn investigate(
     }
     options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
-    let mut diagnosis = conclude(&search, &found, &located, remarks, options.seed);
+    let (mut diagnosis, scale) = conclude(&search, &found, &located, remarks, options.seed);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
     }
     options.stop.check()?;
     let verdict = diagnosis.verdict;
     diagnosis.next_move =
-        next_move(&search, &found, verdict).or_else(|| super::scale::next_move(&diagnosis));
+        next_move(&search, &found, verdict).or_else(|| scale.as_ref()?.next_move());
     let told = reported(verdict, &found);
     let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);
+    let better = better_model(model, told);
     let outcome = Outcome {
-        model: super::scale::corrected(better_model(model, told), &diagnosis),
+        model: match scale {
+            Some(scale) => scale.corrected(better),
+            None => better,
+        },
         diagnosis,
         traces,
     };

@@ -8,11 +8,10 @@
 //! against it: what is left of a large shift in second order would else hide it.
 
 use super::fit::{Linearised, Projector, orthonormal};
-use super::point::Point;
+use super::point::{EffectAt, Point};
 use super::problem::{Problem, Run};
 use nalgebra::{Complex, DMatrix, DVector};
-use quell_model::Term;
-use quell_model::effects::{EFFECTS, Effect, Place};
+use quell_model::effects::{Effect, Place};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -41,15 +40,14 @@ pub struct Start {
 }
 
 /// All effects that the model can lack, at their places.
-pub fn candidates(problem: &Problem) -> Vec<(&'static Effect, Place)> {
+pub fn candidates(problem: &Problem) -> Vec<EffectAt> {
     let experiment = &problem.experiments[0];
     let places = (problem.kind.places)(experiment.input);
     let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
     let mut found = Vec::new();
-    for effect in EFFECTS.iter().copied() {
+    for &effect in problem.catalogue.0 {
         for &place in effect.places.iter().filter(|place| places.contains(place)) {
-            // A delay of a sensor with a clock of its own is that clock's offset.
-            if !(own_clock && effect.name == "sensor_delay") {
+            if !(own_clock && effect.shifts_stamps()) {
                 found.push((effect, place));
             }
         }
@@ -89,13 +87,10 @@ pub fn screen(
         basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
-    let there = |effect: &Effect, place: Place| {
-        let twice = |term: &Term| term.identity() == (effect.name, place);
-        point.terms.iter().any(twice)
-    };
+    let there = |effect: EffectAt| point.terms.iter().any(|term| term.identity() == effect);
     let tried: Vec<Vec<Start>> = candidates(problem)
         .into_par_iter()
-        .filter(|(effect, place)| !there(effect, *place))
+        .filter(|effect| !there(*effect))
         .map(|(effect, place)| screen.sizes(effect, place, each))
         .collect();
     let mut all: Vec<Start> = tried.into_iter().flatten().collect();
@@ -120,12 +115,12 @@ impl Screen<'_> {
         let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
-        // Sizes come first among an effect's parameters; where a limit does, the factor is no better than any other,
-        // and what scores less is not taken.
-        let (low, high) = (effect.parameters[0].bounds)(&self.problem.scales);
+        // Where the size is a limit, the factor is no better than any other, and what scores less is not taken.
+        let size = effect.size();
+        let (low, high) = (effect.parameters[size].bounds)(&self.problem.scales);
         for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
             let mut values = own.values.clone();
-            values[0] = (values[0] * own.factor).clamp(low, high);
+            values[size] = (values[size] * own.factor).clamp(low, high);
             let resized = start(values);
             if resized.score > own.score {
                 *own = resized;

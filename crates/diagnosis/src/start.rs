@@ -3,38 +3,42 @@
 use super::fit::{Fitted, Projector};
 use super::problem::Problem;
 use super::search::{LONG, STRONG};
-use quell_model::chain::MotorSide;
+use quell_model::StartComponent::{
+    Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity,
+};
+use quell_model::chain::{MotorSide, RESONANCES};
 use quell_model::effects::Scales;
-use quell_model::{Experiment, Model};
+use quell_model::{Departure, Experiment, Model, StartComponent};
 
 /// A free motor side has a velocity at the start that no sensor has measured.
-pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<usize> {
+pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartComponent> {
     let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
     match (linear.motor, linear.link) {
         // Where a whole motion starts is the offset of its sensor.
-        (MotorSide::Free { .. }, None) if experiments[0].windows.is_empty() => vec![1],
-        (MotorSide::Free { .. }, None) => vec![0, 1],
-        (MotorSide::Free { .. }, Some(_)) => vec![0, 1, 2, 3],
+        (MotorSide::Free { .. }, None) if experiments[0].windows.is_empty() => vec![MotorVelocity],
+        (MotorSide::Free { .. }, None) => vec![MotorPosition, MotorVelocity],
+        (MotorSide::Free { .. }, Some(_)) => {
+            vec![MotorPosition, MotorVelocity, Deformation, DeformationRate]
+        }
         // A link that is held in a motion starts as it does.
         (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
-        (MotorSide::Fixed, _) => vec![2, 3],
+        (MotorSide::Fixed, _) => vec![Deformation, DeformationRate],
         (MotorSide::Prescribed, _) => Vec::new(),
     }
 }
 
-pub fn departure_scale(scales: &Scales) -> [f64; 8] {
-    let travel = scales.travel().max(scales.deformation);
-    let (deformation, rate) = (0.1 * scales.deformation, 0.1 * scales.deformation_rate);
-    [
-        0.01 * travel,
-        0.1 * scales.velocity,
-        deformation,
-        rate,
-        deformation,
-        rate,
-        deformation,
-        rate,
-    ]
+/// Typical sizes of what is not known of a start.
+pub fn departure_scale(scales: &Scales) -> Departure {
+    let mut typical = Departure::default();
+    typical[MotorPosition] = 0.01 * scales.travel().max(scales.deformation);
+    typical[MotorVelocity] = 0.1 * scales.velocity;
+    typical[Deformation] = 0.1 * scales.deformation;
+    typical[DeformationRate] = 0.1 * scales.deformation_rate;
+    for mode in 0..RESONANCES {
+        typical[Mode(mode)] = typical[Deformation];
+        typical[ModeRate(mode)] = typical[DeformationRate];
+    }
+    typical
 }
 
 /// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
@@ -46,7 +50,7 @@ pub fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> F
     if !problem.departures.is_empty() || held {
         return still;
     }
-    problem.departures = vec![2, 3];
+    problem.departures = vec![Deformation, DeformationRate];
     let ringing = problem.fit(&still.point, projector, LONG);
     let experiments = problem.experiments;
     let rows = experiments.iter().map(Experiment::samples).sum::<usize>() as f64;

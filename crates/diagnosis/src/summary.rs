@@ -1,10 +1,17 @@
 //! The verdict in one sentence.
 
-use super::document::{Diagnosis, Verdict};
+use super::document::{Diagnosis, Finding, Verdict};
+use super::scale::TrackerScale;
 use super::split::HeldOut;
+use quell_model::effects::Catalogue;
 
 /// One sentence, as an engineer would write it.
-pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
+pub fn summary(
+    diagnosis: &Diagnosis,
+    scale: Option<&TrackerScale>,
+    judged_by: HeldOut,
+    catalogue: Catalogue,
+) -> String {
     let held_out = judged_by.words();
     let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
     let change = format!(
@@ -12,9 +19,10 @@ pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
         times(before.held_out_over_noise),
         times(after.held_out_over_noise)
     );
-    if let Some(sentence) = super::scale::sentence(diagnosis) {
-        return sentence;
+    if let (Some(scale), [_]) = (scale, diagnosis.findings.as_slice()) {
+        return scale.sentence();
     }
+    let names = || names(diagnosis, catalogue);
     match diagnosis.verdict {
         Verdict::NoMismatch => format!(
             "Nothing is missing: with its parameters refitted the model explains the recording down to \
@@ -22,15 +30,15 @@ pub fn summary(diagnosis: &Diagnosis, judged_by: HeldOut) -> String {
             times(before.held_out_over_noise),
             held_out.trim_end_matches(',')
         ),
-        Verdict::Named => format!("The model lacks {}: {change}.", names(diagnosis)),
+        Verdict::Named => format!("The model lacks {}: {change}.", names()),
         Verdict::Ambiguous => format!(
             "The model lacks {}, which this recording cannot tell from {}: {change}.",
-            names(diagnosis),
-            alternatives(diagnosis)
+            names(),
+            alternatives(diagnosis, catalogue)
         ),
         Verdict::PartlyExplained => format!(
             "The model lacks something like {}, but that is not all: {change}.",
-            names(diagnosis)
+            names()
         ),
         // Whoever finds that says it.
         Verdict::NotExcited => diagnosis.summary.clone(),
@@ -60,27 +68,26 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-fn words(name: &str) -> String {
-    name.replace('_', " ")
-}
-
-fn names(diagnosis: &Diagnosis) -> String {
-    let name = |finding: &super::document::Finding| match finding.place.as_str() {
-        "environment" => words(&finding.effect),
-        "sensor" => format!("{} (in the sensor)", words(&finding.effect)),
-        "base" => format!("{} (under the robot)", words(&finding.effect)),
-        place => format!("{} (at the {place})", words(&finding.effect)),
+fn names(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
+    let name = |finding: &Finding| {
+        let title = catalogue.title(&finding.effect);
+        match finding.place.as_str() {
+            "environment" => title,
+            "sensor" => format!("{title} (in the sensor)"),
+            "base" => format!("{title} (under the robot)"),
+            place => format!("{title} (at the {place})"),
+        }
     };
     let names: Vec<String> = diagnosis.findings.iter().map(name).collect();
     names.join(" and ")
 }
 
-fn alternatives(diagnosis: &Diagnosis) -> String {
+fn alternatives(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
     let all = diagnosis
         .findings
         .iter()
         .flat_map(|finding| &finding.alternatives);
-    let names: Vec<String> = all.map(|name| words(name)).collect();
+    let names: Vec<String> = all.map(|name| catalogue.title(name)).collect();
     names.join(" or ")
 }
 

@@ -6,11 +6,10 @@
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::extend::Candidate;
-use super::point::{Global, Point};
+use super::point::{EffectAt, Global, Point};
 use super::race::{Race, SECOND, SHORT};
 use super::screen::candidates;
 use super::search::Search;
-use quell_model::effects::{Effect, Place, has_many_minima};
 
 /// Steps of the model's keys at each size of a walk.
 const FIRST: usize = 2;
@@ -27,15 +26,14 @@ impl Search<'_> {
     pub(super) fn walked_through(&self, from: &Explanation, race: &Race) -> Vec<Candidate> {
         let own = from.effects();
         let done = self.known.alone || race.is_won();
-        let winding = |(effect, place): &(&'static Effect, Place)| {
-            let name = (effect.name, *place);
-            has_many_minima(effect.name) && !own.contains(&name) && (race.has(name) || !done)
+        let winding = |effect: &EffectAt| {
+            effect.0.has_many_minima() && !own.contains(effect) && (race.has(*effect) || !done)
         };
         let walks = candidates(self.problem).into_iter().filter(winding);
-        let candidate = |(effect, place): (&'static Effect, Place)| Candidate {
-            effect: (effect.name, place),
+        let candidate = |effect: EffectAt| Candidate {
+            effect,
             near: Vec::new(),
-            far: self.walked(from, effect, place),
+            far: self.walked(from, effect),
         };
         walks.map(candidate).collect()
     }
@@ -43,13 +41,14 @@ impl Search<'_> {
     /// The best places on a walk over the sizes of an effect, and on a slower one around the best of these.
     /// At each size the model's keys are fitted from where they were at the last one: a large size makes them
     /// (a frequency, mostly) other than they are without the effect, and a fit of both at once would rather
-    /// make the size small. Sizes come first among an effect's parameters, and are above 0.
-    fn walked(&self, from: &Explanation, effect: &'static Effect, place: Place) -> Vec<Point> {
+    /// make the size small.
+    fn walked(&self, from: &Explanation, (effect, place): EffectAt) -> Vec<Point> {
         let lost = LOST * from.fitted.cost;
         let from = &from.fitted.point;
         let own = |parameter| Global::Parameter(from.terms.len(), parameter);
-        let fitted = |mut point: Point, free: usize, steps| {
-            point.held = (free..effect.parameters.len()).map(own).collect();
+        let fitted = |mut point: Point, free: Option<usize>, steps| {
+            let all = 0..effect.parameters.len();
+            point.held = all.filter(|own| Some(*own) != free).map(own).collect();
             let mut descent = Descent::new(self.problem, self.projector, &point, None);
             descent.run(steps);
             let (cost, mut point) = (descent.cost(), descent.end().point);
@@ -57,7 +56,7 @@ impl Search<'_> {
             (cost, point)
         };
         let step = |last: &Point, values: &[f64]| {
-            fitted(last.with(effect, place, values.to_vec()), 0, FIRST)
+            fitted(last.with(effect, place, values.to_vec()), None, FIRST)
         };
         let walk = |start: &Point, sizes: &[Vec<f64>]| {
             let mut ends: Vec<(f64, Point)> = Vec::new();
@@ -75,23 +74,23 @@ impl Search<'_> {
         let mut ends = walk(from, &starts);
         let best = (0..ends.len()).min_by(|a, b| ends[*a].0.total_cmp(&ends[*b].0));
         let before = best.unwrap_or(0).saturating_sub(1);
-        let nearer: Vec<Vec<f64>> = between(&starts[before..ends.len().min(before + 3)]);
+        let nearer = between(&starts[before..ends.len().min(before + 3)], effect.size());
         ends.extend(walk(&ends[before].1.without(from.terms.len()), &nearer));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.truncate(SECOND);
         // The size first, then what shapes the law: it makes up for a size that is not yet right.
-        let sized = |(_, end)| fitted(end, 1, SHORT).1;
+        let sized = |(_, end)| fitted(end, Some(effect.size()), SHORT).1;
         ends.into_iter().map(sized).collect()
     }
 }
 
-/// Sizes between those of a grid, the other values as they are.
-fn between(sizes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+/// Sizes between those of a grid, the other values as they are; `size` is their index.
+fn between(starts: &[Vec<f64>], size: usize) -> Vec<Vec<f64>> {
     let part = |pair: &[Vec<f64>], k: u32| {
         let mut values = pair[0].clone();
-        values[0] *= (pair[1][0] / pair[0][0]).powf(f64::from(k) / f64::from(SLOWER));
+        values[size] *= (pair[1][size] / pair[0][size]).powf(f64::from(k) / f64::from(SLOWER));
         values
     };
     let parts = |pair| (1..SLOWER).map(move |k| part(pair, k));
-    sizes.windows(2).flat_map(parts).collect()
+    starts.windows(2).flat_map(parts).collect()
 }

@@ -17,7 +17,7 @@ mod source;
 mod write;
 
 use super::{Hold, KINDS, Kind, Model, ModelEffect, Value};
-use crate::effects::{EFFECTS, Effect, Parameter, Place, Scales, is_optional};
+use crate::effects::{EFFECTS, Effect, Parameter, Place, Scales};
 use source::{Entry, Source, Table, list};
 use std::path::{Path, PathBuf};
 
@@ -232,7 +232,7 @@ fn effect(
     for parameter in effect.parameters {
         parameters.push(match given_table.take(parameter.name) {
             Some(entry) => value(source, &entry, signs(parameter))?,
-            None if is_optional(effect.name, parameter.name) => Value::from(parameter.neutral),
+            None if effect.is_optional(parameter) => Value::from(parameter.neutral),
             None => return Err(given_table.missing(parameter.name)),
         });
     }

@@ -5,6 +5,7 @@ pub mod believed;
 mod bodies;
 pub mod chain;
 mod circle;
+mod departure;
 pub mod effects;
 mod experiment;
 mod file;
@@ -29,6 +30,7 @@ mod two_mass;
 mod windows;
 
 pub use circle::Radius;
+pub use departure::{Departure, StartComponent};
 pub use experiment::{Experiment, Output, Window};
 pub use file::ModelError;
 pub use integrate::{Kick, Restart, Timed, integrate};

@@ -6,7 +6,7 @@ use super::output::output;
 use super::piecewise::{Grid, Hold};
 use super::predict::predict_windows;
 use super::windows::windows;
-use super::{ExperimentError, Model};
+use super::{Departure, ExperimentError, Model};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::noise_floor;
 
@@ -115,7 +115,7 @@ impl Experiment {
     /// What the model says of each output, its clock as a first guess has it.
     fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
         let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
-        let start = &[[0.0; 8]];
+        let start = &[Departure::default()];
         let (keys, terms) = (model.keys(), model.terms());
         let all = predict_windows(model.kind, &keys, &terms, self, start, &clocks);
         all.into_iter().map(|one| one.values).collect()

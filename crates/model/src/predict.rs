@@ -1,6 +1,10 @@
 //! What a model predicts at the stamps of the sensors.
 
 use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
+use super::departure::{
+    Departure,
+    StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
+};
 use super::experiment::{Experiment, Output, RADIANS_A_STEP};
 use super::integrate::{Kick, Restart, Timed, integrate, integrate_in_parts};
 use super::piecewise::Grid;
@@ -23,9 +27,19 @@ pub struct Term {
 }
 
 impl Term {
-    /// Name and place of the effect.
-    pub fn identity(&self) -> (&'static str, Place) {
-        (self.effect.name, self.place)
+    /// Effect and place.
+    pub fn identity(&self) -> (&'static Effect, Place) {
+        (self.effect, self.place)
+    }
+
+    /// Whether it changes anything: where its size is neutral the motion is that without it, to the bit.
+    pub fn acts(&self) -> bool {
+        !self.effect.vanishes(&self.values)
+    }
+
+    /// The value of its size.
+    pub fn size(&self) -> f64 {
+        self.values[self.effect.size()]
     }
 }
 
@@ -48,14 +62,14 @@ struct Ready<'a> {
     eyes: Eyes,
 }
 
-/// Simulates an experiment for values of the kind's keys, effects, and a departure of the start
-/// (motor side, its velocity, deformation, its rate, and the same of two further modes) from what was measured.
+/// Simulates an experiment for values of the kind's keys, effects, and a departure of the start from what
+/// was measured.
 pub fn simulate(
     kind: &Kind,
     keys: &[f64],
     terms: &[Term],
     experiment: &Experiment,
-    departure: &[f64; 8],
+    departure: &Departure,
 ) -> Simulated {
     simulate_windows(
         kind,
@@ -73,7 +87,7 @@ pub fn simulate_windows(
     keys: &[f64],
     terms: &[Term],
     experiment: &Experiment,
-    departures: &[[f64; 8]],
+    departures: &[Departure],
 ) -> Simulated {
     let mut ready = ready(kind, keys, terms, experiment, departures);
     let trace = integrate(&mut ready.chain, &ready.grid, ready.state, &ready.timed);
@@ -90,7 +104,7 @@ pub fn predict_windows(
     keys: &[f64],
     terms: &[Term],
     experiment: &Experiment,
-    departures: &[[f64; 8]],
+    departures: &[Departure],
     clocks: &[f64],
 ) -> Vec<Prediction> {
     let ready = ready(kind, keys, terms, experiment, departures);
@@ -103,7 +117,7 @@ pub fn see_motion(
     keys: &[f64],
     terms: &[Term],
     experiment: &Experiment,
-    departure: &[f64; 8],
+    departure: &Departure,
     mut see: impl FnMut(&Trace),
 ) {
     let departures = std::slice::from_ref(departure);
@@ -138,15 +152,14 @@ fn ready<'a>(
     keys: &[f64],
     terms: &[Term],
     experiment: &'a Experiment,
-    departures: &[[f64; 8]],
+    departures: &[Departure],
 ) -> Ready<'a> {
     super::tally::count();
     let linear = (kind.linear)(keys, experiment.input);
     let mut chain = Chain::new(linear);
     let (mut sensors, mut drives, mut timed) = (Vec::new(), Vec::new(), Timed::default());
     for term in terms {
-        // An effect whose size is neutral is not there: the baseline is met to the bit.
-        if term.values[0] == term.effect.parameters[0].neutral {
+        if !term.acts() {
             continue;
         }
         add(
@@ -171,7 +184,9 @@ fn ready<'a>(
     );
     for window in &experiment.windows {
         let departure = departures.next().unwrap_or_default();
-        let [u, v, d, rate] = std::array::from_fn(|k| window.state[k] + departure[k]);
+        let at = |k: usize, component| window.state[k] + departure[component];
+        let (u, v) = (at(0, MotorPosition), at(1, MotorVelocity));
+        let (d, rate) = (at(2, Deformation), at(3, DeformationRate));
         timed.restarts.push(Restart {
             time: window.time,
             state: [u, v, u + d, v + rate],
@@ -252,11 +267,11 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
 }
 
 /// The state at the first node: at rest in equilibrium on the motor side, and the departure.
-fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &[f64; 8]) -> State {
+fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &Departure) -> State {
     let mut state = [0.0; size_of::<State>() / size_of::<f64>()];
     let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
-    state[0] = experiment.initial[0] + departure[0];
-    state[1] = experiment.initial[1] + departure[1];
+    state[0] = experiment.initial[0] + departure[MotorPosition];
+    state[1] = experiment.initial[1] + departure[MotorVelocity];
     let (motion, _) = chain.motion(grid.time[0], &state, input);
     state[2] = motion.motor[0] + experiment.initial[2];
     state[3] = motion.motor[1] + experiment.initial[3];
@@ -264,11 +279,11 @@ fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &[f
         state[2] += equilibrium(chain, grid.time[0], &state, input);
         state[3] = motion.motor[1];
     }
-    state[2] += departure[2];
-    state[3] += departure[3];
+    state[2] += departure[Deformation];
+    state[3] += departure[DeformationRate];
     for mode in 0..chain.resonances.len().min(super::chain::RESONANCES) {
-        state[4 + 2 * mode] = motion.motor[0] + departure[4 + 2 * mode];
-        state[5 + 2 * mode] = motion.motor[1] + departure[5 + 2 * mode];
+        state[4 + 2 * mode] = motion.motor[0] + departure[Mode(mode)];
+        state[5 + 2 * mode] = motion.motor[1] + departure[ModeRate(mode)];
     }
     state
 }
@@ -313,10 +328,9 @@ fn equilibrium(chain: &mut Chain, time: f64, state: &State, input: [f64; 3]) -> 
 impl Simulated {
     /// The same motion, read by sensors with these effects.
     pub fn read_by(&self, terms: &[Term]) -> Self {
-        let there = |term: &&Term| term.values[0] != term.effect.parameters[0].neutral;
         let laws = terms
             .iter()
-            .filter(there)
+            .filter(|term| term.acts())
             .map(|term| (term.effect.law)(&term.values));
         let sensors = laws.filter_map(|law| match law {
             Law::Sensor(sensor) => Some(sensor),

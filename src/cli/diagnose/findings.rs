@@ -2,16 +2,16 @@
 
 use super::page::Case;
 use super::shown::Shown;
-use super::{head, remedy, words};
+use super::{head, words};
 use crate::diagnosis::{Finding, Verdict};
-use crate::effects::Effect;
+use crate::effects::Place;
 use crate::report::{Page, Table, number};
 
 /// Every finding, what it means, what may be done about it, and its parameters.
 pub fn section(page: Page, case: &Case) -> Page {
     let mut page = page;
     for finding in &case.diagnosis.findings {
-        page = explained(page, finding);
+        page = explained(page, case, finding);
     }
     if case.diagnosis.verdict == Verdict::PartlyExplained {
         let fit = &case.diagnosis.fit;
@@ -29,12 +29,12 @@ pub fn set(page: Page, case: &Case) -> Page {
     let mut page = page;
     for finding in &case.diagnosis.findings {
         if finding.alternatives.is_empty() {
-            page = explained(page, finding);
+            page = explained(page, case, finding);
             continue;
         }
-        let names = words::list(&words::set(finding), "or");
+        let names = words::list(&case.set(finding), "or");
         page = page.heading(format!("{}?", words::capital(&names)));
-        let place = match sits_with_all(finding) {
+        let place = match sits_with_all(case, finding) {
             true => format!(" {}", words::at(&finding.place)),
             false => String::new(),
         };
@@ -42,11 +42,9 @@ pub fn set(page: Page, case: &Case) -> Page {
             "One of them is missing{place}; these recordings cannot tell which."
         ));
         for effect in std::iter::once(&finding.effect).chain(&finding.alternatives) {
-            if let Some(physics) = words::physics(effect) {
-                page = page.text(format!(
-                    "{}: {physics}",
-                    words::capital(&words::effect(effect))
-                ));
+            if let Some(physics) = case.physics(effect) {
+                let title = words::capital(&case.title(effect));
+                page = page.text(format!("{title}: {physics}"));
             }
         }
         if !finding.evidence.is_empty() {
@@ -57,9 +55,10 @@ pub fn set(page: Page, case: &Case) -> Page {
 }
 
 /// Whether all that cannot be told from a finding can sit at its place.
-fn sits_with_all(finding: &Finding) -> bool {
+fn sits_with_all(case: &Case, finding: &Finding) -> bool {
     let there = |name: &String| {
-        let places = Effect::from_name(name).map_or(&[][..], |effect| effect.places);
+        let places = case.catalogue.effect(name);
+        let places = places.map_or(&[][..], |effect| effect.places);
         places.iter().any(|place| place.name() == finding.place)
     };
     finding.alternatives.iter().all(there)
@@ -67,7 +66,7 @@ fn sits_with_all(finding: &Finding) -> bool {
 
 /// The parameters of the explanation that was written into the model.
 pub fn parameters(page: Page, case: &Case) -> Page {
-    let names = words::findings(&case.diagnosis.findings);
+    let names = case.findings();
     let page = page.heading("Its size").text(format!(
         "The model that was written has {names}; the other explanations fit with a size of their \
          own.",
@@ -80,8 +79,9 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     let location = &case.diagnosis.location;
     let mut page = page.heading("What is known of it");
     let mut known = Vec::new();
-    if let Some(place) = &location.place {
-        known.push(format!("it sits in the {place} ({})", words::place(place)));
+    if let Some(place) = location.place.as_deref().and_then(Place::from_name) {
+        let what = words::place(place);
+        known.push(format!("it sits in the {} ({what})", place.name()));
     }
     if !location.phases.is_empty() {
         known.push(format!(
@@ -90,7 +90,7 @@ pub fn unknown(page: Page, case: &Case) -> Page {
         ));
     }
     if let Some(coordinate) = &location.coordinate {
-        known.push(format!("it follows the {}", words::effect(coordinate)));
+        known.push(format!("it follows the {}", words::plain(coordinate)));
     }
     if let Some(frequency) = location.frequency_hz {
         known.push(format!("it stands out at {} Hz", number(frequency)));
@@ -98,7 +98,7 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     if !known.is_empty() {
         page = page.text(format!("{}.", words::capital(&words::list(&known, "and"))));
     }
-    let look = location.place.as_ref().and_then(|place| remedy::at(place));
+    let look = location.place.as_deref().and_then(words::look);
     let tried = "The whole catalogue was held against it and what came closest was fitted; nothing \
                  brings the misfit down to the noise on moves that it was not fitted to. The model \
                  is left as it was but for its own parameters.";
@@ -110,10 +110,10 @@ pub fn unknown(page: Page, case: &Case) -> Page {
 }
 
 /// A finding under its name: physics, what to do, and the evidence.
-fn explained(page: Page, finding: &Finding) -> Page {
-    let name = words::capital(&words::effect(&finding.effect));
+fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
+    let name = words::capital(&case.title(&finding.effect));
     let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
-    let page = means(page, &finding.effect, &finding.place);
+    let page = means(page, case, &finding.effect);
     let page = match finding.evidence.is_empty() {
         true => page,
         false => page.text(finding.evidence.clone()),
@@ -121,7 +121,7 @@ fn explained(page: Page, finding: &Finding) -> Page {
     match finding.alternatives.as_slice() {
         [] => page,
         others => {
-            let others: Vec<_> = others.iter().map(|name| words::effect(name)).collect();
+            let others: Vec<_> = others.iter().map(|name| case.title(name)).collect();
             let others = words::list(&others, "or");
             page.text(format!("The data would allow {others} in its place."))
         }
@@ -129,11 +129,10 @@ fn explained(page: Page, finding: &Finding) -> Page {
 }
 
 /// The physics in a sentence or two, and what to do.
-fn means(page: Page, effect: &str, place: &str) -> Page {
-    let parts = [
-        words::physics(effect),
-        remedy::remedy(effect, place).map(|remedy| format!("What to do: {remedy}")),
-    ];
+fn means(page: Page, case: &Case, effect: &str) -> Page {
+    let remedy = case.remedy(effect);
+    let remedy = remedy.map(|remedy| format!("What to do: {remedy}"));
+    let parts = [case.physics(effect), remedy];
     parts.into_iter().flatten().fold(page, Page::text)
 }
 
@@ -150,8 +149,8 @@ fn table(page: Page, case: &Case) -> Page {
             let shown = Shown::of(&parameter.unit, parameter.value);
             rows += 1;
             table = table.row([
-                words::capital(&words::effect(&finding.effect)).into(),
-                words::effect(&parameter.name).into(),
+                words::capital(&case.title(&finding.effect)).into(),
+                case.parameter(finding, &parameter.name).into(),
                 shown.quoted(parameter.value, parameter.ci95).into(),
                 shown.interval(parameter.ci95).into(),
                 shown.unit.into(),

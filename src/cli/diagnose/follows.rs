@@ -39,7 +39,7 @@ pub fn scatter(case: &Case) -> Option<Chart> {
             .collect()
     };
     let [x, low, mean, high] = averages(trace);
-    let coordinate = words::effect(&trace.coordinate);
+    let coordinate = words::plain(&trace.coordinate);
     let title = format!("The missing part over the {coordinate}");
     let chart = Chart::lines(
         title,
@@ -102,9 +102,9 @@ pub fn explained(trace: &CoordinateTrace) -> Option<Bars> {
     let shares: Vec<_> = trace
         .explained
         .iter()
-        .map(|(name, share)| (words::effect(name), *share))
+        .map(|(name, share)| (words::plain(name), *share))
         .collect();
-    let best = words::effect(&trace.coordinate);
+    let best = words::plain(&trace.coordinate);
     let bars = percentages(
         "What it follows: share of the missing part that each coordinate explains",
         shares,

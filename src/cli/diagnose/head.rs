@@ -4,7 +4,6 @@ use super::page::Case;
 use super::shown::{Shown, digits};
 use super::words;
 use crate::diagnosis::{Finding, Fit, Quality, Verdict};
-use crate::effects::EFFECTS;
 use crate::report::{self, Figure, Page, fixed, number};
 
 /// Title, verdict in one sentence, key figures.
@@ -37,18 +36,21 @@ fn figures(case: &Case) -> Vec<Figure> {
     }
     let mut figures = vec![over_noise(case), misfit(case)];
     match diagnosis.verdict {
-        Verdict::NoMismatch => figures.push(catalogue("none is needed")),
+        Verdict::NoMismatch => figures.push(catalogue(case, "none is needed")),
         Verdict::Unexplained => {
-            figures.push(catalogue("none explains it"));
+            figures.push(catalogue(case, "none explains it"));
             figures.extend(diagnosis.location.frequency_hz.map(frequency));
         }
         _ => {}
     }
-    figures.extend(diagnosis.findings.iter().take(2).filter_map(parameter));
+    let sizes = diagnosis.findings.iter().take(2);
+    figures.extend(sizes.filter_map(|finding| size(case, finding)));
     match first {
         Some(_) if diagnosis.findings.len() > 1 => {}
-        Some(finding) if finding.alternatives.is_empty() => figures.push(probability(finding)),
-        Some(finding) => figures.push(set_size(finding)),
+        Some(finding) if finding.alternatives.is_empty() => {
+            figures.push(probability(case, finding))
+        }
+        Some(finding) => figures.push(set_size(case, finding)),
         None => {}
     }
     figures
@@ -103,8 +105,9 @@ fn misfit(case: &Case) -> Figure {
         .note(format!("the noise is {noise} {}", shown.unit))
 }
 
-fn catalogue(note: &str) -> Figure {
-    Figure::text("effects in the catalogue", EFFECTS.len().to_string()).note(note)
+fn catalogue(case: &Case, note: &str) -> Figure {
+    let count = case.catalogue.0.len();
+    Figure::text("effects in the catalogue", count.to_string()).note(note)
 }
 
 fn frequency(frequency: f64) -> Figure {
@@ -113,16 +116,16 @@ fn frequency(frequency: f64) -> Figure {
         .note("in the misfit's spectrum")
 }
 
-/// The first parameter of a finding, with its interval.
-fn parameter(finding: &Finding) -> Option<Figure> {
-    let parameter = finding.parameters.first()?;
+/// The size of a finding, with its interval.
+fn size(case: &Case, finding: &Finding) -> Option<Figure> {
+    let parameter = case.size(finding)?;
     let shown = Shown::of(&parameter.unit, parameter.value);
     let name = match parameter.name.as_str() {
-        name if finding.effect.contains(name) => words::effect(&finding.effect),
+        name if finding.effect.contains(name) => case.title(&finding.effect),
         name => format!(
             "{}: {}",
-            words::effect(&finding.effect),
-            words::effect(name)
+            case.title(&finding.effect),
+            case.parameter(finding, name)
         ),
     };
     let figure = Figure::text(name, shown.quoted(parameter.value, parameter.ci95));
@@ -130,22 +133,19 @@ fn parameter(finding: &Finding) -> Option<Figure> {
     Some(figure.unit(shown.unit.clone()).note(interval))
 }
 
-fn set_size(finding: &Finding) -> Figure {
+fn set_size(case: &Case, finding: &Finding) -> Figure {
     let count = 1 + finding.alternatives.len();
     Figure::text("explanations that fit alike", count.to_string())
-        .note(words::list(&words::set(finding), "or"))
+        .note(words::list(&case.set(finding), "or"))
 }
 
-fn probability(finding: &Finding) -> Figure {
+fn probability(case: &Case, finding: &Finding) -> Figure {
     let percent = 100.0 * finding.probability;
     let text = match percent {
         p if p > 99.0 => "> 99".into(),
         p if p < 1.0 => "< 1".into(),
         p => format!("{p:.0}"),
     };
-    let note = format!(
-        "for {}, among what was tried",
-        words::effect(&finding.effect)
-    );
+    let note = format!("for {}, among what was tried", case.title(&finding.effect));
     Figure::text("probability", text).unit("%").note(note)
 }

@@ -33,7 +33,7 @@ pub fn names(case: &Case) -> Names {
         false => "the model, refitted",
     };
     let after = match findings.len() {
-        0..=2 => words::findings(findings),
+        0..=2 => case.findings(),
         _ => "all that was found".into(),
     };
     Names {
@@ -188,5 +188,5 @@ pub fn residual(trace: &OutputTrace, predicted: &[f64]) -> Vec<f64> {
 /// The role's name as words: the last part of the trace's.
 fn quantity(trace: &OutputTrace) -> String {
     let role = trace.name.rsplit([' ', '/', ':']).next();
-    words::effect(role.unwrap_or(&trace.name))
+    words::plain(role.unwrap_or(&trace.name))
 }

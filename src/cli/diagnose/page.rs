@@ -3,22 +3,36 @@
 use super::shown::{Shown, peak};
 use super::{findings, head, motion, next, place, ranking, record};
 use crate::diagnosis::{Diagnosis, Traces, Verdict};
+use crate::effects::Catalogue;
 use crate::report::Page;
 
 /// What all sections are made from.
-pub(super) struct Case<'a> {
+pub struct Case<'a> {
+    /// What is told.
     pub diagnosis: &'a Diagnosis,
+    /// What is drawn.
     pub traces: &'a Traces,
+    /// Where its effects stand.
+    pub catalogue: Catalogue,
 }
 
-impl Case<'_> {
+impl<'a> Case<'a> {
+    /// Of a diagnosis that looked through the whole catalogue.
+    pub fn new(diagnosis: &'a Diagnosis, traces: &'a Traces) -> Self {
+        Self {
+            diagnosis,
+            traces,
+            catalogue: Catalogue::default(),
+        }
+    }
+
     /// Whether there is a second model to show.
-    pub fn has_after(&self) -> bool {
+    pub(super) fn has_after(&self) -> bool {
         !self.diagnosis.findings.is_empty()
     }
 
     /// The unit of the first output's misfit: that of its motion, or a smaller one.
-    pub fn misfit_unit(&self) -> Shown {
+    pub(super) fn misfit_unit(&self) -> Shown {
         let fit = &self.diagnosis.fit;
         let small = fit.noise_std.max(fit.after.train_rms);
         let first = self
@@ -38,14 +52,18 @@ pub fn page(
     model_name: &str,
     recording_names: &[String],
 ) -> Page {
-    let case = Case { diagnosis, traces };
-    let page = head::head(&case, model_name, recording_names);
-    match diagnosis.verdict {
-        Verdict::NoMismatch => clean(page, &case),
-        Verdict::Ambiguous => ambiguous(page, &case),
-        Verdict::Unexplained => unexplained(page, &case),
-        Verdict::NotExcited => untold(page, &case),
-        Verdict::Named | Verdict::PartlyExplained => named(page, &case),
+    page_of(&Case::new(diagnosis, traces), model_name, recording_names)
+}
+
+/// The whole page of a case.
+pub fn page_of(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
+    let page = head::head(case, model_name, recording_names);
+    match case.diagnosis.verdict {
+        Verdict::NoMismatch => clean(page, case),
+        Verdict::Ambiguous => ambiguous(page, case),
+        Verdict::Unexplained => unexplained(page, case),
+        Verdict::NotExcited => untold(page, case),
+        Verdict::Named | Verdict::PartlyExplained => named(page, case),
     }
 }
 

@@ -18,8 +18,8 @@ pub fn chain(page: Page, case: &Case) -> Page {
             continue;
         }
         chain = match outside {
-            true => chain.beside(*name, words::place(name)),
-            false => chain.station(*name, words::place(name)),
+            true => chain.beside(*name, words::place(*place)),
+            false => chain.station(*name, words::place(*place)),
         };
         any |= !reasons.is_empty();
         chain = reasons.into_iter().fold(chain, Chain::marked);
@@ -35,7 +35,7 @@ fn reasons(case: &Case, place: &str) -> Vec<String> {
     let at = |finding: &&Finding| finding.place == place;
     let here = case.diagnosis.findings.iter().filter(at);
     let mut reasons: Vec<_> = here
-        .map(|finding| words::capital(&words::list(&words::set(finding), "or")))
+        .map(|finding| words::capital(&words::list(&case.set(finding), "or")))
         .collect();
     let located = case.diagnosis.location.place.as_deref() == Some(place);
     if located && case.diagnosis.verdict == Verdict::Unexplained {

@@ -4,7 +4,6 @@ use super::page::Case;
 use super::shown::digits;
 use super::{head, words};
 use crate::diagnosis::Verdict;
-use crate::effects::EFFECTS;
 use crate::report::{Bars, Page, Table, number};
 
 /// Candidates that are drawn, and that are listed, at most.
@@ -39,19 +38,16 @@ fn introduction(case: &Case) -> String {
         .filter(|finding| !finding.alternatives.is_empty());
     let doubts: Vec<_> = doubts
         .map(|finding| {
-            let others = finding.alternatives.iter().map(|name| words::effect(name));
+            let others = finding.alternatives.iter().map(|name| case.title(name));
             let others: Vec<_> = others.collect();
-            let name = words::effect(&finding.effect);
+            let name = case.title(&finding.effect);
             format!(
                 " The data cannot tell {name} from {}.",
                 words::list(&others, "or")
             )
         })
         .collect();
-    let none = format!(
-        " None comes as close as {}.",
-        words::findings(&diagnosis.findings)
-    );
+    let none = format!(" None comes as close as {}.", case.findings());
     match (diagnosis.verdict, doubts.is_empty()) {
         (Verdict::Unexplained, _) => how.into(),
         (_, true) => format!("{how}{none}"),
@@ -63,7 +59,7 @@ fn bars(case: &Case) -> Bars {
     let drawn = &case.diagnosis.candidates[..case.diagnosis.candidates.len().min(DRAWN)];
     let names = drawn
         .iter()
-        .map(|one| words::capital(&words::effect(&one.effect)));
+        .map(|one| words::capital(&case.title(&one.effect)));
     let percent = drawn
         .iter()
         .map(|one| digits(100.0 * one.held_out_ratio, 3));
@@ -91,7 +87,7 @@ fn table(case: &Case) -> Table {
         .column("delta BIC", "")
         .column("held-out ratio", "");
     for one in candidates.iter().take(LISTED) {
-        let name = words::capital(&words::effect(&one.effect));
+        let name = words::capital(&case.title(&one.effect));
         let numbers = [one.delta_bic, one.held_out_ratio];
         let [bic, ratio] = numbers.map(crate::report::Cell::from);
         table = table.row([name.into(), one.place.clone().into(), bic, ratio]);
@@ -112,13 +108,13 @@ fn table(case: &Case) -> Table {
 
 /// For a model that lacks nothing: how much was looked for.
 pub fn nothing(page: Page, case: &Case) -> Page {
-    let count = EFFECTS.len();
+    let count = case.catalogue.0.len();
     let closest = match case.diagnosis.candidates.first() {
         None => "None of them was worth a fit.".into(),
         Some(best) => format!(
             "What came closest, {}, was fitted; it leaves {} % of the misfit on moves that it was not \
              fitted to, and what is left is noise.",
-            words::effect(&best.effect),
+            case.title(&best.effect),
             number(digits(100.0 * best.held_out_ratio, 3)),
         ),
     };

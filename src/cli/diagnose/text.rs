@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::page::Case;
 use super::shown::Shown;
-use super::{head, next, remedy, words};
+use super::{head, next, words};
 use crate::cli::output;
 use crate::diagnosis::{Finding, Fit, NextMove, Verdict};
 use crate::report::number;
@@ -13,18 +13,22 @@ use crate::report::number;
 pub(super) fn text(case: &Case, files: &[PathBuf]) -> String {
     let diagnosis = case.diagnosis;
     let mut parts = vec![format!("{}\n", diagnosis.summary)];
-    parts.push(parameters(&diagnosis.findings));
+    parts.push(parameters(case));
     if diagnosis.verdict != Verdict::NotExcited {
         parts.push(fit(case));
     }
-    let mut lines: Vec<String> = diagnosis.findings.iter().flat_map(what_to_know).collect();
+    let mut lines: Vec<String> = diagnosis
+        .findings
+        .iter()
+        .flat_map(|finding| what_to_know(case, finding))
+        .collect();
     if diagnosis.verdict == Verdict::Unexplained {
         lines.extend(
             diagnosis
                 .location
                 .place
                 .as_deref()
-                .and_then(remedy::at)
+                .and_then(words::look)
                 .map(String::from),
         );
     }
@@ -43,7 +47,8 @@ pub(super) fn text(case: &Case, files: &[PathBuf]) -> String {
 }
 
 /// A line for each parameter; nothing where there is none.
-fn parameters(findings: &[Finding]) -> String {
+fn parameters(case: &Case) -> String {
+    let findings = &case.diagnosis.findings;
     let all = findings
         .iter()
         .flat_map(|finding| finding.parameters.iter().map(move |p| (finding, p)));
@@ -51,9 +56,9 @@ fn parameters(findings: &[Finding]) -> String {
         .map(|(finding, parameter)| {
             let shown = Shown::of(&parameter.unit, parameter.value);
             [
-                words::effect(&finding.effect),
+                case.title(&finding.effect),
                 finding.place.clone(),
-                words::effect(&parameter.name),
+                case.parameter(finding, &parameter.name),
                 shown.quoted(parameter.value, parameter.ci95),
                 shown.interval(parameter.ci95),
                 shown.unit,
@@ -117,17 +122,17 @@ fn fit(case: &Case) -> String {
 }
 
 /// What to do about a finding, and what it could be instead.
-fn what_to_know(finding: &Finding) -> Vec<String> {
-    let name = words::capital(&words::effect(&finding.effect));
+fn what_to_know(case: &Case, finding: &Finding) -> Vec<String> {
+    let name = words::capital(&case.title(&finding.effect));
     let others: Vec<_> = finding
         .alternatives
         .iter()
-        .map(|other| words::effect(other))
+        .map(|other| case.title(other))
         .collect();
     let doubt = (!others.is_empty())
         .then(|| format!("{name} cannot be told from {}.", words::list(&others, "or")));
-    let remedy = remedy::remedy(&finding.effect, &finding.place);
-    let remedy = remedy
+    let remedy = case
+        .remedy(&finding.effect)
         .filter(|_| others.is_empty())
         .map(|remedy| format!("{name}: {remedy}"));
     remedy.into_iter().chain(doubt).collect()

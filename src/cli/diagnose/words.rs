@@ -1,44 +1,9 @@
-//! Names of effects and places as an engineer says them.
+//! Effects and places as an engineer says them.
 
-use crate::diagnosis::{Diagnosis, Finding};
-use crate::effects::Effect;
-
-/// Words that keep their capital.
-const PROPER: &[(&str, &str)] = &[("coulomb", "Coulomb"), ("stribeck", "Stribeck")];
-
-/// Names that are not their words.
-const PHRASES: &[(&str, &str)] = &[
-    ("pose_dependent_frequency", "pose-dependent frequency"),
-    ("sensor_lag_second_order", "second-order sensor lag"),
-];
-
-/// What each place is.
-const PLACES: &[(&str, &str)] = &[
-    ("drive", "command or current to motor side"),
-    ("transmission", "motor side to link"),
-    ("link", "what the joint carries"),
-    ("base", "what the machine stands on"),
-    ("sensor", "what is measured of it"),
-    ("environment", "outside the machine"),
-];
-
-/// `coulomb_friction` as `Coulomb friction`; joined effects one by one.
-pub fn effect(name: &str) -> String {
-    let words: Vec<_> = name.split(" + ").map(one).collect();
-    words.join(" + ")
-}
-
-fn one(name: &str) -> String {
-    if let Some(entry) = PHRASES.iter().find(|entry| entry.0 == name) {
-        return entry.1.into();
-    }
-    let word = |word: &str| {
-        let proper = PROPER.iter().find(|entry| entry.0 == word);
-        proper.map_or(word, |entry| entry.1).to_string()
-    };
-    let words: Vec<_> = name.split(['_', ' ']).map(word).collect();
-    words.join(" ")
-}
+use super::page::Case;
+use crate::diagnosis::{Diagnosis, Finding, FittedParameter};
+use crate::effects::Place;
+pub use crate::effects::words as plain;
 
 /// With a capital, to begin a sentence.
 pub fn capital(text: &str) -> String {
@@ -50,9 +15,27 @@ pub fn capital(text: &str) -> String {
 }
 
 /// What a place is, in a few words.
-pub fn place(name: &str) -> &'static str {
-    let known = PLACES.iter().find(|entry| entry.0 == name);
-    known.map_or("", |entry| entry.1)
+pub fn place(place: Place) -> &'static str {
+    match place {
+        Place::Drive => "command or current to motor side",
+        Place::Transmission => "motor side to link",
+        Place::Link => "what the joint carries",
+        Place::Base => "what the machine stands on",
+        Place::Sensor => "what is measured of it",
+        Place::Environment => "outside the machine",
+    }
+}
+
+/// Where to look for what has no name, at a place of this name.
+pub fn look(place: &str) -> Option<&'static str> {
+    Some(match Place::from_name(place)? {
+        Place::Drive => "Look between the command and the motor side: amplifier, motor, bearings.",
+        Place::Transmission => "Look between motor side and link: gear, belt, coupling, joint.",
+        Place::Link => "Look at what the joint carries: link, tool, payload, cables.",
+        Place::Base => "Look at how the machine is fixed to the ground.",
+        Place::Sensor => "Look at the sensor: its scale, filter, clock and mounting.",
+        Place::Environment => "Look for what acts on the machine from outside.",
+    })
 }
 
 /// `in the transmission`, `from outside the machine`.
@@ -73,23 +56,49 @@ pub fn list(items: &[String], joint: &str) -> String {
     }
 }
 
-/// The findings' names: `Coulomb friction and sensor lag`.
-pub fn findings(findings: &[Finding]) -> String {
-    let names: Vec<_> = findings.iter().map(|f| effect(&f.effect)).collect();
-    list(&names, "and")
-}
+impl Case<'_> {
+    /// The title of an effect, of joined effects one by one.
+    pub(super) fn title(&self, names: &str) -> String {
+        self.catalogue.title(names)
+    }
 
-/// All effects that a finding may be: itself and its alternatives.
-pub fn set(finding: &Finding) -> Vec<String> {
-    let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
-    names.map(|name| effect(name)).collect()
-}
+    /// The findings' titles: `Coulomb friction and sensor lag`.
+    pub(super) fn findings(&self) -> String {
+        let findings = self.diagnosis.findings.iter();
+        let titles: Vec<_> = findings.map(|f| self.title(&f.effect)).collect();
+        list(&titles, "and")
+    }
 
-/// The first sentences of the catalogue's paragraph on an effect, without its source.
-pub fn physics(name: &str) -> Option<String> {
-    let text = Effect::from_name(name)?.physics;
-    let text = text.split("Source:").next().unwrap_or(text).trim();
-    Some(sentences(text, 240))
+    /// Titles of all effects that a finding may be: itself and its alternatives.
+    pub(super) fn set(&self, finding: &Finding) -> Vec<String> {
+        let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
+        names.map(|name| self.title(name)).collect()
+    }
+
+    /// A parameter of a finding in words.
+    pub(super) fn parameter(&self, finding: &Finding, name: &str) -> String {
+        let effect = self.catalogue.effect(&finding.effect);
+        effect.map_or_else(|| plain(name), |effect| effect.parameter_title(name))
+    }
+
+    /// The parameter that says how large a finding is.
+    pub(super) fn size<'f>(&self, finding: &'f Finding) -> Option<&'f FittedParameter> {
+        let effect = self.catalogue.effect(&finding.effect)?;
+        let size = effect.parameters[effect.size()].name;
+        finding.parameters.iter().find(|own| own.name == size)
+    }
+
+    /// The first sentences of the catalogue's paragraph on an effect, without its source.
+    pub(super) fn physics(&self, name: &str) -> Option<String> {
+        let text = self.catalogue.effect(name)?.physics;
+        let text = text.split("Source:").next().unwrap_or(text).trim();
+        Some(sentences(text, 240))
+    }
+
+    /// What an engineer may do about an effect.
+    pub(super) fn remedy(&self, name: &str) -> Option<&'static str> {
+        Some(self.catalogue.effect(name)?.remedy)
+    }
 }
 
 /// Whole sentences of `text`, the first and as many more as fit into `length` characters.
@@ -129,12 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_read_as_words() {
-        assert_eq!(effect("coulomb_friction"), "Coulomb friction");
-        assert_eq!(
-            effect("sensor_lag + second_mode"),
-            "sensor lag + second mode"
-        );
+    fn lists_read_as_words() {
         assert_eq!(
             list(&["a".into(), "b".into(), "c".into()], "or"),
             "a, b or c"

@@ -5,7 +5,7 @@ use crate::error::DiagnosisError;
 use crate::fit::orthonormal;
 use crate::units::of_values;
 use nalgebra::{DMatrix, DVector};
-use quell_model::{Experiment, Model, Output, predict_windows};
+use quell_model::{Departure, Experiment, Model, Output, predict_windows};
 use quell_recording::Recording;
 use quell_signal::noise_floor;
 
@@ -32,7 +32,7 @@ pub fn mute(
         }
         let clocks: Vec<f64> = experiment.outputs.iter().map(|o| o.clock_offset).collect();
         let (keys, terms) = (model.keys(), model.terms());
-        let start = &[[0.0; 8]];
+        let start = &[Departure::default()];
         let shown = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
         for (output, shown) in experiment.outputs.iter().zip(shown) {
             let [recorded, predicted] = [&output.values, &shown.values].map(|v| rms(output, v));

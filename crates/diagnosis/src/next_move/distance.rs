@@ -14,7 +14,7 @@ use crate::fit::Projector;
 use crate::point::{Local, Point};
 use crate::problem::Problem;
 use crate::split;
-use quell_model::Experiment;
+use quell_model::{Departure, Experiment};
 use std::slice::from_ref;
 
 /// Steps of a fit that starts near its end.
@@ -93,7 +93,7 @@ impl<'a> Rival<'a> {
         payload.load(&mut problem, &mut point);
         let local = Local {
             clocks: vec![0.0; experiment.outputs.len()],
-            departures: vec![[0.0; 8]],
+            departures: vec![Departure::default()],
         };
         explained(problem.kind, &point, experiment, &local)
     }
@@ -103,7 +103,7 @@ impl<'a> Rival<'a> {
         let (own, theirs) = (&self.point.locals[0].clocks, &self.right.locals[0].clocks);
         Local {
             clocks: own.iter().zip(theirs).map(|(a, b)| a - b).collect(),
-            departures: vec![[0.0; 8]],
+            departures: vec![Departure::default()],
         }
     }
 }

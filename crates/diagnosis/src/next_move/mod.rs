@@ -17,6 +17,7 @@ mod words;
 use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
+use super::point::EffectAt;
 use super::search::{EQUAL, Search};
 use advice::advice;
 use contest::Contest;
@@ -24,7 +25,7 @@ use distance::Rival;
 use ideas::Ideas;
 pub use information::Information;
 use payload::Payload;
-use quell_model::effects::{Place, becomes, contains};
+use quell_model::effects::Effect;
 use rayon::prelude::*;
 
 /// Chi-squared that separates: 10 is "very strong" evidence between models of as many unknowns (Kass and
@@ -63,14 +64,12 @@ pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<Nex
     Some(propose(&contest, &pairs, payload))
 }
 
-type Effects = Vec<(&'static str, Place)>;
-
 /// The best explanation and one of its equals.
 struct Pair<'a> {
     right: &'a super::point::Point,
     wrong: &'a super::point::Point,
-    best: Effects,
-    equal: Effects,
+    best: Vec<EffectAt>,
+    equal: Vec<EffectAt>,
     /// Whether the equal is taken to be right.
     reversed: bool,
 }
@@ -80,8 +79,8 @@ impl<'a> Pair<'a> {
     /// never fail, the equal.
     fn new(best: &'a Explanation, equal: &'a Explanation) -> Self {
         let [own, theirs] = words::apart(&best.effects(), &equal.effects());
-        let holds = |law: &str, simple: &str| contains(law, simple) || becomes(law, simple);
-        let limit = |simple: &&(&str, Place)| theirs.iter().any(|law| holds(law.0, simple.0));
+        let holds = |law: &Effect, simple: &Effect| law.contains(simple) || law.becomes(simple);
+        let limit = |simple: &&EffectAt| theirs.iter().any(|law| holds(law.0, simple.0));
         let reversed = !own.is_empty() && own.iter().filter(limit).count() == own.len();
         let points = [&best.fitted.point, &equal.fitted.point];
         let [right, wrong] = if reversed {
@@ -98,8 +97,14 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// Names in files.
     fn names(&self) -> [String; 2] {
-        words::names(&self.best, &self.equal)
+        words::called(&self.best, &self.equal, |effect| effect.name)
+    }
+
+    /// Names in sentences.
+    fn titles(&self) -> [String; 2] {
+        words::called(&self.best, &self.equal, |effect| effect.title)
     }
 
     fn remedy(&self) -> &'static str {
@@ -122,22 +127,21 @@ fn propose(contest: &Contest, pairs: &[Pair], payload: bool) -> NextMove {
     let (Some(idea), Some(nearest)) = (idea, nearest) else {
         return inseparable(contest, &pairs[0], apart[0], payload);
     };
-    let names = pairs[nearest].names();
-    let mut why = words::separates(&idea, &names, apart[nearest], pairs[nearest].reversed);
+    let pair = &pairs[nearest];
+    let mut why = words::separates(&idea, &pair.titles(), apart[nearest], pair.reversed);
     for k in alike {
-        why += &words::besides(&pairs[k].names(), pairs[k].remedy());
+        why += &words::besides(&pairs[k].titles(), pairs[k].remedy());
     }
     NextMove {
         why,
-        separates: names,
+        separates: pair.names(),
         expected_score: apart[nearest],
         moves: idea.moves,
     }
 }
 
 fn inseparable(contest: &Contest, pair: &Pair, score: f64, payload: bool) -> NextMove {
-    let names = pair.names();
-    let mut why = words::inseparable(&names, score, pair.remedy());
+    let mut why = words::inseparable(&pair.titles(), score, pair.remedy());
     let plan = payload
         .then(|| contest.plan(Payload::HALF_MORE, 1))
         .flatten();
@@ -148,7 +152,7 @@ fn inseparable(contest: &Contest, pair: &Pair, score: f64, payload: bool) -> Nex
     }
     NextMove {
         why,
-        separates: names,
+        separates: pair.names(),
         expected_score: score,
         moves: Vec::new(),
     }

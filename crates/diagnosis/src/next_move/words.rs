@@ -2,26 +2,28 @@
 
 use super::ideas::Idea;
 use super::{ENOUGH, SEPARATES};
-use quell_model::effects::Place;
+use crate::point::EffectAt;
+use quell_model::effects::Effect;
 
 /// What two explanations do not have in common.
-pub fn apart<'a>(
-    one: &[(&'a str, Place)],
-    other: &[(&'a str, Place)],
-) -> [Vec<(&'a str, Place)>; 2] {
-    let only = |of: &[(&'a str, Place)], not: &[(&'a str, Place)]| {
+pub fn apart(one: &[EffectAt], other: &[EffectAt]) -> [Vec<EffectAt>; 2] {
+    let only = |of: &[EffectAt], not: &[EffectAt]| {
         let own = of.iter().filter(|effect| !not.contains(effect));
         own.copied().collect()
     };
     [only(one, other), only(other, one)]
 }
 
-/// Names of effects, joined by ` + `; with their places where the names alone are the same.
-pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
-    let join = |of: &[(&str, Place)], places: bool| -> String {
-        let name = |&(name, place): &(&str, Place)| match places {
-            true => format!("{name} (at the {})", place.name()),
-            false => name.to_string(),
+/// What effects are called, joined by ` + `; with their places where the names alone are the same.
+pub fn called(
+    one: &[EffectAt],
+    other: &[EffectAt],
+    name: impl Fn(&Effect) -> &'static str,
+) -> [String; 2] {
+    let join = |of: &[EffectAt], places: bool| -> String {
+        let name = |&(effect, place): &EffectAt| match places {
+            true => format!("{} (at the {})", name(effect), place.name()),
+            false => name(effect).to_string(),
         };
         match of.is_empty() {
             true => "nothing more".into(),
@@ -33,10 +35,6 @@ pub fn names(one: &[(&str, Place)], other: &[(&str, Place)]) -> [String; 2] {
         true => [one, other].map(|side| join(side, true)),
         false => [a, b],
     }
-}
-
-fn plain(name: &str) -> String {
-    name.replace('_', " ")
 }
 
 /// `34.4 deg`, three digits.
@@ -85,7 +83,6 @@ fn command(idea: &Idea) -> String {
 /// The sentence for an experiment that separates. `reversed` where the second explanation is the one
 /// that would be seen to be right.
 pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: bool) -> String {
-    let [one, other] = [plain(one), plain(other)];
     let (right, wrong) = if reversed { (other, one) } else { (one, other) };
     let command = command(idea);
     let mut letters = command.chars();
@@ -111,7 +108,6 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: 
 
 /// The sentence for a pair that nothing tried separates, and what would.
 pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> String {
-    let [one, other] = [plain(one), plain(other)];
     format!(
         "No motion within the limits of the recordings tells {one} from {other}: the best that was tried \
          makes a chi-squared of {best:.1}, and {SEPARATES} would be very strong evidence. What would tell: \
@@ -121,7 +117,6 @@ pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> Strin
 
 /// The further sentence on a pair that the proposed experiment leaves alike.
 pub fn besides([one, other]: &[String; 2], remedy: &str) -> String {
-    let [one, other] = [plain(one), plain(other)];
     format!(" It does not tell {one} from {other}; what would: {remedy}.")
 }
 

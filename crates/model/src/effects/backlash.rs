@@ -1,7 +1,9 @@
 //! Backlash: free play with lift-off.
 
 use super::grid::product;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity,
+};
 
 struct Backlash {
     half_gap: f64,
@@ -58,6 +60,7 @@ impl Force for Backlash {
 /// that pushes, and `s c x'` everywhere, with `s` the share of the damper that acts in the gap, too.
 pub const BACKLASH: Effect = Effect {
     name: "backlash",
+    title: "backlash",
     places: &[Place::Transmission],
     physics: "Teeth have play: inside the gap the spring does not act, and of the damper only what does \
         not need contact, the oil between the flanks (`damping_in_gap` times the damper). At a flank \
@@ -65,9 +68,12 @@ pub const BACKLASH: Effect = Effect {
         is slower than large, and the link knocks at reversals. Source: Nordin and Gutman, Automatica \
         38 (2002), which has both the dead zone with a damper beside it and the one with the damper \
         behind the gap.",
+    remedy: "Check gear play, couplings and loose screws; preload the gear, or keep the load from \
+        changing sign.",
     parameters: &[
         Parameter {
             name: "gap",
+            role: ParameterRole::Size,
             quantity: Quantity::POSITION,
             bounds: |scales| (0.0, 4.0 * scales.deformation),
             neutral: 0.0,
@@ -75,12 +81,14 @@ pub const BACKLASH: Effect = Effect {
         },
         Parameter {
             name: "damping_in_gap",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             bounds: |_| (0.0, 1.0),
             neutral: 0.0,
             typical: |_| 1.0,
         },
     ],
+    properties: &[Property::ManyMinima, Property::Optional("damping_in_gap")],
     law: |p| {
         Law::Force(Box::new(Backlash {
             half_gap: 0.5 * p[0],

@@ -1,11 +1,15 @@
 //! A robot on a soft base.
 
+use super::deformation_gain::DEFORMATION_GAIN;
 use super::grid::{frequencies, frequency_bounds, product};
-use super::{Effect, Law, Parameter, Place, Quantity, Resonance};
+use super::{
+    Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
+};
 
 /// A resonance under the robot that moves the sensor's target with the arm.
 pub const BASE_MODE: Effect = Effect {
     name: "base_mode",
+    title: "base mode",
     places: &[Place::Base],
     physics: "The base gives way to the reaction of the arm and swings too. Base and joint then share \
         two modes; the sensor sees the further one with a share of the joint's sign or of the other, \
@@ -13,9 +17,12 @@ pub const BASE_MODE: Effect = Effect {
         frequency, or a sensor on the base, tells it from a mode of the arm. Source: Book, ASME J. \
         Dynamic Systems, Measurement, and Control 115 (1993); Lew and Moon, IEEE/ASME Trans. \
         Mechatronics 6 (2001).",
+    remedy: "Look at how the machine is bolted down; put a sensor on the base, and shape for its \
+        frequency as well.",
     parameters: &[
         Parameter {
             name: "share",
+            role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
             // Of either sign: the base moves with the reaction or against it, as its own resonance
             // lies above or below the mode.
@@ -25,6 +32,7 @@ pub const BASE_MODE: Effect = Effect {
         },
         Parameter {
             name: "natural_frequency",
+            role: ParameterRole::Frequency,
             quantity: Quantity::FREQUENCY,
             bounds: frequency_bounds,
             neutral: 1.0,
@@ -32,12 +40,18 @@ pub const BASE_MODE: Effect = Effect {
         },
         Parameter {
             name: "damping_ratio",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             // A mode is not overdamped.
             bounds: |_| (0.0, 0.5),
             neutral: 0.0,
             typical: |_| 0.05,
         },
+    ],
+    properties: &[
+        Property::Becomes(&DEFORMATION_GAIN),
+        Property::Alike(Likeness::Resonance),
+        Property::Alike(Likeness::Flexibility),
     ],
     law: |p| {
         Law::Resonance(Resonance {

@@ -1,7 +1,7 @@
 //! A spring of straight pieces.
 
 use super::grid::product;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 struct Bilinear {
     /// Relative change of stiffness beyond the knee, for positive and for negative deformation.
@@ -25,15 +25,19 @@ impl Force for Bilinear {
 /// `a_+ = a (1 + s)`, `a_- = a (1 - s)`.
 pub const BILINEAR_STIFFNESS: Effect = Effect {
     name: "bilinear_stiffness",
+    title: "bilinear stiffness",
     places: &[Place::Transmission],
     physics: "Beyond a deformation b the stiffness is k (1 + a): the soft wind-up of a harmonic drive, a \
         second row of teeth, a bumper. With an asymmetry s it changes by a (1 + s) for positive and \
         a (1 - s) for negative deformation: a crack that opens, a preload that lifts off. Source: \
         Shaw and Holmes, J. Sound and Vibration 90 (1983); Tuttle and Seering, IEEE Trans. Robotics \
         and Automation 12 (1996).",
+    remedy: "Look for a preload that lifts off or a stop that is touched on one side; shape for \
+        both frequencies.",
     parameters: &[
         Parameter {
             name: "change",
+            role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
             // Both slopes stay positive: 1 + a (1 +- s) > 0.
             bounds: |_| (-0.49, 10.0),
@@ -42,6 +46,7 @@ pub const BILINEAR_STIFFNESS: Effect = Effect {
         },
         Parameter {
             name: "knee",
+            role: ParameterRole::Shape,
             quantity: Quantity::POSITION,
             bounds: |scales| (0.0, 1.2 * scales.deformation),
             neutral: 0.0,
@@ -49,12 +54,14 @@ pub const BILINEAR_STIFFNESS: Effect = Effect {
         },
         Parameter {
             name: "asymmetry",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             bounds: |_| (-1.0, 1.0),
             neutral: 0.0,
             typical: |_| 0.2,
         },
     ],
+    properties: &[],
     law: |p| {
         Law::Force(Box::new(Bilinear {
             change: [p[0] * (1.0 + p[2]), p[0] * (1.0 - p[2])],

@@ -1,7 +1,9 @@
 //! A sensor's clock of wrong rate.
 
 use super::grid::sizes;
-use super::{Effect, Law, Parameter, Place, Quantity, Scales, Sensor};
+use super::{
+    Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Scales, Sensor,
+};
 
 struct Skew {
     skew: f64,
@@ -16,18 +18,22 @@ impl Sensor for Skew {
 /// The stamp `t` stands on what was at `t + s t`.
 pub const CLOCK_SKEW: Effect = Effect {
     name: "clock_skew",
+    title: "clock skew",
     places: &[Place::Sensor],
     physics: "Two quartzes differ by up to 1e-4, and by 1e-3 where one is a timer in software: the stamp t \
         stands on what was at (1 + s) t. The error grows with time and follows the speed. It turns \
         about the time 0; an offset of the clock moves that point. Source: Moon, Skelly, Towsley, \
         Estimation and removal of clock skew from network delay measurements, IEEE INFOCOM (1999).",
+    remedy: "Give both devices one clock, or stretch one recording's time by the skew.",
     parameters: &[Parameter {
         name: "skew",
+        role: ParameterRole::Size,
         quantity: Quantity::NUMBER,
         bounds: |_| (-0.1, 0.1),
         neutral: 0.0,
         typical: |scales| 0.3 * shift_of_deformation(scales),
     }],
+    properties: &[Property::Alike(Likeness::ShiftInTime)],
     law: |p| Law::Sensor(Box::new(Skew { skew: p[0] })),
     starts: |scales| sizes(shift_of_deformation(scales), [-0.3, 0.3]),
 };

@@ -1,7 +1,7 @@
 //! Cogging: a force of the drive that is periodic in position.
 
 use super::grid::{PHASES, order_bounds, orders, phase_bounds, product, resonant_order};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 struct Cogging {
     amplitude: f64,
@@ -18,14 +18,18 @@ impl Force for Cogging {
 /// A force periodic in the motor side's position: `F = A sin(N x + phase)`.
 pub const COGGING: Effect = Effect {
     name: "cogging",
+    title: "cogging",
     places: &[Place::Drive],
     physics: "Magnets pull at the teeth of the stator, with or without a current: F = A sin(N x + \
         phase), N periods in 2 pi of position, a multiple of poles and slots. Its frequency follows \
         the speed, and it does no net work over a period. Source: Zhu and Howe, IEEE Trans. Energy \
         Conversion 15 (2000); Hanselman, Brushless Permanent Magnet Motor Design (2003).",
+    remedy: "Look for the motor's poles, a ball screw or a bent shaft at this period; compensate it \
+        by a table over the position.",
     parameters: &[
         Parameter {
             name: "amplitude",
+            role: ParameterRole::Size,
             quantity: Quantity::FORCE,
             bounds: |scales| (0.0, 2.0 * scales.force),
             neutral: 0.0,
@@ -33,6 +37,7 @@ pub const COGGING: Effect = Effect {
         },
         Parameter {
             name: "order",
+            role: ParameterRole::Order,
             quantity: Quantity::new(0, -1, 0),
             bounds: order_bounds,
             neutral: 1.0,
@@ -40,12 +45,14 @@ pub const COGGING: Effect = Effect {
         },
         Parameter {
             name: "phase",
+            role: ParameterRole::Phase,
             quantity: Quantity::NUMBER,
             bounds: phase_bounds,
             neutral: 0.0,
             typical: |_| 1.0,
         },
     ],
+    properties: &[],
     law: |p| {
         Law::Force(Box::new(Cogging {
             amplitude: p[0],

@@ -1,23 +1,28 @@
 //! Coulomb friction.
 
-use super::{Effect, Friction, Law, Parameter, Place, Quantity};
+use super::{Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// Dry friction of one size, sticking and sliding.
 pub const COULOMB_FRICTION: Effect = Effect {
     name: "coulomb_friction",
+    title: "Coulomb friction",
     places: &[Place::Drive, Place::Transmission],
     physics: "Two surfaces pressed together stick until the force between them exceeds F, and slide \
         against F, whatever the speed. It dissipates the same energy in each cycle for each unit of \
         amplitude, so that free vibration decays along a straight line and stops away from its centre. \
         Source: Coulomb, Theorie des machines simples (1785); Armstrong-Helouvry, Dupont, Canudas de \
         Wit, Automatica 30 (1994).",
+    remedy: "Check lubrication, preload and seals; compensate it with a term that changes sign with \
+        the velocity.",
     parameters: &[Parameter {
         name: "friction",
+        role: ParameterRole::Size,
         quantity: Quantity::FORCE,
         bounds: |scales| (0.0, scales.force),
         neutral: 0.0,
         typical: |scales| 0.05 * scales.force,
     }],
+    properties: &[Property::Alike(Likeness::LowSpeed)],
     law: |p| {
         Law::Friction(Friction {
             kinetic: [p[0]; 2],

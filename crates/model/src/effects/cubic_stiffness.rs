@@ -1,6 +1,6 @@
 //! Cubic stiffness.
 
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 /// Part of the nominal stiffness at which softening ends.
 const SOFTEST: f64 = 0.1;
@@ -35,14 +35,18 @@ impl Force for Cubic {
 /// spring lets go altogether.
 pub const CUBIC_STIFFNESS: Effect = Effect {
     name: "cubic_stiffness",
+    title: "cubic stiffness",
     places: &[Place::Transmission],
     physics: "The spring force is F = k (x + k3 x^3). Teeth, bearings and harmonic drives harden (k3 > 0) as \
         more of them carry; buckling parts soften. The frequency of free vibration of amplitude A \
         shifts by a factor 1 + 3/8 k3 A^2. Softening ends where a tenth of the stiffness is left. \
         Source: Duffing, Erzwungene Schwingungen bei veraenderlicher \
         Eigenfrequenz (1918); Tuttle and Seering, IEEE Trans. Robotics and Automation 12 (1996).",
+    remedy: "Shape for the frequency at the amplitude that is worked with; it shifts with the size \
+        of the move.",
     parameters: &[Parameter {
         name: "k3",
+        role: ParameterRole::Size,
         quantity: Quantity::new(0, -2, 0),
         // The spring keeps a positive slope over the motion: 1 + 3 k3 x^2 > 0.
         bounds: |scales| {
@@ -52,6 +56,7 @@ pub const CUBIC_STIFFNESS: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.2 * scales.deformation.powi(-2),
     }],
+    properties: &[],
     law: |p| Law::Force(Box::new(Cubic::new(p[0]))),
     starts: |scales| {
         let unit = scales.deformation.powi(-2);

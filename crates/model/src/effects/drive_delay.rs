@@ -2,7 +2,7 @@
 
 use super::cubic::{cubic_coefficients, with_slopes};
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Parameter, Place, Quantity};
+use super::{Drive, Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
 
 struct Delay {
     delay: f64,
@@ -41,18 +41,23 @@ impl Drive for Delay {
 /// A dead time of the drive: `z(t) = u(t - T)`.
 pub const DRIVE_DELAY: Effect = Effect {
     name: "drive_delay",
+    title: "drive delay",
     places: &[Place::Drive],
     physics: "A command waits for the bus, the controller's cycle and the inverter's hold, and acts T \
         later, unchanged: z(t) = u(t - T). A lag makes the same shift where motion is slow, a delay \
         keeps the size of what is fast. Source: Astrom and Wittenmark, Computer-Controlled Systems \
         (1997), chapter 3.",
+    remedy: "Count the cycles between controller and amplifier; shift the command, or the model's \
+        input, by the delay.",
     parameters: &[Parameter {
         name: "delay",
+        role: ParameterRole::Size,
         quantity: Quantity::TIME,
         bounds: |scales| (0.0, scales.period().max(20.0 * scales.sample_time)),
         neutral: 0.0,
         typical: |scales| 0.05 * scales.period(),
     }],
+    properties: &[Property::Alike(Likeness::ShiftInTime)],
     law: |p| Law::Drive(Box::new(Delay { delay: p[0] })),
     starts: |scales| sizes(scales.period(), [0.005, 0.02, 0.06, 0.15, 0.3, 0.5]),
 };

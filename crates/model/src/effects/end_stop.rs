@@ -1,7 +1,7 @@
 //! An end stop.
 
 use super::grid::{product, reach, typical_position};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 /// Instants at which the link may have met a stop that are looked at.
 const SUSPECTS: usize = 3;
@@ -51,15 +51,18 @@ impl Force for EndStop {
 /// One-sided contact: `F = k max(e + T e', 0)` at a depth `e > 0` beyond the stop.
 pub const END_STOP: Effect = Effect {
     name: "end_stop",
+    title: "end stop",
     places: &[Place::Link],
     physics: "Beyond a position the link meets a bumper that pushes with k (e + T e'), e the depth, and \
         never pulls: it comes off when that is negative. `side` above 0 is a stop above the range of \
         motion, below 0 one below it. The bumper's time constant T = c / k gives its coefficient of \
         restitution. Source: Hunt and Crossley, ASME J. Applied Mechanics 42 (1975); Brogliato, \
         Nonsmooth Mechanics (2016), chapter 2.",
+    remedy: "Keep clear of the stop, or look for a cable that tightens there.",
     parameters: &[
         Parameter {
             name: "stiffness",
+            role: ParameterRole::Size,
             quantity: Quantity::new(1, -1, 0),
             bounds: |scales| (0.0, 20.0 * scales.force / scales.deformation),
             neutral: 0.0,
@@ -67,6 +70,7 @@ pub const END_STOP: Effect = Effect {
         },
         Parameter {
             name: "position",
+            role: ParameterRole::Position,
             quantity: Quantity::POSITION,
             bounds: |scales| {
                 let margin = 1.05 * reach(scales) - scales.travel();
@@ -77,6 +81,7 @@ pub const END_STOP: Effect = Effect {
         },
         Parameter {
             name: "time_constant",
+            role: ParameterRole::Shape,
             quantity: Quantity::TIME,
             bounds: |scales| (0.0, 0.1 * scales.period()),
             neutral: 0.0,
@@ -84,12 +89,14 @@ pub const END_STOP: Effect = Effect {
         },
         Parameter {
             name: "side",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             bounds: |_| (-1.0, 1.0),
             neutral: 1.0,
             typical: |_| 1.0,
         },
     ],
+    properties: &[],
     law: |p| {
         Law::Force(Box::new(EndStop {
             stiffness: p[0],

@@ -1,19 +1,22 @@
 //! A knock from outside.
 
 use super::grid::{product, times, typical_time};
-use super::{Effect, Law, Parameter, Place, Quantity};
+use super::{Effect, Law, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// An impulse on the link: its velocity jumps at a time.
 pub const EXTERNAL_DISTURBANCE: Effect = Effect {
     name: "external_disturbance",
+    title: "external disturbance",
     places: &[Place::Environment],
     physics: "Something knocks against the link, for a time that is short against its period: the velocity \
         jumps by J / m and the link rings freely. Source: Haddadin, De Luca, Albu-Schaeffer, Robot \
         collisions: a survey on detection, isolation, and identification, IEEE Trans. Robotics 33 \
         (2017).",
+    remedy: "Find out what touched the machine at these times; leave those stretches out.",
     parameters: &[
         Parameter {
             name: "jump",
+            role: ParameterRole::Size,
             quantity: Quantity::VELOCITY,
             bounds: |scales| {
                 let most = 20.0 * scales.deformation_rate;
@@ -24,12 +27,14 @@ pub const EXTERNAL_DISTURBANCE: Effect = Effect {
         },
         Parameter {
             name: "time",
+            role: ParameterRole::Time,
             quantity: Quantity::TIME,
             bounds: |scales| scales.span,
             neutral: 0.0,
             typical: typical_time,
         },
     ],
+    properties: &[Property::Recurs],
     law: |p| Law::Impulse {
         size: p[0],
         time: p[1],

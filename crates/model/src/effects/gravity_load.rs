@@ -1,7 +1,11 @@
 //! Weight of the link.
 
+use super::force_offset::FORCE_OFFSET;
 use super::grid::{PHASES, phase_bounds, product};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{
+    Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
+    Quantity,
+};
 
 struct Gravity {
     amplitude: f64,
@@ -17,15 +21,18 @@ impl Force for Gravity {
 /// The link's weight at its angle: `F = A cos(y + phase)`.
 pub const GRAVITY_LOAD: Effect = Effect {
     name: "gravity_load",
+    title: "gravity load",
     places: &[Place::Link],
     physics: "The weight m g at a distance l from the axis resists with A cos(y + phase), A = m g l \
         times the sine of the axis' tilt; the link hangs like a pendulum, so that the static \
         deformation and, a little, the stiffness depend on the pose. A tilted sensor shows nearly the \
         same. Source: Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and \
         Control (2009), chapter 7.",
+    remedy: "Put the payload's weight and its lever into the model, or balance it.",
     parameters: &[
         Parameter {
             name: "amplitude",
+            role: ParameterRole::Size,
             quantity: Quantity::FORCE,
             bounds: |scales| (0.0, 20.0 * scales.force),
             neutral: 0.0,
@@ -33,11 +40,17 @@ pub const GRAVITY_LOAD: Effect = Effect {
         },
         Parameter {
             name: "phase",
+            role: ParameterRole::Phase,
             quantity: Quantity::NUMBER,
             bounds: phase_bounds,
             neutral: 0.0,
             typical: |_| 1.0,
         },
+    ],
+    properties: &[
+        // Where the axis turns by little.
+        Property::Contains(&FORCE_OFFSET),
+        Property::Alike(Likeness::Pose),
     ],
     law: |p| {
         Law::Force(Box::new(Gravity {

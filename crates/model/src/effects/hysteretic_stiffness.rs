@@ -1,7 +1,10 @@
 //! A spring with a hysteresis loop after Bouc and Wen.
 
 use super::grid::product;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{
+    Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
+    Quantity,
+};
 
 struct BoucWen {
     share: f64,
@@ -95,6 +98,7 @@ impl Force for BoucWen {
 /// A share of the spring yields: `F = k ((1 - a) x + a z)` with Bouc and Wen's `z`.
 pub const HYSTERETIC_STIFFNESS: Effect = Effect {
     name: "hysteretic_stiffness",
+    title: "hysteretic stiffness",
     places: &[Place::Transmission],
     physics: "A share a of the spring yields: F = k ((1 - a) x + a z), dz/dx = 1 - (beta sign x' + gamma \
         sign z) z |z|^(n - 1). The slope falls from k to (1 - a) k over the deformation x_y, where the \
@@ -105,9 +109,12 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
         stays straight. \
         Source: Bouc, Proc. 4th Conf. Nonlinear Oscillation (1967); Wen, ASCE J. Engineering \
         Mechanics 102 (1976); Erlicher and Point, C. R. Mecanique 332 (2004).",
+    remedy: "Expect the position to depend on the way it was reached; approach from one side, or \
+        model the loop.",
     parameters: &[
         Parameter {
             name: "share",
+            role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
             bounds: |_| (0.0, 0.98),
             neutral: 0.0,
@@ -115,6 +122,7 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
         },
         Parameter {
             name: "yield_deformation",
+            role: ParameterRole::Shape,
             quantity: Quantity::POSITION,
             bounds: |scales| (0.01 * scales.deformation, 5.0 * scales.deformation),
             neutral: 1.0,
@@ -122,6 +130,7 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
         },
         Parameter {
             name: "unloading",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             bounds: |_| (0.0, 3.0),
             neutral: 0.0,
@@ -129,12 +138,14 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
         },
         Parameter {
             name: "sharpness",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             bounds: |_| (0.0, 1.0),
             neutral: 0.0,
             typical: |_| 0.5,
         },
     ],
+    properties: &[Property::Alike(Likeness::LowSpeed)],
     law: |p| {
         let rate = 1.0 / p[1].max(SMALLEST);
         let (linear, quadratic) = (rate * (1.0 - p[3]), rate * rate * p[3]);

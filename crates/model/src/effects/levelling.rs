@@ -1,6 +1,6 @@
 //! How far a drift has come that slows down.
 
-use super::{Parameter, Quantity};
+use super::{Parameter, ParameterRole, Quantity};
 
 /// `(1 - exp(-s t)) / s`, which is `t` where nothing slows it down (`s = 0`): it begins with the slope 1
 /// and levels off at `1 / s`.
@@ -15,6 +15,7 @@ pub(super) fn levelling(time: f64, settling: f64) -> f64 {
 /// it is a step.
 pub(super) const SETTLING_RATE: Parameter = Parameter {
     name: "settling_rate",
+    role: ParameterRole::Shape,
     quantity: Quantity::FREQUENCY,
     bounds: |scales| (0.0, 20.0 / scales.duration()),
     neutral: 0.0,

@@ -1,7 +1,9 @@
 //! A sensor that is not on the axis.
 
 use super::grid::{PHASES, phase_bounds, product, reach};
-use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
+use super::{
+    Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Reading, Sensor,
+};
 
 struct Eccentricity {
     amplitude: f64,
@@ -17,14 +19,17 @@ impl Sensor for Eccentricity {
 /// An error that goes once round with the pose: `y + A sin(y + phase)`.
 pub const MISALIGNMENT: Effect = Effect {
     name: "misalignment",
+    title: "misalignment",
     places: &[Place::Sensor],
     physics: "A disc or a target that is off the axis by e at a radius r shows y + (e / r) sin(y + \
         phase); an axis that is tilted against the sensor's frame does nearly the same. It depends \
         on the pose only, moving or not. Source: Slocum, Precision Machine Design (1992), chapter 5; \
         ISO 230-7, Geometric accuracy of axes of rotation.",
+    remedy: "Align the sensor's axis with the direction of motion, or calibrate its frame.",
     parameters: &[
         Parameter {
             name: "amplitude",
+            role: ParameterRole::Size,
             quantity: Quantity::POSITION,
             bounds: |scales| (0.0, reach(scales)),
             neutral: 0.0,
@@ -32,12 +37,14 @@ pub const MISALIGNMENT: Effect = Effect {
         },
         Parameter {
             name: "phase",
+            role: ParameterRole::Phase,
             quantity: Quantity::NUMBER,
             bounds: phase_bounds,
             neutral: 0.0,
             typical: |_| 1.0,
         },
     ],
+    properties: &[Property::Alike(Likeness::Pose)],
     law: |p| {
         Law::Sensor(Box::new(Eccentricity {
             amplitude: p[0],

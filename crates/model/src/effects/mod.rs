@@ -2,7 +2,8 @@
 //!
 //! An [`Effect`] is one file and one line in [`EFFECTS`]. It says where it sits in the chain from
 //! drive to sensor, what its parameters are, and gives the [`Law`] that the model integrates. A law
-//! with its parameters at their neutral values changes nothing, to the bit.
+//! with its size at its neutral value changes nothing, to the bit. All else that the program must know
+//! of it, it says in words and in [properties](Property); nobody else knows it by its name.
 //!
 //! Forces are in the unit of the model: N or N.m where an inertia is known; divided by the joint's
 //! stiffness, so in rad, where only its natural frequency is (`flexible_joint`, `oscillator`).
@@ -11,6 +12,7 @@ mod asymmetric_friction;
 mod backlash;
 mod base_mode;
 mod bilinear_stiffness;
+mod catalogue;
 mod clock_skew;
 mod cogging;
 mod coulomb_friction;
@@ -28,11 +30,13 @@ mod grid;
 mod hysteretic_stiffness;
 mod law;
 mod levelling;
+mod likeness;
 mod misalignment;
 mod parameter;
 mod payload_change;
 mod pose_dependent_frequency;
 mod presliding_hysteresis;
+mod property;
 mod quadratic_damping;
 mod quadratic_drag;
 mod quantisation;
@@ -54,9 +58,14 @@ mod viscoelastic_creep;
 mod viscous_drag;
 mod viscous_friction;
 
+pub use catalogue::{Catalogue, words};
 pub use law::{Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, Sensor};
-pub use parameter::{Parameter, Quantity, Units};
+pub use likeness::{LIKENESSES, Likeness};
+pub use parameter::{Parameter, ParameterRole, Quantity, Units};
+pub use property::{Part, Property};
 pub use scales::Scales;
+
+use std::fmt;
 
 /// Where in the chain an effect sits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -104,12 +113,18 @@ impl Place {
 pub struct Effect {
     /// Name in files, as the literature names it.
     pub name: &'static str,
+    /// What it is called within a sentence.
+    pub title: &'static str,
     /// Where it can sit.
     pub places: &'static [Place],
     /// What happens, in a few sentences, with a source.
     pub physics: &'static str,
+    /// What an engineer may do about it, in a sentence.
+    pub remedy: &'static str,
     /// What describes it.
     pub parameters: &'static [Parameter],
+    /// What else must be known of it.
+    pub properties: &'static [Property],
     /// The law for values of the parameters, in their order, SI.
     pub law: fn(&[f64]) -> Law,
     /// Values to try first, each in the order of the parameters, for a motion of these scales. The
@@ -164,94 +179,54 @@ pub const EFFECTS: &[&Effect] = &[
 impl Effect {
     /// The effect of this name.
     pub fn from_name(name: &str) -> Option<&'static Self> {
-        EFFECTS.iter().copied().find(|effect| effect.name == name)
+        Catalogue::default().effect(name)
     }
 
     /// Values at which the effect vanishes.
     pub fn neutral(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.neutral).collect()
     }
+
+    /// Index of the first parameter of this role.
+    pub fn index(&self, role: ParameterRole) -> Option<usize> {
+        self.parameters.iter().position(|p| p.role == role)
+    }
+
+    /// Index of its size.
+    pub fn size(&self) -> usize {
+        self.index(ParameterRole::Size).unwrap_or(0)
+    }
+
+    /// Whether it is not there, to the bit, for these values.
+    pub fn vanishes(&self, values: &[f64]) -> bool {
+        let size = self.size();
+        values[size] == self.parameters[size].neutral
+    }
+
+    /// A parameter's name in words; it writes proper names as the title does.
+    pub fn parameter_title(&self, name: &str) -> String {
+        let proper = |word: &str| {
+            let mut own = self.title.split(' ');
+            own.find(|own| own.to_lowercase() == word)
+                .unwrap_or(word)
+                .to_string()
+        };
+        let words: Vec<String> = name.split('_').map(proper).collect();
+        words.join(" ")
+    }
 }
 
-/// Laws that contain a simpler one as a limit: what stands for either is named by the simpler.
-const NESTED: &[(&str, &str)] = &[
-    ("stribeck_friction", "coulomb_friction"),
-    ("asymmetric_friction", "coulomb_friction"),
-    ("presliding_hysteresis", "coulomb_friction"),
-    ("stiction", "coulomb_friction"),
-    ("sensor_lag_second_order", "sensor_lag"),
-    // Where the axis turns by little.
-    ("gravity_load", "force_offset"),
-];
-
-/// Laws that act as a simpler one where their frequency is far above the motion.
-const QUASI_STATIC: &[(&str, &str)] = &[
-    ("second_mode", "deformation_gain"),
-    ("base_mode", "deformation_gain"),
-];
-
-/// Whether the law of one effect may act as that of another wherever the recording looks.
-pub fn becomes(effect: &str, simpler: &str) -> bool {
-    QUASI_STATIC.contains(&(effect, simpler))
+/// Effects are the same whose names are.
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
 }
 
-/// Effects that are events, of which there may be several.
-const EVENTS: &[&str] = &["external_disturbance"];
+impl Eq for Effect {}
 
-/// Whether an effect is an event that may happen again.
-pub fn recurs(effect: &str) -> bool {
-    EVENTS.contains(&effect)
-}
-
-/// Effects whose misfit has many minima over their size: the frequency falls with it, and what fits is
-/// found where both are right.
-const WINDING: &[&str] = &["backlash"];
-
-/// Whether the sizes of an effect are to be walked through one by one, the smallest first.
-pub fn has_many_minima(effect: &str) -> bool {
-    WINDING.contains(&effect)
-}
-
-/// Parameters that a file may leave out: without them the law is the plain one.
-const OPTIONAL: &[(&str, &str)] = &[("backlash", "damping_in_gap")];
-
-/// Whether a file may leave out this parameter of an effect; it then has its neutral value.
-pub fn is_optional(effect: &str, parameter: &str) -> bool {
-    OPTIONAL.contains(&(effect, parameter))
-}
-
-/// Whether the law of one effect contains that of another as a limit.
-///
-/// # Example
-/// ```
-/// assert!(quell_model::effects::contains("stribeck_friction", "coulomb_friction"));
-/// ```
-pub fn contains(effect: &str, simpler: &str) -> bool {
-    NESTED.contains(&(effect, simpler))
-}
-
-/// The simpler effects that the law of one contains as limits.
-pub fn limits(effect: &str) -> impl Iterator<Item = &'static Effect> {
-    let own = NESTED.iter().filter(move |pair| pair.0 == effect);
-    own.filter_map(|pair| Effect::from_name(pair.1))
-}
-
-/// The two simpler effects that a law and its values act as while it slides, with their values:
-/// friction `F (1 + a)` one way and `F (1 - a)` the other is Coulomb friction `F` and a constant force
-/// `F a`. At rest they differ: the constant force goes on.
-///
-/// # Example
-/// ```
-/// let [dry, constant] = quell_model::effects::parts("asymmetric_friction", &[20.0, 0.1]).unwrap();
-/// assert_eq!((dry.0.name, constant.0.name), ("coulomb_friction", "force_offset"));
-/// assert_eq!((dry.1, constant.1), (vec![20.0], vec![2.0]));
-/// ```
-pub fn parts(effect: &str, values: &[f64]) -> Option<[(&'static Effect, Vec<f64>); 2]> {
-    match (effect, values) {
-        ("asymmetric_friction", &[friction, asymmetry]) => Some([
-            (&coulomb_friction::COULOMB_FRICTION, vec![friction]),
-            (&force_offset::FORCE_OFFSET, vec![friction * asymmetry]),
-        ]),
-        _ => None,
+impl fmt::Debug for Effect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self.name, f)
     }
 }

@@ -116,17 +116,38 @@ impl Quantity {
     }
 }
 
+/// What a parameter says of an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterRole {
+    /// How large it is: the effect vanishes at the neutral value, whatever its other parameters are. Every
+    /// effect has one.
+    Size,
+    /// When it happens.
+    Time,
+    /// Where it happens.
+    Position,
+    /// Angular frequency of a mode of its own.
+    Frequency,
+    /// Radians for a unit of position.
+    Order,
+    /// Phase of what is periodic.
+    Phase,
+    /// What its law looks like at a given size: a ratio, an exponent, a length, a time constant.
+    Shape,
+}
+
 /// One number that describes an effect.
 #[derive(Clone, Copy)]
 pub struct Parameter {
     /// Name in files.
     pub name: &'static str,
+    /// What it says of the effect.
+    pub role: ParameterRole,
     /// Its unit.
     pub quantity: Quantity,
     /// Least and greatest value that physics allows for a motion of these scales.
     pub bounds: fn(&Scales) -> (f64, f64),
-    /// Value at which the effect vanishes. Where several parameters share one effect, it vanishes
-    /// when the first one has its neutral value.
+    /// Value at which the effect vanishes, of its size; a harmless one of the others.
     pub neutral: f64,
     /// Size that is met in practice, for a motion of these scales; never 0: it is the unit in which a
     /// fit steps.

@@ -1,7 +1,7 @@
 //! A payload that is taken or set down.
 
 use super::grid::{product, times, typical_time};
-use super::{Effect, Inertia, Law, Parameter, Place, Quantity};
+use super::{Effect, Inertia, Law, Parameter, ParameterRole, Place, Quantity};
 
 struct Payload {
     change: f64,
@@ -27,14 +27,17 @@ impl Inertia for Payload {
 /// The link's inertia is `1 + a` times as large from a time on.
 pub const PAYLOAD_CHANGE: Effect = Effect {
     name: "payload_change",
+    title: "payload change",
     places: &[Place::Link],
     physics: "From t_0 on the link's inertia is 1 + a times the one before: something was gripped, set \
         down or lost. The frequency of vibration changes by 1 / sqrt(1 + a) at once. Source: Khalil, \
         Gautier, Lemoine, Identification of the payload inertial parameters of industrial \
         manipulators, IEEE ICRA (2007).",
+    remedy: "Tell the controller of the payload, or let it identify the frequency after each grip.",
     parameters: &[
         Parameter {
             name: "change",
+            role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
             // Inertia stays positive.
             bounds: |_| (-0.9, 10.0),
@@ -43,12 +46,14 @@ pub const PAYLOAD_CHANGE: Effect = Effect {
         },
         Parameter {
             name: "time",
+            role: ParameterRole::Time,
             quantity: Quantity::TIME,
             bounds: |scales| scales.span,
             neutral: 0.0,
             typical: typical_time,
         },
     ],
+    properties: &[],
     law: |p| {
         Law::Inertia(Box::new(Payload {
             change: p[0],

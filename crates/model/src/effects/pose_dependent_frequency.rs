@@ -1,7 +1,7 @@
 //! A link whose inertia depends on its pose.
 
 use super::grid::{product, reach, typical_position};
-use super::{Effect, Inertia, Law, Parameter, Place, Quantity};
+use super::{Effect, Inertia, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// Least factor on the inertia: it stays positive where the parabola does not.
 const LEAST: f64 = 0.1;
@@ -27,15 +27,18 @@ impl Inertia for Parabola {
 /// Inertia relative to the nominal one: `m = 1 + a (y - y_0)^2`, at least 0.1.
 pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
     name: "pose_dependent_frequency",
+    title: "pose-dependent frequency",
     places: &[Place::Link],
     physics: "An arm that reaches out has more inertia than one that is folded, and vibrates more \
         slowly: m = 1 + a (y - y_0)^2, the law of a mass that moves along a radius and, for a small \
         range, of any smooth one (an extremum within, a slope with y_0 far off). The varying inertia \
         also couples the velocity, m' y'^2 / 2. Source: Siciliano, Sciavicco, Villani, Oriolo, \
         Robotics: Modelling, Planning and Control (2009), chapter 7.",
+    remedy: "Take the frequency by pose: shape for the pose at the end of the move.",
     parameters: &[
         Parameter {
             name: "curvature",
+            role: ParameterRole::Size,
             quantity: Quantity::new(0, -2, 0),
             bounds: |scales| {
                 let unit = reach(scales).powi(-2);
@@ -46,6 +49,7 @@ pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
         },
         Parameter {
             name: "centre",
+            role: ParameterRole::Position,
             quantity: Quantity::POSITION,
             bounds: |scales| {
                 let reach = reach(scales);
@@ -58,6 +62,7 @@ pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
             typical: typical_position,
         },
     ],
+    properties: &[Property::Alike(Likeness::Pose)],
     law: |p| {
         Law::Inertia(Box::new(Parabola {
             curvature: p[0],

@@ -1,7 +1,11 @@
 //! Presliding friction after Dahl.
 
+use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{
+    Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
+    Quantity,
+};
 
 struct Dahl {
     friction: f64,
@@ -35,15 +39,19 @@ impl Force for Dahl {
 /// Friction that builds up over a distance: `dF/dx = (F_c - F sign x') / x_s`.
 pub const PRESLIDING_HYSTERESIS: Effect = Effect {
     name: "presliding_hysteresis",
+    title: "presliding hysteresis",
     places: &[Place::Transmission],
     physics: "Asperities bend like bristles before they slide: after each reversal the force goes from \
         one side to the other over a distance x_s, dF/dx = (F_c - F sign x') / x_s. Small motion sees \
         a spring with a loop, large motion Coulomb friction. It does not depend on speed. Source: \
         Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1 (1968); Canudas de Wit, \
         Olsson, Astrom, Lischinsky, IEEE Trans. Automatic Control 40 (1995).",
+    remedy: "Expect lost motion at each reversal; approach a target from one side, or compensate \
+        with a bristle model.",
     parameters: &[
         Parameter {
             name: "friction",
+            role: ParameterRole::Size,
             quantity: Quantity::FORCE,
             bounds: |scales| (0.0, scales.force),
             neutral: 0.0,
@@ -51,12 +59,17 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
         },
         Parameter {
             name: "presliding_distance",
+            role: ParameterRole::Shape,
             quantity: Quantity::POSITION,
             // Shorter ones are Coulomb friction, and bristles too stiff to be followed.
             bounds: |scales| (0.01 * scales.deformation, 3.0 * scales.deformation),
             neutral: 1.0,
             typical: |scales| 0.1 * scales.deformation,
         },
+    ],
+    properties: &[
+        Property::Contains(&COULOMB_FRICTION),
+        Property::Alike(Likeness::LowSpeed),
     ],
     law: |p| {
         Law::Force(Box::new(Dahl {

@@ -1,7 +1,7 @@
 //! A sensor that counts steps.
 
 use super::grid::sizes;
-use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
+use super::{Effect, Law, Parameter, ParameterRole, Place, Quantity, Reading, Sensor};
 
 struct Quantiser {
     step: f64,
@@ -19,17 +19,21 @@ impl Sensor for Quantiser {
 /// The nearest whole number of steps: `q round(y / q)`.
 pub const QUANTISATION: Effect = Effect {
     name: "quantisation",
+    title: "quantisation",
     places: &[Place::Sensor],
     physics: "An encoder or a converter shows the nearest of its steps: an error of q / sqrt(12), like \
         noise in fast motion, a staircase in slow motion, constant at rest. Source: Widrow and Kollar, \
         Quantization Noise (2008), chapter 4.",
+    remedy: "Take a finer resolution, or dither; the steps are larger than the model believes.",
     parameters: &[Parameter {
         name: "step",
+        role: ParameterRole::Size,
         quantity: Quantity::POSITION,
         bounds: |scales| (0.0, 2.0 * scales.deformation),
         neutral: 0.0,
         typical: |scales| 0.05 * scales.deformation,
     }],
+    properties: &[],
     law: |p| Law::Sensor(Box::new(Quantiser { step: p[0] })),
     starts: |scales| {
         sizes(

@@ -1,7 +1,7 @@
 //! A drive whose output cannot change fast.
 
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Parameter, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
 
 struct RateLimit {
     rate: f64,
@@ -25,17 +25,21 @@ impl Drive for RateLimit {
 /// The input, followed no faster than `R`: `|z'| <= R`. A rate of 0 stands for no limit.
 pub const RATE_LIMIT: Effect = Effect {
     name: "rate_limit",
+    title: "rate limit",
     places: &[Place::Drive],
     physics: "The drive follows its input exactly while that changes more slowly than R, and with the \
         rate R until it has caught up otherwise: a current against its inductance, a servo against \
         its speed limit. Source: Duda, AIAA J. Guidance, Control, and Dynamics 20 (1997).",
+    remedy: "Lower speed or jerk until the command stays below the limit of rate.",
     parameters: &[Parameter {
         name: "rate",
+        role: ParameterRole::Size,
         quantity: Quantity::driven(1, -1),
         bounds: |scales| (0.0, 100.0 * scales.input * scales.natural_frequency),
         neutral: 0.0,
         typical: |scales| 0.3 * scales.input * scales.natural_frequency,
     }],
+    properties: &[],
     law: |p| Law::Drive(Box::new(RateLimit { rate: p[0] })),
     starts: |scales| {
         let unit = scales.input * scales.natural_frequency;

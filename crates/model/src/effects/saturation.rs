@@ -1,7 +1,7 @@
 //! A drive that gives no more than its limit.
 
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Parameter, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
 
 struct Saturation {
     limit: f64,
@@ -19,17 +19,22 @@ impl Drive for Saturation {
 /// The input, but not beyond the limit: `max(-L, min(u, L))`. A limit of 0 stands for none.
 pub const SATURATION: Effect = Effect {
     name: "saturation",
+    title: "saturation",
     places: &[Place::Drive],
     physics: "An amplifier gives no more than its supply and its protection allow: what is asked \
         beyond L is cut off, so that fast moves fall short while slow ones are as modelled. Source: \
         Khalil, Nonlinear Systems (2002), section 1.2; Hippe, Windup in Control (2006).",
+    remedy: "Lower the acceleration so that the amplifier's limit is not reached, or raise the \
+        limit.",
     parameters: &[Parameter {
         name: "limit",
+        role: ParameterRole::Size,
         quantity: Quantity::INPUT,
         bounds: |scales| (0.0, 1.5 * scales.input),
         neutral: 0.0,
         typical: |scales| 0.7 * scales.input,
     }],
+    properties: &[],
     law: |p| Law::Drive(Box::new(Saturation { limit: p[0] })),
     starts: |scales| {
         sizes(

@@ -1,19 +1,26 @@
 //! A second mode of the arm.
 
+use super::deformation_gain::DEFORMATION_GAIN;
 use super::grid::{frequencies, frequency_bounds, product};
-use super::{Effect, Law, Parameter, Place, Quantity, Resonance};
+use super::{
+    Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
+};
 
 /// A further resonance of which the sensor sees a share, of either sign.
 pub const SECOND_MODE: Effect = Effect {
     name: "second_mode",
+    title: "second mode",
     places: &[Place::Link],
     physics: "The arm is no single spring and mass: a further mode eta'' + 2 xi w eta' + w^2 eta is \
         driven as the first one is, and the sensor sees a share of it, negative where the mode's \
         shape has the other sign at the sensor. Source: Meirovitch, Fundamentals of Vibrations \
         (2001), chapter 7; Ewins, Modal Testing (2000), chapter 2.",
+    remedy: "Shape for both frequencies; look for a flexible gripper, tool or payload at the \
+        second.",
     parameters: &[
         Parameter {
             name: "share",
+            role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
             // Seen from a base that moves, all modes together follow the base: none has a share above 1.
             // Under a force each has a gain of its own, larger or smaller than the first one's.
@@ -26,6 +33,7 @@ pub const SECOND_MODE: Effect = Effect {
         },
         Parameter {
             name: "natural_frequency",
+            role: ParameterRole::Frequency,
             quantity: Quantity::FREQUENCY,
             bounds: frequency_bounds,
             neutral: 1.0,
@@ -33,12 +41,18 @@ pub const SECOND_MODE: Effect = Effect {
         },
         Parameter {
             name: "damping_ratio",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             // A mode is not overdamped.
             bounds: |_| (0.0, 0.5),
             neutral: 0.0,
             typical: |_| 0.03,
         },
+    ],
+    properties: &[
+        Property::Becomes(&DEFORMATION_GAIN),
+        Property::Alike(Likeness::Resonance),
+        Property::Alike(Likeness::Flexibility),
     ],
     law: |p| {
         Law::Resonance(Resonance {

@@ -1,7 +1,7 @@
 //! A sensor that shows the past.
 
 use super::grid::sizes;
-use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Sensor};
 
 struct Delay {
     delay: f64,
@@ -16,17 +16,24 @@ impl Sensor for Delay {
 /// A dead time of the sensor: it shows `y(t - T)`.
 pub const SENSOR_DELAY: Effect = Effect {
     name: "sensor_delay",
+    title: "sensor delay",
     places: &[Place::Sensor],
     physics: "Exposure, averaging and transmission take time: the stamp t stands on what was at t - T. \
         Where the sensor's clock has an unknown offset, the two are one. Source: Astrom and \
         Wittenmark, Computer-Controlled Systems (1997), chapter 3.",
+    remedy: "Shift the sensor's stamps by the delay.",
     parameters: &[Parameter {
         name: "delay",
+        role: ParameterRole::Size,
         quantity: Quantity::TIME,
         bounds: |scales| (0.0, scales.period().max(20.0 * scales.sample_time)),
         neutral: 0.0,
         typical: |scales| 0.05 * scales.period(),
     }],
+    properties: &[
+        Property::ShiftsStamps,
+        Property::Alike(Likeness::ShiftInTime),
+    ],
     law: |p| Law::Sensor(Box::new(Delay { delay: p[0] })),
     starts: |scales| sizes(scales.period(), [0.003, 0.01, 0.03, 0.1, 0.3]),
 };

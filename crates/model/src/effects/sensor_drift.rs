@@ -2,7 +2,7 @@
 
 use super::grid::{product, reach};
 use super::levelling::{SETTLING_RATE, levelling};
-use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
+use super::{Effect, Law, Parameter, ParameterRole, Place, Quantity, Reading, Sensor};
 
 struct Drift {
     rate: f64,
@@ -20,15 +20,18 @@ impl Sensor for Drift {
 /// The sensor shows `y + r (1 + g y) (1 - exp(-s t)) / s`.
 pub const SENSOR_DRIFT: Effect = Effect {
     name: "sensor_drift",
+    title: "sensor drift",
     places: &[Place::Sensor],
     physics: "Warming electronics, a tripod that settles or an integrated rate make the reading creep, \
         whatever the axis does, at rest too: its zero by r each second, and with it its scale, r g, as a \
         tracker's frame that is displaced does, seen as an angle. With s > 0 the drift levels off: y + r (1 \
         + g y) (1 - exp(-s t)) / s. Source: Doebelin, Measurement Systems (2004), chapter 3 (zero drift \
         and sensitivity drift).",
+    remedy: "Let the sensor warm up, and set its zero at rest.",
     parameters: &[
         Parameter {
             name: "rate",
+            role: ParameterRole::Size,
             quantity: Quantity::VELOCITY,
             bounds: |scales| {
                 let most = 10.0 * (scales.deformation + scales.travel()) / scales.duration();
@@ -39,6 +42,7 @@ pub const SENSOR_DRIFT: Effect = Effect {
         },
         Parameter {
             name: "growth",
+            role: ParameterRole::Shape,
             quantity: Quantity::new(0, -1, 0),
             // A frame that is displaced across the line to the tip: the zero stays, the scale drifts.
             bounds: |scales| (-20.0 / reach(scales), 20.0 / reach(scales)),
@@ -47,6 +51,7 @@ pub const SENSOR_DRIFT: Effect = Effect {
         },
         SETTLING_RATE,
     ],
+    properties: &[],
     law: |p| {
         Law::Sensor(Box::new(Drift {
             rate: p[0],

@@ -1,7 +1,9 @@
 //! A sensor of wrong scale.
 
 use super::grid::{reach, sizes};
-use super::{Effect, Law, Parameter, Place, Quantity, Reading, Sensor};
+use super::{
+    Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Reading, Sensor,
+};
 
 struct Gain {
     error: f64,
@@ -16,17 +18,21 @@ impl Sensor for Gain {
 /// The sensor shows `(1 + g) y`.
 pub const SENSOR_GAIN: Effect = Effect {
     name: "sensor_gain",
+    title: "sensor gain",
     places: &[Place::Sensor],
     physics: "A scale, a lever arm or a calibration factor is wrong by a part g: the sensor shows (1 + g) \
         y, at rest as in motion. On a joint's angle a hundredth of it is soon larger than the \
         deformation. Source: Doebelin, Measurement Systems (2004), chapter 3.",
+    remedy: "Calibrate the sensor's scale against a known motion.",
     parameters: &[Parameter {
         name: "error",
+        role: ParameterRole::Size,
         quantity: Quantity::NUMBER,
         bounds: |_| (-0.9, 5.0),
         neutral: 0.0,
         typical: |scales| (0.1 * scales.deformation / reach(scales)).min(0.1),
     }],
+    properties: &[Property::WrongScale, Property::Alike(Likeness::Pose)],
     law: |p| Law::Sensor(Box::new(Gain { error: p[0] })),
     starts: |scales| {
         if scales.tracked {

@@ -1,7 +1,8 @@
 //! A sensor that follows the motion with a first-order lag.
 
 use super::cubic::cubic_coefficients;
-use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
+use super::deformation_gain::DEFORMATION_GAIN;
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Sensor};
 
 /// Steps shorter than this, in time constants, take a series.
 pub(super) const SHORT: f64 = 0.25;
@@ -69,17 +70,24 @@ fn short_step(z: f64, x: f64, input: [f64; 4]) -> f64 {
 /// First-order lag `T z' + z = y` of the sensor.
 pub const SENSOR_LAG: Effect = Effect {
     name: "sensor_lag",
+    title: "sensor lag",
     places: &[Place::Sensor],
     physics: "The sensor or its filter follows the motion as T z' + z = y: it shows the motion T later \
         where that is slow, and smaller where it is fast, by 1 / sqrt(1 + (w T)^2). A clock offset makes \
         the same delay but leaves the size. Source: Bendat and Piersol, Random Data (2010), section 6.",
+    remedy: "Lower the filtering in the sensor, or put its lag into the model.",
     parameters: &[Parameter {
         name: "time_constant",
+        role: ParameterRole::Size,
         quantity: Quantity::TIME,
         bounds: |scales| (0.0, 2.0 * scales.period()),
         neutral: 0.0,
         typical: |scales| 0.05 * scales.period(),
     }],
+    properties: &[
+        Property::Lessens(&DEFORMATION_GAIN),
+        Property::Alike(Likeness::ShiftInTime),
+    ],
     law: |p| {
         Law::Sensor(Box::new(Lag {
             time_constant: p[0],

@@ -2,8 +2,9 @@
 
 use super::cubic::cubic_coefficients;
 use super::grid::product;
+use super::sensor_lag::SENSOR_LAG;
 use super::sensor_lag::{SHORT, TERMS};
-use super::{Effect, Law, Parameter, Place, Quantity, Sensor};
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Sensor};
 
 struct LowPass {
     time_constant: f64,
@@ -97,14 +98,18 @@ impl Sensor for LowPass {
 /// Low-pass filter `T^2 z'' + 2 xi T z' + z = y` of the sensor.
 pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
     name: "sensor_lag_second_order",
+    title: "second-order sensor lag",
     places: &[Place::Sensor],
     physics: "The sensor's own mass and spring, or its anti-alias filter, follow the motion as T^2 z'' + 2 \
         xi T z' + z = y: slow motion comes 2 xi T late, motion faster than 1 / T falls off with its \
         square; a lightly damped sensor rings. Source: Doebelin, Measurement Systems (2004), chapter \
         3; Oppenheim and Schafer, Discrete-Time Signal Processing (2010), appendix B.",
+    remedy: "Lower the filtering in the sensor, or put its lag into the model; if it rings, look at \
+        how it is mounted.",
     parameters: &[
         Parameter {
             name: "time_constant",
+            role: ParameterRole::Size,
             quantity: Quantity::TIME,
             bounds: |scales| (0.0, 2.0 * scales.period()),
             neutral: 0.0,
@@ -112,12 +117,17 @@ pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
         },
         Parameter {
             name: "damping_ratio",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             // A filter of a sensor is not made to ring: a Chebyshev filter with 3 dB of ripple has 0.38.
             bounds: |_| (0.3, 3.0),
             neutral: 1.0,
             typical: |_| 0.7,
         },
+    ],
+    properties: &[
+        Property::Contains(&SENSOR_LAG),
+        Property::Alike(Likeness::ShiftInTime),
     ],
     law: |p| {
         Law::Sensor(Box::new(LowPass {

@@ -2,7 +2,7 @@
 
 use super::grid::product;
 use super::levelling::{SETTLING_RATE, levelling};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 struct Drift {
     rate: f64,
@@ -18,14 +18,17 @@ impl Force for Drift {
 /// Stiffness that rises or falls, steadily or levelling off: `F = k (1 + a (1 - exp(-s t)) / s) x`.
 pub const STIFFNESS_DRIFT: Effect = Effect {
     name: "stiffness_drift",
+    title: "stiffness drift",
     places: &[Place::Transmission],
     physics: "The stiffness is k (1 + a t): a gear that warms up, a clamp that works loose, a belt that \
         loses tension. The frequency drifts by a / 2 for each second. With s > 0 it levels off, as what \
         warms up does: k (1 + a (1 - exp(-s t)) / s). Source: Farrar and Worden, Structural Health \
         Monitoring (2013), chapter 12.",
+    remedy: "Look for warming up or a loosening screw; identify the frequency anew while it works.",
     parameters: &[
         Parameter {
             name: "rate",
+            role: ParameterRole::Size,
             quantity: Quantity::FREQUENCY,
             // The spring keeps a positive stiffness: 1 + a t > 0.
             bounds: |scales| {
@@ -37,6 +40,7 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
         },
         SETTLING_RATE,
     ],
+    properties: &[],
     law: |p| {
         Law::Force(Box::new(Drift {
             rate: p[0],

@@ -1,20 +1,25 @@
 //! Stribeck friction.
 
+use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
-use super::{Effect, Friction, Law, Parameter, Place, Quantity};
+use super::{Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// Dry friction that falls from its breakaway to its kinetic value as the slip gets faster.
 pub const STRIBECK_FRICTION: Effect = Effect {
     name: "stribeck_friction",
+    title: "Stribeck friction",
     places: &[Place::Drive, Place::Transmission],
     physics: "Lubricated surfaces stick until the force exceeds F (1 + excess), and slide against \
         F (1 + excess exp(-(v / v_s)^2)): at speed a film carries part of the load. The falling \
         slope makes slow motion jerk (stick-slip). With no excess it is Coulomb friction. Source: \
         Stribeck, Z. VDI 46 (1902); Bo and Pavelescu, Wear 82 (1982); Armstrong-Helouvry, Dupont, \
         Canudas de Wit, Automatica 30 (1994).",
+    remedy: "Check the lubricant at low speed; avoid creeping moves, or compensate breakaway and \
+        sliding friction apart.",
     parameters: &[
         Parameter {
             name: "friction",
+            role: ParameterRole::Size,
             quantity: Quantity::FORCE,
             bounds: |scales| (0.0, scales.force),
             neutral: 0.0,
@@ -22,6 +27,7 @@ pub const STRIBECK_FRICTION: Effect = Effect {
         },
         Parameter {
             name: "excess",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             // Breakaway is not below kinetic friction.
             bounds: |_| (0.0, 5.0),
@@ -30,6 +36,7 @@ pub const STRIBECK_FRICTION: Effect = Effect {
         },
         Parameter {
             name: "stribeck_velocity",
+            role: ParameterRole::Shape,
             quantity: Quantity::VELOCITY,
             bounds: |scales| {
                 let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
@@ -38,6 +45,10 @@ pub const STRIBECK_FRICTION: Effect = Effect {
             neutral: 1.0,
             typical: |scales| 0.1 * speeds(scales.velocity, scales.deformation_rate).0,
         },
+    ],
+    properties: &[
+        Property::Contains(&COULOMB_FRICTION),
+        Property::Alike(Likeness::LowSpeed),
     ],
     law: |p| {
         Law::Friction(Friction {

@@ -1,7 +1,7 @@
 //! A drive that gives less for each ampere the more it is asked for.
 
 use super::grid::product;
-use super::{Drive, Effect, Law, Parameter, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
 
 struct Droop {
     droop: f64,
@@ -23,15 +23,18 @@ impl Drive for Droop {
 /// A torque constant that falls with the input: `u (1 - (a |u|)^n)`.
 pub const TORQUE_CONSTANT_NONLINEARITY: Effect = Effect {
     name: "torque_constant_nonlinearity",
+    title: "torque constant nonlinearity",
     places: &[Place::Drive],
     physics: "Iron saturates: at large current the torque constant falls, u (1 - (a |u|)^n), with n = 2 where \
         the iron is alike in both directions and far from full, less where it is biased by its magnets, more \
         where it fills at once. Where the nominal constant was read at large current it seems to rise at small \
         ones, which is the same law with another constant. Source: Hanselman, Brushless Permanent Magnet \
         Motor Design (2003); Krishnan, Electric Motor Drives (2001).",
+    remedy: "Correct the torque constant for high currents, where the iron saturates.",
     parameters: &[
         Parameter {
             name: "droop",
+            role: ParameterRole::Size,
             quantity: Quantity::driven(-1, 0),
             // A controller may ask for a multiple of what a drive can give, at a step of its reference.
             bounds: |scales| (0.0, 10.0 / scales.input),
@@ -40,12 +43,14 @@ pub const TORQUE_CONSTANT_NONLINEARITY: Effect = Effect {
         },
         Parameter {
             name: "order",
+            role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
             bounds: |_| (1.0, 4.0),
             neutral: 1.0,
             typical: |_| 1.0,
         },
     ],
+    properties: &[],
     law: |p| {
         Law::Drive(Box::new(Droop {
             droop: p[0],

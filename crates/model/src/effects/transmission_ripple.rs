@@ -1,19 +1,23 @@
 //! Kinematic error of the transmission.
 
 use super::grid::{PHASES, order_bounds, orders, phase_bounds, product, resonant_order};
-use super::{Effect, Law, Parameter, Place, Quantity};
+use super::{Effect, Law, Parameter, ParameterRole, Place, Quantity};
 
 /// The transmission passes on `u + A sin(N u + phase)` instead of `u`.
 pub const TRANSMISSION_RIPPLE: Effect = Effect {
     name: "transmission_ripple",
+    title: "transmission ripple",
     places: &[Place::Transmission],
     physics: "Teeth are not where they should be: the output is u + A sin(N u + phase), N periods in \
         2 pi of position, such as twice the gear ratio for a harmonic drive. The error shakes the \
         link most at the speed w / N. Source: Tuttle and Seering, IEEE Trans. Robotics and Automation \
         12 (1996); Ghorbel, Gandhi, Alpeter, ASME J. Mechanical Design 123 (2001).",
+    remedy: "Look for an eccentric gear or a worn tooth at this period; correct the position by a \
+        table.",
     parameters: &[
         Parameter {
             name: "amplitude",
+            role: ParameterRole::Size,
             quantity: Quantity::POSITION,
             bounds: |scales| (0.0, scales.deformation),
             neutral: 0.0,
@@ -21,6 +25,7 @@ pub const TRANSMISSION_RIPPLE: Effect = Effect {
         },
         Parameter {
             name: "order",
+            role: ParameterRole::Order,
             quantity: Quantity::new(0, -1, 0),
             bounds: order_bounds,
             neutral: 1.0,
@@ -28,12 +33,14 @@ pub const TRANSMISSION_RIPPLE: Effect = Effect {
         },
         Parameter {
             name: "phase",
+            role: ParameterRole::Phase,
             quantity: Quantity::NUMBER,
             bounds: phase_bounds,
             neutral: 0.0,
             typical: |_| 1.0,
         },
     ],
+    properties: &[],
     law: |p| {
         let (amplitude, order, phase) = (p[0], p[1], p[2]);
         Law::Kinematic(Box::new(move |u| {

@@ -1,7 +1,7 @@
 //! Creep of a viscoelastic transmission.
 
 use super::grid::product;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, Place, Quantity};
+use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 struct Maxwell {
     stiffness: f64,
@@ -32,15 +32,18 @@ impl Force for Maxwell {
 /// A Maxwell branch beside the spring: `F = k (x + a e)`, `e' = x' - e / T`.
 pub const VISCOELASTIC_CREEP: Effect = Effect {
     name: "viscoelastic_creep",
+    title: "viscoelastic creep",
     places: &[Place::Transmission],
     physics: "Beside the spring acts another one, of stiffness a k, in series with a damper: F = k (x + a \
         e), e' = x' - e / T. Fast motion meets k (1 + a), slow motion k, and after a step the \
         transmission creeps with the time constant T, as rubber, belts and glued joints do. Source: \
         Zener, Elasticity and Anelasticity of Metals (1948); Ferry, Viscoelastic Properties of \
         Polymers (1980).",
+    remedy: "Look for belts, bonded joints and polymer parts; wait for the creep or model it.",
     parameters: &[
         Parameter {
             name: "relative_stiffness",
+            role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
             bounds: |_| (0.0, 10.0),
             neutral: 0.0,
@@ -48,6 +51,7 @@ pub const VISCOELASTIC_CREEP: Effect = Effect {
         },
         Parameter {
             name: "time_constant",
+            role: ParameterRole::Shape,
             quantity: Quantity::TIME,
             bounds: |scales| {
                 let longest = scales.duration().max(30.0 * scales.period());
@@ -58,6 +62,7 @@ pub const VISCOELASTIC_CREEP: Effect = Effect {
             typical: |scales| scales.period(),
         },
     ],
+    properties: &[],
     law: |p| {
         Law::Force(Box::new(Maxwell {
             stiffness: p[0],

@@ -1,0 +1,136 @@
+//! What the rest of the program must know of an effect beside its law.
+
+use super::{Effect, Likeness, Parameter, ParameterRole};
+
+/// A simpler effect, and the values of its parameters.
+pub type Part = (&'static Effect, Vec<f64>);
+
+/// A fact about an effect that decides how it is looked for, or told.
+#[derive(Clone, Copy)]
+pub enum Property {
+    /// Its law contains that of a simpler effect as a limit: what stands for either is named by the
+    /// simpler one.
+    Contains(&'static Effect),
+    /// It acts as this simpler effect where its own frequency is far above the motion: what else it has
+    /// is not determined then.
+    Becomes(&'static Effect),
+    /// Beside a delay it acts as a size below 0 of this effect, by `(omega_n T)^2 / 2`.
+    Lessens(&'static Effect),
+    /// It acts as two simpler effects together; these for its values.
+    Parts(fn(&[f64]) -> [Part; 2]),
+    /// Motions of this sort show it as they show the others that have the likeness.
+    Alike(Likeness),
+    /// A file may leave out this parameter, which then has its neutral value: the law is the plain one.
+    Optional(&'static str),
+    /// It is an event, which may happen again: it has a [time](ParameterRole::Time).
+    Recurs,
+    /// Its misfit has many minima over its size: the frequency falls with it, and what fits is found
+    /// where both are right. The sizes of its starts are above 0, the smallest first.
+    ManyMinima,
+    /// It is a damper between link and ground, its size the coefficient: in free vibration the same as
+    /// damping across the joint.
+    DampsToGround,
+    /// Only a sensor of the deformation, such as a strain gauge, does it by itself; one of positions in
+    /// space does not.
+    OfDeformationOnly,
+    /// It is a constant shift of the stamps, which the offset of a clock of the sensor's own is, too.
+    ShiftsStamps,
+    /// It is a wrong scale: a tracker that has it shows the same angles about the joint, and another
+    /// radius.
+    WrongScale,
+}
+
+impl Effect {
+    fn is(&self, what: impl Fn(&Property) -> bool) -> bool {
+        self.properties.iter().any(what)
+    }
+
+    /// Whether the law contains that of another effect as a limit.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_model::effects::Effect;
+    /// let [stribeck, coulomb] =
+    ///     ["stribeck_friction", "coulomb_friction"].map(|name| Effect::from_name(name).unwrap());
+    /// assert!(stribeck.contains(coulomb) && !coulomb.contains(stribeck));
+    /// ```
+    pub fn contains(&self, simpler: &Self) -> bool {
+        self.limits().any(|limit| limit == simpler)
+    }
+
+    /// The simpler effects that the law contains as limits.
+    pub fn limits(&self) -> impl Iterator<Item = &'static Self> {
+        self.properties.iter().filter_map(|own| match own {
+            Property::Contains(simpler) => Some(*simpler),
+            _ => None,
+        })
+    }
+
+    /// Whether the law may act as that of another effect wherever the recording looks.
+    pub fn becomes(&self, simpler: &Self) -> bool {
+        self.is(|own| matches!(own, Property::Becomes(other) if *other == simpler))
+    }
+
+    /// Whether, beside a delay, it acts as a size below 0 of another effect.
+    pub fn lessens(&self, other: &Self) -> bool {
+        self.is(|own| matches!(own, Property::Lessens(than) if *than == other))
+    }
+
+    /// The two simpler effects that the law acts as for these values, with theirs.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_model::effects::Effect;
+    /// let effect = Effect::from_name("asymmetric_friction").unwrap();
+    /// let [dry, constant] = effect.parts(&[20.0, 0.1]).unwrap();
+    /// assert_eq!((dry.0.name, constant.0.name), ("coulomb_friction", "force_offset"));
+    /// assert_eq!((dry.1, constant.1), (vec![20.0], vec![2.0]));
+    /// ```
+    pub fn parts(&self, values: &[f64]) -> Option<[Part; 2]> {
+        self.properties.iter().find_map(|own| match own {
+            Property::Parts(parts) => Some(parts(values)),
+            _ => None,
+        })
+    }
+
+    /// Whether it has a likeness.
+    pub fn is_alike(&self, likeness: Likeness) -> bool {
+        self.is(|own| matches!(own, Property::Alike(other) if *other == likeness))
+    }
+
+    /// Whether a file may leave out a parameter.
+    pub fn is_optional(&self, parameter: &Parameter) -> bool {
+        self.is(|own| matches!(own, Property::Optional(name) if *name == parameter.name))
+    }
+
+    /// Index of the time of an event, of which there may be several; none of what is no event.
+    pub fn event_time(&self) -> Option<usize> {
+        let recurs = self.is(|own| matches!(own, Property::Recurs));
+        recurs.then(|| self.index(ParameterRole::Time)).flatten()
+    }
+
+    /// Whether its sizes are to be walked through one by one, the smallest first.
+    pub fn has_many_minima(&self) -> bool {
+        self.is(|own| matches!(own, Property::ManyMinima))
+    }
+
+    /// Whether it is a damper between link and ground.
+    pub fn damps_to_ground(&self) -> bool {
+        self.is(|own| matches!(own, Property::DampsToGround))
+    }
+
+    /// Whether no sensor of positions in space does it by itself.
+    pub fn is_of_deformation_only(&self) -> bool {
+        self.is(|own| matches!(own, Property::OfDeformationOnly))
+    }
+
+    /// Whether the offset of a clock is the same.
+    pub fn shifts_stamps(&self) -> bool {
+        self.is(|own| matches!(own, Property::ShiftsStamps))
+    }
+
+    /// Whether it is a wrong scale of all that a sensor shows.
+    pub fn is_wrong_scale(&self) -> bool {
+        self.is(|own| matches!(own, Property::WrongScale))
+    }
+}

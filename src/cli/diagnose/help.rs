@@ -1,0 +1,51 @@
+//! What the help says behind the options.
+
+use crate::effects::Catalogue;
+
+/// Columns of a line.
+const WIDTH: usize = 100;
+
+/// Examples and verdicts.
+pub const HELP: &str = "\
+Examples:
+  quell diagnose --model model.toml arm7
+  quell diagnose --model model.toml monday tuesday --held-out friday --out friday-report
+  quell diagnose --model model.toml arm7 --json
+  quell diagnose --batch --model model.toml fleet --out out
+  quell diagnose --queue nats://host:4222 submit --model model.toml fleet
+
+The model says what is believed, such as
+  kind = \"flexible_joint\"
+  natural_frequency_hz = 8.2
+  damping_ratio = 0.06
+  lever_arm_m = 1.8
+  tip_height_m = 0.9
+Its parameters are refitted first, and what is still missing is looked for in the catalogue of
+effects. Without --held-out the last third of the moves judges what the rest was fitted to.
+
+With --batch or --queue each recording is diagnosed by itself, and a folder stands for the
+recordings below it; what has its result already is not done again. --queue only puts them in:
+`quell work` does them, `quell results` shows what came out.
+
+Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
+partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code
+is 2, and what to record is told). The folder of --out gets report.html, diagnosis.json and
+model.toml with the physics in it, which `quell simulate` and `quell score` run.";
+
+/// The same, and the effects of a catalogue at each place.
+pub fn long_help(catalogue: Catalogue) -> String {
+    let mut help = format!("{HELP}\n\nThe catalogue:\n");
+    for (place, names) in catalogue.by_place() {
+        let mut line = format!("  {:13}", place.name());
+        for (index, name) in names.iter().enumerate() {
+            let end = if index + 1 == names.len() { "" } else { "," };
+            if line.len() + 1 + name.len() + end.len() > WIDTH {
+                help += &format!("{line}\n");
+                line = " ".repeat(15);
+            }
+            line += &format!(" {name}{end}");
+        }
+        help += &format!("{line}\n");
+    }
+    help
+}
