@@ -6,7 +6,7 @@ use crate::correction::{Schedule, sum};
 use crate::cross_fade::CrossFade;
 use crate::filter::{DelayLine, at_least, valid_sample_time};
 use crate::history::{Entry, History, SHORTEST_HISTORY};
-use crate::modal_state::pole;
+use crate::pole::pole;
 use crate::{Buffer, GridTrain, Mode, OwnBuffer, Setpoint, ShaperError};
 
 /// A [`crate::ShapingFilter`] that can also change its train in motion: [`AdaptiveFilter::retune`].

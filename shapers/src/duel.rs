@@ -8,7 +8,7 @@
 //! Source: McMahan, Gordon and Blum 2003 (double oracle).
 
 use crate::game::solve;
-use crate::modal_state::{dot, unit_pole};
+use crate::pole::{dot, unit_pole};
 use arrayvec::ArrayVec;
 use core::f64::consts::PI;
 use num_complex::Complex64;

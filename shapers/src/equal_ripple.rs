@@ -12,7 +12,7 @@
 //! method follows the solution from `xi = 0`, where it is known in closed form.
 
 use crate::linear::solve;
-use crate::modal_state::{dot, unit_pole};
+use crate::pole::{dot, unit_pole};
 use crate::{Impulse, ImpulseTrain, Mode, ShaperError};
 use arrayvec::ArrayVec;
 use core::f64::consts::PI;

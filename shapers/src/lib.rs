@@ -28,6 +28,7 @@ mod mode;
 mod mzv;
 mod optimal;
 mod path;
+mod pole;
 mod recommend;
 mod replay;
 mod residual;

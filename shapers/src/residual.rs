@@ -1,6 +1,6 @@
 //! What a train leaves of a mode's vibration.
 
-use crate::modal_state::unit_pole;
+use crate::pole::unit_pole;
 use crate::{Impulse, ImpulseTrain, ShaperError};
 use num_complex::Complex64;
 use num_traits::Float;

@@ -1,6 +1,6 @@
 //! Unity-magnitude zero vibration.
 
-use crate::modal_state::unit_pole;
+use crate::pole::unit_pole;
 use crate::{Impulse, ImpulseTrain, Mode, Shaper, ShaperError};
 use core::f64::consts::PI;
 use num_complex::Complex64;

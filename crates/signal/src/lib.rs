@@ -15,8 +15,7 @@ pub mod registration;
 pub mod rest;
 pub mod spectrum;
 pub mod spline;
-#[cfg(feature = "urdf")]
-mod urdf;
+pub mod urdf;
 
 pub use alignment::{Aligned, Aligner, Clock};
 pub use arc_registration::{ArcRegistration, register_arc};
@@ -25,7 +24,7 @@ pub use deformation::{
     DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
     tip_deformation,
 };
-pub use description::{Body, UrdfChain, read_urdf};
+pub use description::{Body, UrdfChain};
 pub use error::SignalError;
 pub use forced_response::ForcedResponse;
 pub use icp::{IcpOptions, IcpResult, icp, initial_guess};
@@ -36,3 +35,4 @@ pub use registration::{Registration, kabsch};
 pub use rest::{Motion, Phase, Quiet, RestDetector, RestRule, free_decays, phases};
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End};
+pub use urdf::read_urdf;

@@ -3,8 +3,6 @@
 use super::definition::Layout;
 use super::record::{Message, Record};
 use super::records::{Broken, Cut, visit};
-use super::series::{Clock, Series, series};
-use super::value::Path as Field;
 use crate::error::{Place, Problem, RecordingError};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -13,9 +11,9 @@ use std::sync::Arc;
 /// An MCAP file in memory, and what it holds.
 #[derive(Debug)]
 pub struct McapFile {
-    path: PathBuf,
+    pub(super) path: PathBuf,
     bytes: Vec<u8>,
-    topics: Vec<Topic>,
+    pub(super) topics: Vec<Topic>,
     cut: Option<Cut>,
 }
 
@@ -33,7 +31,7 @@ pub struct Topic {
     /// Names that the first message gives to what is in it, as joint states do.
     pub names: Vec<String>,
     /// The layout of its messages, or why they cannot be read; many topics may share a long one.
-    layout: Result<Arc<Layout>, String>,
+    pub(super) layout: Result<Arc<Layout>, String>,
 }
 
 impl McapFile {
@@ -98,46 +96,6 @@ impl McapFile {
             format!("{file} is cut: what follows byte {at} of {length} is no whole record")
         };
         self.cut.map(words).into_iter().collect()
-    }
-
-    /// Stamps and numbers of fields of a topic; none where no message has them.
-    pub(super) fn series(
-        &self,
-        topic: &str,
-        fields: &[&str],
-        time: Option<&str>,
-    ) -> Result<Series, RecordingError> {
-        let place = |field: Option<&str>| Place {
-            file: self.path.clone(),
-            topic: Some(topic.into()),
-            field: field.map(str::to_owned),
-            ..Place::default()
-        };
-        let refuse = |field, reason| RecordingError {
-            place: place(field),
-            problem: Problem::Mcap(reason),
-        };
-        let entry = self.topics.iter().find(|entry| entry.name == topic);
-        let entry = entry.ok_or_else(|| {
-            let names: Vec<_> = self.topics.iter().map(|topic| &*topic.name).collect();
-            let reason = format!(
-                "there is no such topic; the topics are: {}",
-                names.join(", ")
-            );
-            refuse(None, reason)
-        })?;
-        let layout = entry.layout.as_ref();
-        let layout = layout.map_err(|reason| refuse(None, reason.clone()))?;
-        let paths = fields
-            .iter()
-            .map(|field| Field::parse(field, layout).map_err(|reason| refuse(Some(field), reason)));
-        let paths: Vec<_> = paths.collect::<Result<_, _>>()?;
-        let clock = Clock::parse(time, layout).map_err(|reason| refuse(time, reason))?;
-        let found = series(self, topic, layout, &paths, &clock);
-        found.map_err(|(broken, field)| {
-            let field = field.map(|index| fields[index]);
-            at_byte(&self.path, broken, Some((topic, field)))
-        })
     }
 
     /// Calls `take` with every message of a topic.
@@ -258,7 +216,12 @@ impl Topic {
     }
 }
 
-fn at_byte(path: &Path, broken: Broken, of: Option<(&str, Option<&str>)>) -> RecordingError {
+/// What is wrong at a byte of a file, in a field of a topic where it is one.
+pub(super) fn at_byte(
+    path: &Path,
+    broken: Broken,
+    of: Option<(&str, Option<&str>)>,
+) -> RecordingError {
     RecordingError {
         place: Place {
             file: path.into(),

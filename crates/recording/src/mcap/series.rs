@@ -1,10 +1,11 @@
 //! The numbers of a topic over time.
 
 use super::definition::Layout;
-use super::file::McapFile;
+use super::file::{McapFile, at_byte};
 use super::record::Message;
 use super::records::Broken;
 use super::value::{self, Path, Value};
+use crate::error::{Place, Problem, RecordingError};
 
 /// Stamps that are further from their log times than this are of another clock, ns: longer than a bus delays a
 /// message, shorter than what lies between clocks that nobody sets.
@@ -29,7 +30,7 @@ pub(super) enum Clock {
 
 impl Clock {
     /// `log_time`, `publish_time` or the name of a field; by default the header's stamp where there is one.
-    pub(super) fn parse(time: Option<&str>, layout: &Layout) -> Result<Self, String> {
+    fn parse(time: Option<&str>, layout: &Layout) -> Result<Self, String> {
         let field = |name: &str| -> Result<Self, String> {
             let path = |part| Path::parse(&format!("{name}.{part}"), layout);
             Ok(Self::Field(path("sec")?, path("nanosec")?))
@@ -63,11 +64,53 @@ impl Clock {
     }
 }
 
+impl McapFile {
+    /// Stamps and numbers of fields of a topic; none where no message has them.
+    pub(super) fn series(
+        &self,
+        topic: &str,
+        fields: &[&str],
+        time: Option<&str>,
+    ) -> Result<Series, RecordingError> {
+        let place = |field: Option<&str>| Place {
+            file: self.path.clone(),
+            topic: Some(topic.into()),
+            field: field.map(str::to_owned),
+            ..Place::default()
+        };
+        let refuse = |field, reason| RecordingError {
+            place: place(field),
+            problem: Problem::Mcap(reason),
+        };
+        let entry = self.topics.iter().find(|entry| entry.name == topic);
+        let entry = entry.ok_or_else(|| {
+            let names: Vec<_> = self.topics.iter().map(|topic| &*topic.name).collect();
+            let reason = format!(
+                "there is no such topic; the topics are: {}",
+                names.join(", ")
+            );
+            refuse(None, reason)
+        })?;
+        let layout = entry.layout.as_ref();
+        let layout = layout.map_err(|reason| refuse(None, reason.clone()))?;
+        let paths = fields
+            .iter()
+            .map(|field| Path::parse(field, layout).map_err(|reason| refuse(Some(field), reason)));
+        let paths: Vec<_> = paths.collect::<Result<_, _>>()?;
+        let clock = Clock::parse(time, layout).map_err(|reason| refuse(time, reason))?;
+        let found = series(self, topic, layout, &paths, &clock);
+        found.map_err(|(broken, field)| {
+            let field = field.map(|index| fields[index]);
+            at_byte(&self.path, broken, Some((topic, field)))
+        })
+    }
+}
+
 /// Where a message could not be read, and the index of the field, where it is one.
-pub(super) type Unread = (Broken, Option<usize>);
+type Unread = (Broken, Option<usize>);
 
 /// Reads the fields in all messages of a topic; messages that do not have an element of that name are left out.
-pub(super) fn series(
+fn series(
     file: &McapFile,
     topic: &str,
     layout: &Layout,
