@@ -1,9 +1,10 @@
 //! Which of explanations that are nearly equal is told, and which are told beside it.
 
+use super::criteria::{Search, ratio};
 use super::explanation::Explanation;
 use super::found::Trial;
 use super::screen::candidates;
-use super::search::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG, Search, ratio};
+use super::thresholds::{EQUAL, GATE, MOST_EFFECTS, SHAPE, STRONG};
 use quell_model::Term;
 use quell_model::effects::{Effect, Quantity};
 use quell_recording::Role;

@@ -1,6 +1,7 @@
 //! From what the search found to verdict, findings and the better model.
 
 use super::bootstrap::{Scatter, bootstrap};
+use super::criteria::Search;
 use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
 use super::found::{Found, Trial};
@@ -8,8 +9,8 @@ use super::locate::Located;
 use super::point::{EffectAt, Global};
 use super::quality::{level, quality};
 use super::scale::TrackerScale;
-use super::search::{EQUAL, Search};
 use super::summary::{summary, times, whole};
+use super::thresholds::EQUAL;
 use quell_model::effects::Effect;
 use quell_model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;

@@ -1,10 +1,10 @@
 //! Events that happen more than once: a machine that was knocked against is knocked against again.
 
+use super::criteria::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::point::{Global, Point};
-use super::race::SHORT;
-use super::search::{STRONG, Search};
+use super::thresholds::{SHORT, STRONG};
 use quell_model::Term;
 use std::cmp::Ordering;
 

@@ -1,12 +1,14 @@
 //! Candidates on top of an explanation: screened, fitted in a race, and ranked.
 
+use super::candidate::Candidate;
+use super::criteria::{Search, ratio, sort};
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::found::Trial;
 use super::point::{EffectAt, Point};
 use super::race::Race;
 use super::screen::{Start, screen};
-use super::search::{GATE, STRONG, Search, ratio, sort};
+use super::thresholds::{GATE, STRONG};
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
@@ -14,25 +16,6 @@ const FITTED: usize = 10;
 const SIZES: usize = 4;
 /// Predicted fall of the cost below which a candidate is not fitted.
 const HOPELESS: f64 = 6.0;
-
-/// Explanations that were looked at elsewhere.
-#[derive(Clone, Default)]
-pub struct Known {
-    /// Where they ended.
-    pub points: Vec<Point>,
-    /// Whether nothing else is to be looked at.
-    pub alone: bool,
-}
-
-/// An effect at a place, and where its fit may start.
-pub(super) struct Candidate {
-    /// Which, and where.
-    pub effect: EffectAt,
-    /// Starts at the explanation that it extends, or near it.
-    pub near: Vec<Point>,
-    /// Starts elsewhere.
-    pub far: Vec<Point>,
-}
 
 impl Search<'_> {
     /// Candidates on top of an explanation, fitted and judged against it; best first.

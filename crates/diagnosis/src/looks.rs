@@ -1,11 +1,12 @@
 //! From a model and recordings to a diagnosis: one look at them, or two, in windows, each with a start of its own,
 //! and in one piece.
 
+use super::candidate::Known;
 use super::document::Verdict;
 use super::error::DiagnosisError;
 use super::excitation::{Carried, at_rest, carried, mute, silent};
-use super::extend::Known;
-use super::run::{Options, Outcome, Progress, attempt};
+use super::outcome::{Options, Outcome, Progress};
+use super::run::attempt;
 use super::score::score;
 use super::stretches::stretches;
 use quell_model::{Experiment, Model};

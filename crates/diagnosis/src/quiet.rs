@@ -1,9 +1,10 @@
 //! Whether what a refitted model leaves is nothing.
 
+use super::criteria::Search;
 use super::explanation::Explanation;
 use super::locate::Located;
 use super::normal::{covariance, scales};
-use super::search::{FLOOR, Search};
+use super::thresholds::FLOOR;
 use nalgebra::Cholesky;
 use quell_signal::noise_floor;
 

@@ -2,20 +2,16 @@
 //!
 //! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
 
+use super::candidate::Candidate;
+use super::criteria::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
-use super::extend::Candidate;
 use super::fit::Linearised;
 use super::found::Trial;
 use super::point::{EffectAt, Point};
-use super::search::{LONG, Search};
-use super::walk::LOST;
+use super::thresholds::{LONG, LOST, SECOND, SHORT};
 use rayon::prelude::*;
 
-/// How many of a candidate's starts go on after a step.
-pub(super) const SECOND: usize = 2;
-/// Steps after which the best of these is chosen.
-pub(super) const SHORT: usize = 6;
 /// Share of what the winner explains that another must have explained by then to be carried on: it is nearer to
 /// the winner than to none.
 const NEARER: f64 = 0.5;

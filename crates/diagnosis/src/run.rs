@@ -1,64 +1,28 @@
 //! One investigation, from experiments to a diagnosis; a second one where something changed with time.
 
 use super::baseline::{Data, problem, refit};
+use super::candidate::Known;
 use super::conclude::{better_model, conclude, reported};
-use super::document::Diagnosis;
+use super::criteria::{Search, ratio};
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::Untold;
 use super::explanation::{Explanation, Judge};
-use super::extend::Known;
 use super::fit::{Fitted, Projector};
 use super::found::{Found, Trial};
 use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
+use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
 use super::problem::Problem;
 use super::remarks::recorded;
-use super::search::{EQUAL, LONG, Search, ratio};
 use super::settled::{search, settled};
 use super::start::ringing;
-use super::stop::Stop;
-use super::traces::Traces;
+use super::thresholds::{EQUAL, LONG};
 use super::weights::measure_noise;
-use quell_model::effects::Catalogue;
 use quell_model::{Experiment, Model, simulate_windows};
 use quell_recording::{Recording, Role};
 use std::f64::consts::TAU;
-
-/// What the caller may choose.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// Seed of the bootstrap.
-    pub seed: u64,
-    /// What the model may lack.
-    pub catalogue: Catalogue,
-    /// Ends the diagnosis before its time; by default nothing does.
-    pub stop: Stop,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            catalogue: Catalogue::default(),
-            stop: Stop::default(),
-        }
-    }
-}
-
-/// All that a diagnosis gives.
-pub struct Outcome {
-    /// What it says.
-    pub diagnosis: Diagnosis,
-    /// The model with the findings in it.
-    pub model: Model,
-    /// What a report draws.
-    pub traces: Traces,
-}
-
-/// How told: the share of the work that is done, and what is being done.
-pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
 /// What experiments, and others held apart, say; and the explanations that were looked at.
 pub(super) fn attempt(

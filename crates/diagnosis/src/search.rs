@@ -1,33 +1,18 @@
 //! The search for what is missing: screen, fit, decide; once more on the better model; prune.
 
+use super::criteria::{Search, ratio, sort};
 use super::descent::Descent;
-use super::explanation::{Explanation, Judge};
-use super::extend::Known;
-use super::fit::Projector;
+use super::explanation::Explanation;
 use super::found::{Found, Trial};
 use super::point::Point;
-use super::problem::Problem;
+use super::quality::quality;
+use super::thresholds::{GATE, LONG, MOST_EFFECTS, SHAPE, STRONG};
 use rayon::prelude::*;
 
-/// Bayesian information criterion by which an effect must be better to be named: 10 is "very strong"
-/// (Kass and Raftery, J. American Statistical Association 90 (1995)).
-pub const STRONG: f64 = 10.0;
-/// Held-out chi-squared of an effect over that without it, above which it is not believed.
-pub const GATE: f64 = 0.98;
-/// The same where the model alone is already at the floor: a part of the noise that is no larger than the
+/// Held-out chi-squared of an effect over that without it, above which it is not believed, where the model alone is
+/// already at the floor: a part of the noise that is no larger than the
 /// uncertainty of its level (a twentieth in amplitude) is not called physics.
 const WEAK: f64 = 0.9;
-/// Explanations within this of the best cannot be told from it.
-pub const EQUAL: f64 = 15.0;
-/// Chi-squared per row up to which a residual is noise: its level is known within a tenth.
-pub const FLOOR: f64 = 1.21;
-/// Most steps of the fit that is carried through.
-pub const LONG: usize = 100;
-/// Most effects in one explanation: with three the structure is no longer determined by a recording.
-pub const MOST_EFFECTS: usize = 2;
-/// Share of the mismatch that may be left: no law of a catalogue has nature's shape to better than a
-/// tenth in amplitude (friction is regular, contact compliant), a hundredth in energy.
-pub const SHAPE: f64 = 0.01;
 /// Share of what an effect leaves, in energy, that a further one must explain where the first left less
 /// than its shape could be wrong: the larger part.
 const MOST: f64 = 0.5;
@@ -35,20 +20,6 @@ const MOST: f64 = 0.5;
 const BEAM: usize = 2;
 /// Two predictions whose sums of squares differ by less, fitted and held out, are taken for one.
 const ALIKE: f64 = 0.005;
-
-/// Everything that the search needs.
-pub struct Search<'a> {
-    /// The problem.
-    pub problem: &'a Problem<'a>,
-    /// Projects its nuisances out.
-    pub projector: &'a Projector,
-    /// Judges its fits.
-    pub judge: &'a Judge<'a>,
-    /// Explanations that were looked at elsewhere.
-    pub known: &'a Known,
-    /// Told how far the work is, 0 to 1, and what is being done.
-    pub progress: &'a (dyn Fn(f64, &str) + Sync),
-}
 
 impl Search<'_> {
     /// The same fits, refitted and ranked where the noise was measured anew.
@@ -148,63 +119,6 @@ impl Search<'_> {
         best
     }
 
-    /// A structure, fitted from a point on and judged.
-    pub fn refitted(&self, point: &Point) -> Explanation {
-        let fitted = self.problem.fit(point, self.projector, LONG);
-        self.judge.judge(self.problem, fitted)
-    }
-
-    /// `chi^2 + k ln N`.
-    pub fn criterion(&self, explanation: &Explanation) -> f64 {
-        let n = self.judge.train_rows as f64;
-        explanation.fitted.cost + explanation.unknowns() as f64 * n.ln()
-    }
-
-    /// The explanation of least criterion.
-    pub(super) fn lowest<'e>(
-        &self,
-        all: impl Iterator<Item = &'e Explanation>,
-    ) -> Option<&'e Explanation> {
-        all.min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
-    }
-
-    /// Chi-squared per row, at least 1: what the best model leaves is the unit of evidence.
-    pub fn unit(&self, explanation: &Explanation) -> f64 {
-        (explanation.train / self.judge.train_rows as f64).max(1.0)
-    }
-
-    /// Whether nothing but noise is left.
-    pub fn at_floor(&self, explanation: &Explanation) -> bool {
-        explanation.train <= FLOOR * self.judge.train_rows as f64
-    }
-
-    /// Whether nothing but noise, or the hundredth part of the mismatch, is left.
-    pub fn explains(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
-        let rows = self.judge.train_rows as f64;
-        let (left, mismatch) = (explanation.train - rows, baseline.train - rows);
-        self.at_noise(explanation) || left < SHAPE * mismatch
-    }
-
-    /// Whether what was held out, too, is nothing but noise and what the errors of the fit make there, or the
-    /// hundredth part of the mismatch.
-    pub fn predicts(&self, baseline: &Explanation, explanation: &Explanation) -> bool {
-        let rows = self.judge.held_out_rows as f64;
-        let (left, mismatch) = (explanation.held_out - rows, baseline.held_out - rows);
-        left < SHAPE * mismatch || self.is_held_noise(explanation)
-    }
-
-    /// Whether nothing but noise is left, on what was fitted or on all: what holds on moves that were never seen
-    /// is not undone by a few instants of the others.
-    pub fn at_noise(&self, explanation: &Explanation) -> bool {
-        self.at_floor(explanation) || self.all_at_noise(explanation)
-    }
-
-    /// Whether nothing but noise is left on fitted and held-out part together.
-    pub(super) fn all_at_noise(&self, explanation: &Explanation) -> bool {
-        let all = (self.judge.train_rows + self.judge.held_out_rows) as f64;
-        explanation.train + explanation.held_out <= FLOOR * all
-    }
-
     /// Whether a further effect is more than a mend of the first law's shape: what is left falls by more
     /// than that shape could be wrong, or most of it goes, where it was fitted and where it was not. A law
     /// that mends another's shape has a part of the error in common with it; one that is there makes it. And
@@ -218,26 +132,9 @@ impl Search<'_> {
         let all = most(best.train, next.train, rows) && most(best.held_out, next.held_out, held);
         // A second sensor may show what the first one does not.
         let several = self.problem.experiments[0].outputs.len() > 1;
-        let raw = |explanation| super::quality::quality(self, explanation).held_out_rms;
+        let raw = |explanation| quality(self, explanation).held_out_rms;
         let better = || several || raw(next).powi(2) < GATE * raw(best).powi(2);
         (best.train - next.train > reach || all) && better()
-    }
-
-    /// Whether fitted and held-out residual are both below this many times the noise.
-    pub fn below(&self, explanation: &Explanation, times: f64) -> bool {
-        let per_row = |chi: f64, rows: usize| chi <= times * times * rows as f64;
-        per_row(explanation.train, self.judge.train_rows)
-            && per_row(explanation.held_out, self.judge.held_out_rows)
-    }
-
-    /// Whether the held-out part, too, is nothing but noise.
-    pub fn held_at_floor(&self, explanation: &Explanation) -> bool {
-        explanation.held_out <= FLOOR * FLOOR * self.judge.held_out_rows as f64
-    }
-
-    /// Whether what was held out is no more than noise of a level that is known within a tenth.
-    fn held_at_noise(&self, explanation: &Explanation) -> bool {
-        explanation.held_out <= FLOOR * self.judge.held_out_rows as f64
     }
 
     /// The explanation without each of its effects, refitted.
@@ -300,18 +197,4 @@ fn several(trials: &[Trial]) -> Vec<Point> {
     let points = ended.map(|trial| &trial.explanation.fitted.point);
     let several = points.filter(|point| point.effects().len() > 1);
     several.cloned().collect()
-}
-
-pub(super) fn sort(trials: &mut [Trial]) {
-    trials.sort_by(|a, b| {
-        let key = |trial: &Trial| trial.explanation.fitted.cost;
-        (a.delta_bic, key(a))
-            .partial_cmp(&(b.delta_bic, key(b)))
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
-}
-
-/// `a / b`, 1 where nothing was held out.
-pub fn ratio(a: f64, b: f64) -> f64 {
-    if b > 0.0 { a / b } else { 1.0 }
 }

@@ -1,13 +1,13 @@
 //! The search, by the noise that the best explanation leaves: what is not smooth in a mismatch passes for noise
 //! until the mismatch is explained.
 
+use super::candidate::Known;
+use super::criteria::Search;
 use super::explanation::{Explanation, Judge};
-use super::extend::Known;
 use super::fit::Projector;
 use super::found::{Found, Trial};
+use super::outcome::Progress;
 use super::problem::Problem;
-use super::run::Progress;
-use super::search::Search;
 use super::weights::measured_again;
 
 /// What a refitted model lacks.

@@ -2,7 +2,7 @@
 
 use super::fit::{Fitted, Projector};
 use super::problem::Problem;
-use super::search::{LONG, STRONG};
+use super::thresholds::{LONG, STRONG};
 use quell_model::StartComponent::{
     Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity,
 };

@@ -3,22 +3,20 @@
 //!
 //! Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
 
+use super::candidate::Candidate;
+use super::criteria::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
-use super::extend::Candidate;
 use super::point::{EffectAt, Global, Point};
-use super::race::{Race, SECOND, SHORT};
+use super::race::Race;
 use super::screen::candidates;
-use super::search::Search;
+use super::thresholds::{LOST, SECOND, SHORT};
 
 /// Steps of the model's keys at each size of a walk.
 const FIRST: usize = 2;
 /// Parts into which the way from one size to the next is cut near the best one: sizes that differ by some 15 %
 /// where a grid's differ by 1.7 times.
 const SLOWER: u32 = 4;
-/// Cost over that of the start of a walk, or of the one ahead in a race, from which a fit has gone too far: twice
-/// the residual.
-pub(super) const LOST: f64 = 4.0;
 
 impl Search<'_> {
     /// Starts from walks: of all effects that need one, or, where nothing is left to be found, of those alone

@@ -4,7 +4,7 @@
 use super::noise::{LOUDER, noise};
 use super::point::Point;
 use super::problem::Problem;
-use super::search::FLOOR;
+use super::thresholds::FLOOR;
 use super::whitening::Whitening;
 use quell_model::Experiment;
 use std::f64::consts::TAU;

@@ -3,8 +3,8 @@
 use super::words::nothing_moved;
 use crate::document::{Diagnosis, Fit, Location, Quality, Verdict};
 use crate::error::DiagnosisError;
+use crate::outcome::Outcome;
 use crate::remarks::recorded;
-use crate::run::Outcome;
 use crate::traces::Traces;
 use quell_model::Model;
 use quell_recording::Recording;

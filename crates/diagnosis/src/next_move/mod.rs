@@ -14,11 +14,12 @@ mod programme;
 mod seen;
 mod words;
 
+use super::criteria::Search;
 use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
 use super::point::EffectAt;
-use super::search::{EQUAL, Search};
+use super::thresholds::EQUAL;
 use advice::advice;
 use contest::Contest;
 use distance::Rival;

@@ -1,0 +1,41 @@
+//! What a diagnosis is asked for, and what it gives.
+
+use super::document::Diagnosis;
+use super::stop::Stop;
+use super::traces::Traces;
+use quell_model::Model;
+use quell_model::effects::Catalogue;
+
+/// What the caller may choose.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Seed of the bootstrap.
+    pub seed: u64,
+    /// What the model may lack.
+    pub catalogue: Catalogue,
+    /// Ends the diagnosis before its time; by default nothing does.
+    pub stop: Stop,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            catalogue: Catalogue::default(),
+            stop: Stop::default(),
+        }
+    }
+}
+
+/// All that a diagnosis gives.
+pub struct Outcome {
+    /// What it says.
+    pub diagnosis: Diagnosis,
+    /// The model with the findings in it.
+    pub model: Model,
+    /// What a report draws.
+    pub traces: Traces,
+}
+
+/// How told: the share of the work that is done, and what is being done.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
