@@ -352,15 +352,15 @@ fn val_instants_frequencies_and_orders_are_found() {
         refit.locate(&(cause.residual)(&refit, 1.0, 11))
     };
     // A knock of 10 ms; instants to within it.
-    assert!((find("knock").suspects[0] - KNOCK).abs() < 0.01);
-    assert!((find("force that sets in").suspects[0] - CHANGE).abs() < 0.01);
+    assert!((find("knock").candidate_events[0] - KNOCK).abs() < 0.01);
+    assert!((find("force that sets in").candidate_events[0] - CHANGE).abs() < 0.01);
     // The change shows when the arm moves; candidates lie 1 / 200 of the moving time apart.
-    assert!((find("payload change").suspects[0] - CHANGE).abs() < 0.3);
+    assert!((find("payload change").candidate_events[0] - CHANGE).abs() < 0.3);
     // A second's ring-down resolves about 1 Hz.
-    let frequency = find("second mode").suspect_frequencies[0] / TAU;
+    let frequency = find("second mode").candidate_frequencies[0] / TAU;
     assert!((frequency - SECOND_HZ).abs() < 1.0, "{frequency}");
     // One cycle over the travel of 0.5 is 12 rad; a line is placed to a tenth of it.
-    let order = find("ripple").suspect_orders[0];
+    let order = find("ripple").candidate_orders[0];
     assert!((order - 43.0).abs() < 1.3, "{order}");
 }
 
@@ -395,9 +395,9 @@ fn noise_is_located_nowhere() {
             let found = refit.locate(&refit.left(std::iter::repeat(0.0), *seed, correlation));
             found.location == Default::default()
                 && found.coordinate.is_none()
-                && found.suspects.is_empty()
-                && found.suspect_frequencies.is_empty()
-                && found.suspect_orders.is_empty()
+                && found.candidate_events.is_empty()
+                && found.candidate_frequencies.is_empty()
+                && found.candidate_orders.is_empty()
         };
         let count = (1000..1100u64).filter(nothing).count();
         println!("correlation {correlation}: nothing in {count} of 100");
@@ -430,7 +430,7 @@ fn irregular_stamps_with_a_gap_locate_as_well() {
         sensor_only: false,
     });
     assert_eq!(found.location.place.as_deref(), Some("environment"));
-    assert!((found.suspects[0] - KNOCK).abs() < 0.015);
+    assert!((found.candidate_events[0] - KNOCK).abs() < 0.015);
     assert_eq!(found.missing.len(), kept.len());
 }
 

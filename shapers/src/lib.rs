@@ -12,7 +12,7 @@ mod buffer;
 mod candidates;
 mod correction;
 mod cross_fade;
-mod duel;
+mod double_oracle;
 mod ei;
 mod equal_ripple;
 mod error;

@@ -1,6 +1,6 @@
 //! The best positive train for a mode that is known only so well.
 
-use crate::duel::{Duel, ROOM, Uncertainty};
+use crate::double_oracle::{DoubleOracle, ROOM, Uncertainty};
 use crate::uncertain_mode::WITHIN;
 use crate::{
     GridTrain, HUMP_TOLERANCE, Impulse, ImpulseTrain, Mode, Shaper, ShaperError, UncertainMode,
@@ -86,9 +86,9 @@ impl Optimal {
                 (damping_ratio * (1.0 + damping)).min(0.99),
             ),
         };
-        let mut duel = Duel::new(uncertainty, delay * mode.natural_frequency());
-        let worst = duel.fight();
-        let impulses: ArrayVec<Impulse, ROOM> = duel
+        let mut game = DoubleOracle::new(uncertainty, delay * mode.natural_frequency());
+        let worst = game.solve();
+        let impulses: ArrayVec<Impulse, ROOM> = game
             .best
             .iter()
             .map(|&(time, amplitude)| Impulse {

@@ -8,9 +8,9 @@ use super::found::{Found, Trial};
 use super::locate::Located;
 use super::point::{EffectAt, Global};
 use super::quality::{level, quality};
-use super::scale::TrackerScale;
 use super::summary::{summary, times, whole};
 use super::thresholds::EQUAL;
+use super::tracker_scale::TrackerScale;
 use quell_model::effects::Effect;
 use quell_model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
@@ -54,7 +54,7 @@ pub fn conclude(
         candidates: found.trials.iter().filter_map(candidate).collect(),
         remarks,
     };
-    let scale = super::scale::tell(search, &mut diagnosis);
+    let scale = super::tracker_scale::tell(search, &mut diagnosis);
     diagnosis.summary = summary(
         &diagnosis,
         scale.as_ref(),

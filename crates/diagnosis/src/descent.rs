@@ -87,7 +87,7 @@ impl<'a> Descent<'a> {
 
     /// The same, given up where a rival is ahead and two steps in a row came nearer to it by so little that
     /// all that are left would not reach it.
-    pub fn race(&mut self, iterations: usize, rival: f64) {
+    pub fn run_against(&mut self, iterations: usize, rival: f64) {
         let mut slow = 0;
         for left in (0..iterations).rev() {
             let before = self.linear.cost;

@@ -47,7 +47,7 @@ pub enum DiagnosisError {
     /// A sensor that shows one value while the machine moves.
     #[error(
         "{channel} of \"{recording}\" is {value} throughout, while {moving} changes by {by}: a dead sensor, a wrong \
-         column, or a resolution that is too coarse; leave the channel out of the recording, or mend it"
+         column, or a resolution that is too coarse; leave the channel out of the recording, or repair it"
     )]
     Dead {
         /// Name of the recording.
@@ -64,7 +64,7 @@ pub enum DiagnosisError {
     /// A sensor that shows nothing but noise while the model moves.
     #[error(
         "{channel} of \"{recording}\" shows nothing but noise of {noise}, while {moving} makes it move by {by} rms in \
-         the model: a dead sensor, a wrong column or a wrong unit; leave the channel out of the recording, or mend it"
+         the model: a dead sensor, a wrong column or a wrong unit; leave the channel out of the recording, or repair it"
     )]
     Mute {
         /// Name of the recording.

@@ -1,4 +1,4 @@
-//! Events that happen more than once: a machine that was knocked against is knocked against again.
+//! Events that happen more than once: a machine that was hit once is hit again.
 
 use super::criteria::Search;
 use super::descent::Descent;
@@ -8,7 +8,7 @@ use super::thresholds::{SHORT, STRONG};
 use quell_model::Term;
 use std::cmp::Ordering;
 
-/// Steps in which the size of an event is found at the instant at which it is suspected.
+/// Steps in which the size of an event is found at the instant at which it is a candidate.
 const SIZE: usize = 2;
 
 impl Search<'_> {
@@ -21,11 +21,11 @@ impl Search<'_> {
         else {
             return explanation;
         };
-        let suspects = &self.problem.scales.suspects;
+        let candidates = &self.problem.scales.candidate_events;
         let (effect, place) = (event.effect, event.place);
-        let worth = STRONG + 2.0 * (suspects.len().max(1) as f64).ln();
+        let worth = STRONG + 2.0 * (candidates.len().max(1) as f64).ln();
         let mut best = explanation.clone();
-        for &time in suspects {
+        for &time in candidates {
             let point = &best.fitted.point;
             let own = point.terms.iter().filter(|term| is_like(term, event));
             let mut times = own.map(|term| term.values[when]);

@@ -1,4 +1,4 @@
-//! Candidates on top of an explanation: screened, fitted in a race, and ranked.
+//! Candidates on top of an explanation: screened, fitted by successive halving, and ranked.
 
 use super::candidate::Candidate;
 use super::criteria::{Search, ratio, sort};
@@ -6,8 +6,8 @@ use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::found::Trial;
 use super::point::{EffectAt, Point};
-use super::race::Race;
 use super::screen::{Start, screen};
+use super::successive_halving::Halving;
 use super::thresholds::{GATE, STRONG};
 
 /// Candidates that are fitted after the screen.
@@ -27,12 +27,12 @@ impl Search<'_> {
             found = self.screened(from, linear);
         }
         self.add_known(from, &mut found);
-        let mut race = Race::new(self, from, linear.as_ref());
-        race.enter(found);
-        race.lead();
-        let walked = self.walked_through(from, &race);
-        race.enter(walked);
-        let mut trials = race.finish();
+        let mut halving = Halving::new(self, from, linear.as_ref());
+        halving.enter(found);
+        halving.lead();
+        let continued = self.continued(from, &halving);
+        halving.enter(continued);
+        let mut trials = halving.finish();
         self.rank(from, &mut trials);
         trials
     }

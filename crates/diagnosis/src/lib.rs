@@ -1,12 +1,14 @@
 #![doc = include_str!("../README.md")]
 
 mod baseline;
+mod basin_hopping;
 mod belief;
 mod bootstrap;
 mod bounds;
 mod candidate;
 mod choose;
 mod conclude;
+mod continuation;
 mod criteria;
 mod descent;
 mod displacement;
@@ -19,7 +21,6 @@ mod explanation;
 mod extend;
 mod fit;
 mod found;
-mod hops;
 mod locate;
 mod looks;
 mod next_move;
@@ -31,10 +32,8 @@ mod point;
 mod problem;
 mod quality;
 mod quiet;
-mod race;
 mod remarks;
 mod run;
-mod scale;
 mod score;
 mod screen;
 mod search;
@@ -43,11 +42,12 @@ mod split;
 mod start;
 mod stop;
 mod stretches;
+mod successive_halving;
 mod summary;
 mod thresholds;
 mod traces;
+mod tracker_scale;
 mod units;
-mod walk;
 mod weights;
 mod whitening;
 

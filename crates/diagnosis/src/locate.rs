@@ -2,6 +2,7 @@
 //! frequency. It says where to look; names are given by simulation.
 
 mod basis;
+mod candidate_events;
 mod colour;
 mod coordinate;
 mod correlation;
@@ -16,7 +17,6 @@ mod search;
 mod sensor_side;
 mod smoother;
 mod stretches;
-mod suspects;
 mod transition;
 
 use std::f64::consts::TAU;
@@ -25,7 +25,7 @@ use super::{CoordinateTrace, Location};
 use smoother::{Smoothed, Smoother};
 use transition::Path;
 
-/// Most suspects of a kind.
+/// Most candidates of a kind.
 const MOST: usize = 8;
 /// Fewest stamps of which anything can be said.
 const FEWEST: usize = 32;
@@ -83,13 +83,13 @@ pub struct Located {
     /// Share of the chi-squared above the noise in each phase of the motion.
     pub phases: Vec<(String, f64)>,
     /// Instants at which something seems to happen, s; the most suspicious first, at most 8.
-    pub suspects: Vec<f64>,
+    pub candidate_events: Vec<f64>,
     /// Angular frequencies that stand out of the residual, rad/s; the strongest first, at most 8.
-    pub suspect_frequencies: Vec<f64>,
+    pub candidate_frequencies: Vec<f64>,
     /// Radians per unit of position of forces periodic in position; the strongest first, at most 8.
-    pub suspect_orders: Vec<f64>,
-    /// Where the link was at the suspects that begin at once, and the sign of its velocity.
-    pub suspect_stops: Vec<[f64; 2]>,
+    pub candidate_orders: Vec<f64>,
+    /// Where the link was at the candidates that begin at once, and the sign of its velocity.
+    pub candidate_stops: Vec<[f64; 2]>,
 }
 
 /// Locates the mismatch behind a residual.
@@ -147,13 +147,14 @@ fn put_together(
     let refit = refit::refit(residual, smoother);
     let sensor = sensor_side::sensor_side(residual, &refit, time_scale(residual) / TAU);
     let orders = orders::orders(residual, &smoothed.missing, &moving);
-    let suspects = suspects::suspects(residual, &smoothed, &moving, time_scale(residual));
+    let candidates =
+        candidate_events::candidate_events(residual, &smoothed, &moving, time_scale(residual));
     let frequencies =
         |series: &[f64]| frequency::frequencies(residual.time, series, &residual.dynamics);
     let (frequencies, elsewhere) = (frequencies(residual.residual), frequencies(&sensor.left));
     let away = |f: &f64| !frequency::is_near(*f, &residual.dynamics);
     let (explained, mut coordinate) = coordinate::best(residual, &smoothed, &moving);
-    let events = suspects
+    let events = candidates
         .iter()
         .filter_map(|s| responses::to_event(smoother, s));
     let ripples = orders
@@ -166,11 +167,13 @@ fn put_together(
         sensor: &sensor,
         events: responses::evidence(residual, &refit, events),
         ripple: responses::evidence(residual, &refit, ripples),
-        suspects: &suspects,
+        candidate_events: &candidates,
         rings_elsewhere: elsewhere.iter().any(away),
     };
     let place = evidence.place(&mut coordinate);
-    let sudden = suspects.iter().filter(|s| s.kind != suspects::Kind::Change);
+    let sudden = candidates
+        .iter()
+        .filter(|s| s.kind != candidate_events::Kind::Change);
     let stop = |[position, velocity, _]: [f64; 3]| [position, velocity.signum()];
     let location = place.map(|place| Location {
         place: Some(place.name().into()),
@@ -188,10 +191,10 @@ fn put_together(
         sensor_gain: sensor.gain,
         explained,
         phases,
-        suspects: suspects.iter().map(|s| s.time).collect(),
-        suspect_stops: sudden.map(|s| stop(residual.link[s.at])).collect(),
-        suspect_frequencies: frequencies,
-        suspect_orders: if place.is_some() { orders } else { Vec::new() },
+        candidate_events: candidates.iter().map(|s| s.time).collect(),
+        candidate_stops: sudden.map(|s| stop(residual.link[s.at])).collect(),
+        candidate_frequencies: frequencies,
+        candidate_orders: if place.is_some() { orders } else { Vec::new() },
     }
 }
 

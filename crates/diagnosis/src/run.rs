@@ -42,7 +42,7 @@ pub(super) fn attempt(
                 return Ok((named(*outcome, &data, train), points));
             }
             Ending::Surprised(period, mut points) => {
-                // What happens at a time (a payload, a knock) and was held out cannot be learned: hold out
+                // What happens at a time (a payload, an impact) and was held out cannot be learned: hold out
                 // parts of every move instead.
                 data.interleave(INTERLEAVED_PERIODS * period);
                 let remark = "What was held out differs from what was fitted: something changed with time. \
@@ -108,7 +108,7 @@ fn investigate(
     let baseline: Explanation = judge.judge(&problem, fitted);
     progress(0.1, "locating the mismatch");
     let located = located(&problem, &baseline);
-    suspect(&mut problem, &located, &baseline);
+    take_candidates(&mut problem, &located, &baseline);
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
@@ -143,24 +143,28 @@ fn investigate(
 }
 
 /// Tells the catalogue where to look.
-fn suspect(problem: &mut Problem, located: &Located, baseline: &Explanation) {
+fn take_candidates(problem: &mut Problem, located: &Located, baseline: &Explanation) {
     tracing::debug!(
-        times = ?located.suspects,
-        frequencies = ?located.suspect_frequencies,
-        orders = ?located.suspect_orders,
-        "suspects"
+        times = ?located.candidate_events,
+        frequencies = ?located.candidate_frequencies,
+        orders = ?located.candidate_orders,
+        "candidate events"
     );
     let scales = &mut problem.scales;
-    scales.suspects.clone_from(&located.suspects);
     scales
-        .suspect_frequencies
-        .clone_from(&located.suspect_frequencies);
-    scales.suspect_orders.clone_from(&located.suspect_orders);
-    scales.suspect_stops.clone_from(&located.suspect_stops);
+        .candidate_events
+        .clone_from(&located.candidate_events);
+    scales
+        .candidate_frequencies
+        .clone_from(&located.candidate_frequencies);
+    scales
+        .candidate_orders
+        .clone_from(&located.candidate_orders);
+    scales.candidate_stops.clone_from(&located.candidate_stops);
     if problem.scales.forced {
         let residual = problem.explained(&baseline.fitted.point, 0);
         let output = &problem.experiments[0].outputs[0];
-        problem.scales.suspect_frequencies = super::screen::peaks(&output.time, &residual[0]);
+        problem.scales.candidate_frequencies = super::screen::peaks(&output.time, &residual[0]);
     }
 }
 

@@ -1,8 +1,8 @@
 //! The verdict in one sentence.
 
 use super::document::{Diagnosis, Finding, Verdict};
-use super::scale::TrackerScale;
 use super::split::HeldOut;
+use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
 
 /// One sentence, as an engineer would write it.

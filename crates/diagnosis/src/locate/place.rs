@@ -1,9 +1,9 @@
 //! The place in the chain, from all that was seen.
 
 use super::Residual;
+use super::candidate_events::{CandidateEvent, Kind};
 use super::coordinate::has_link;
 use super::sensor_side::SensorSide;
-use super::suspects::{Kind, Suspect};
 use crate::CoordinateTrace;
 use quell_model::effects::Place;
 
@@ -25,7 +25,7 @@ pub(super) struct Evidence<'a> {
     pub events: f64,
     /// Evidence of forces periodic in position.
     pub ripple: f64,
-    pub suspects: &'a [Suspect],
+    pub candidate_events: &'a [CandidateEvent],
     /// Whether a frequency away from the mode stands out of what the sensor side leaves.
     pub rings_elsewhere: bool,
 }
@@ -54,8 +54,8 @@ impl Evidence<'_> {
         if few > 0.5 * dynamic && (few >= dynamic || share < 0.5) {
             return Some(self.of_causes(coordinate));
         }
-        let changes = |s: &Suspect| s.kind == Kind::Change && s.share > share;
-        if self.suspects.iter().any(changes) {
+        let changes = |s: &CandidateEvent| s.kind == Kind::Change && s.share > share;
+        if self.candidate_events.iter().any(changes) {
             self.over_time(coordinate);
             return Some(Place::Link);
         }

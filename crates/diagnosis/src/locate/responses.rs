@@ -1,22 +1,22 @@
 //! Whether a few causes of known shape explain the whole residual: events, forces periodic in position.
 
 use super::basis::{Basis, dot};
+use super::candidate_events::{CandidateEvent, Kind};
 use super::smoother::Smoother;
-use super::suspects::{Kind, Suspect};
 use super::{Residual, colour};
 
 /// Parameters of a cause: when or where, its size, and the shift of its time or its phase.
 const PARAMETERS: f64 = 3.0;
 
-/// The error's response to a knock or a force that sets in; the second column shifts it in time.
+/// The error's response to an impact or a force that sets in; the second column shifts it in time.
 /// None for a lasting change of how the force follows the motion.
-pub(super) fn to_event(smoother: &Smoother, suspect: &Suspect) -> Option<[Vec<f64>; 2]> {
-    let components = match suspect.kind {
-        Kind::Knock => [1, 0],
+pub(super) fn to_event(smoother: &Smoother, event: &CandidateEvent) -> Option<[Vec<f64>; 2]> {
+    let components = match event.kind {
+        Kind::Impact => [1, 0],
         Kind::Onset => [2, 1],
         Kind::Change => return None,
     };
-    Some(components.map(|component| smoother.after_jump(suspect.at, component)))
+    Some(components.map(|component| smoother.after_jump(event.at, component)))
 }
 
 /// The error's response to a sine and a cosine over the motor side's position, of this many radians

@@ -8,7 +8,7 @@ use quell_model::{Experiment, Grid, Kind, Output, simulate_windows};
 use quell_recording::Role;
 
 /// Time between the recordings and the proposed experiment, s: what happened once in the recordings (a
-/// payload was gripped, a knock) has happened before it, what drifts has drifted on.
+/// payload was gripped, an impact) has happened before it, what drifts has drifted on.
 const LATER: f64 = 1.0;
 
 /// An experiment with the explanation's own predictions in the place of what was measured.

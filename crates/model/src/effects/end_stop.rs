@@ -4,7 +4,7 @@ use super::grid::{product, reach, typical_position};
 use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 /// Instants at which the link may have met a stop that are looked at.
-const SUSPECTS: usize = 3;
+const CANDIDATES: usize = 3;
 
 struct EndStop {
     stiffness: f64,
@@ -125,7 +125,7 @@ pub const END_STOP: Effect = Effect {
         let ends = [-1.0, 1.0].into_iter();
         let ends = ends.flat_map(|side| depths.map(|depth| start(depth, side)));
         // Or the link met it when something seemed to happen.
-        let met = scales.suspect_stops.iter().take(SUSPECTS);
+        let met = scales.candidate_stops.iter().take(CANDIDATES);
         let met = met.flat_map(|&[position, side]| {
             // What touched it a little earlier, or a little harder, leads to it; what did not touch it does not.
             let inside =

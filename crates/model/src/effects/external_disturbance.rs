@@ -1,4 +1,4 @@
-//! A knock from outside.
+//! An impact from outside.
 
 use super::grid::{product, times, typical_time};
 use super::{Effect, Law, Parameter, ParameterRole, Place, Property, Quantity};

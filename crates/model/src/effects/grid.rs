@@ -28,32 +28,41 @@ pub(super) fn product(axes: &[&[f64]]) -> Vec<Vec<f64>> {
     })
 }
 
-/// Suspects within bounds first, then the coarse grid, `count` in all.
+/// Candidates within bounds first, then the coarse grid, `count` in all.
 fn fill(
-    suspects: &[f64],
+    candidates: &[f64],
     coarse: impl IntoIterator<Item = f64>,
     bounds: (f64, f64),
     count: usize,
 ) -> Vec<f64> {
     let inside = |value: &f64| *value > bounds.0 && *value < bounds.1;
-    let suspects = suspects.iter().copied();
-    suspects.chain(coarse).filter(inside).take(count).collect()
+    let candidates = candidates.iter().copied();
+    candidates
+        .chain(coarse)
+        .filter(inside)
+        .take(count)
+        .collect()
 }
 
 /// Instants to look at.
 pub(super) fn times(scales: &Scales, count: usize) -> Vec<f64> {
-    let found = scales.suspects.len().min(count / 2);
+    let found = scales.candidate_events.len().min(count / 2);
     let rest = count - found;
     let coarse =
         (0..rest).map(|k| scales.span.0 + scales.duration() * (k as f64 + 0.5) / rest as f64);
-    fill(&scales.suspects[..found], coarse, scales.span, count)
+    fill(
+        &scales.candidate_events[..found],
+        coarse,
+        scales.span,
+        count,
+    )
 }
 
 /// Angular frequencies of a further mode: from a soft base to a stiff part, and what stands out.
 pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
     let own = scales.natural_frequency;
     let highest = scales
-        .suspect_frequencies
+        .candidate_frequencies
         .iter()
         .copied()
         .fold(0.0, f64::max);
@@ -64,12 +73,12 @@ pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
 
 /// Angular frequencies to look at.
 pub(super) fn frequencies(scales: &Scales, count: usize) -> Vec<f64> {
-    let found = scales.suspect_frequencies.len().min(count / 2);
+    let found = scales.candidate_frequencies.len().min(count / 2);
     // Stiff parts, a soft base, and a load that hangs like a pendulum, near 1 Hz.
     let coarse =
         [2.5, 0.6, 1.5, 4.0, 0.35, 0.12, 7.0, 0.2].map(|factor| factor * scales.natural_frequency);
-    let suspects = &scales.suspect_frequencies[..found];
-    fill(suspects, coarse, frequency_bounds(scales), count)
+    let candidates = &scales.candidate_frequencies[..found];
+    fill(candidates, coarse, frequency_bounds(scales), count)
 }
 
 /// Length of the range of positions, never 0.
@@ -84,7 +93,7 @@ pub(super) fn resonant_order(scales: &Scales) -> f64 {
 
 /// Radians per unit of position that a periodic error may have.
 pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
-    let most = scales.suspect_orders.iter().copied().fold(0.0, f64::max);
+    let most = scales.candidate_orders.iter().copied().fold(0.0, f64::max);
     let fastest = (300.0 * TAU / reach(scales)).max(30.0 * resonant_order(scales));
     // On a spring to ground less than a period is the offset, slope and cubic of the spring's own law; on
     // an axis without any spring a constant force and what changes slowly with the place.
@@ -97,12 +106,12 @@ pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
 
 /// Orders to look at.
 pub(super) fn orders(scales: &Scales, count: usize) -> Vec<f64> {
-    let found = scales.suspect_orders.len().min(count.div_ceil(2));
+    let found = scales.candidate_orders.len().min(count.div_ceil(2));
     let resonant = [1.0, 2.0, 0.5, 4.0].map(|factor| factor * resonant_order(scales));
     let periods = [3.0, 10.0, 30.0].map(|periods| periods * TAU / reach(scales));
     let coarse = resonant.into_iter().chain(periods);
-    let suspects = &scales.suspect_orders[..found];
-    fill(suspects, coarse, order_bounds(scales), count)
+    let candidates = &scales.candidate_orders[..found];
+    fill(candidates, coarse, order_bounds(scales), count)
 }
 
 /// An instant well inside the recording, not 0.

@@ -1,7 +1,7 @@
 //! How large the motion is that a model explains: the yardstick of every effect's size.
 
 /// Extremes of a baseline simulation, in the model's units. All finite and above 0, but for the
-/// range of positions and the suspects.
+/// range of positions and the candidate events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
     /// Largest deformation; a hundredth of the travel where nothing bends.
@@ -28,15 +28,15 @@ pub struct Scales {
     /// Sampling period of the sensor, s.
     pub sample_time: f64,
     /// Instants at which something unexplained seems to happen, s; the most suspicious first.
-    pub suspects: Vec<f64>,
+    pub candidate_events: Vec<f64>,
     /// Angular frequencies that stand out of the unexplained residual, rad/s; the strongest first.
-    pub suspect_frequencies: Vec<f64>,
+    pub candidate_frequencies: Vec<f64>,
     /// Radians of a force periodic in position for one unit of position (teeth, poles, balls) that
     /// would explain most of the residual; the strongest first.
-    pub suspect_orders: Vec<f64>,
+    pub candidate_orders: Vec<f64>,
     /// Where the link was when something unexplained seems to have happened, and the sign of its velocity;
     /// the most suspicious first.
-    pub suspect_stops: Vec<[f64; 2]>,
+    pub candidate_stops: Vec<[f64; 2]>,
     /// Whether a force drives the link, and not the motion of the motor side.
     pub forced: bool,
     /// Whether the output is the angle of a tip that a tracker sees: its scale shows in the radius alone.

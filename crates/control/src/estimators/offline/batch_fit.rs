@@ -42,8 +42,8 @@ pub struct BatchFit {
 /// The model is that of the likelihood estimator, with the free initial state (again after each
 /// `memory` of the settings), offset, rate, scale and gain as further unknowns under the settings'
 /// priors. Starts: a grid of frequencies over the settings' range, a quarter apart; the best end wins. In
-/// a record of more than 1e4 samples they descend in the liveliest so many of them first, and the places
-/// that they come to go on in the liveliest 1e5, or in all where there are no more; the best of these is
+/// a record of more than 1e4 samples they descend in the highest-energy so many of them first, and the places
+/// that they come to go on in the highest-energy 1e5, or in all where there are no more; the best of these is
 /// where the whole begins. With `motion` false the motor side counts as standing still (a plain free
 /// decay). `None` where no start ends in a mode or the samples are fewer than twice the unknowns.
 pub fn batch_fit(samples: &[Sample], settings: &Settings, motion: bool) -> Option<BatchFit> {

@@ -37,12 +37,12 @@ const PATIENCE: usize = 20;
 /// The part of a long record in which a mode is looked for: of so many samples in a row as are enough those whose
 /// deformation varies most; all of a shorter one.
 pub fn telling(samples: &[Sample]) -> &[Sample] {
-    liveliest(samples, PARTS[1])
+    highest_energy(samples, PARTS[1])
 }
 
 /// Of all parts of so many samples that begin at a multiple of their number, and of the one that ends with the last
 /// sample, the one whose deformation varies most; all samples where they are fewer.
-fn liveliest(samples: &[Sample], count: usize) -> &[Sample] {
+fn highest_energy(samples: &[Sample], count: usize) -> &[Sample] {
     let Some(last) = samples.len().checked_sub(count) else {
         return samples;
     };
@@ -64,7 +64,7 @@ fn liveliest(samples: &[Sample], count: usize) -> &[Sample] {
 /// The best of all places that starts over the range of frequencies lead to.
 pub fn best_start(samples: &[Sample], settings: &Settings) -> Option<Point> {
     let long = telling(samples);
-    let short = liveliest(long, PARTS[0]);
+    let short = highest_energy(long, PARTS[0]);
     let mut starts = grid(settings);
     if short.len() < long.len() {
         starts = places(short, settings, &starts);
@@ -151,21 +151,21 @@ mod tests {
     }
 
     #[test]
-    fn the_liveliest_part_may_be_the_first_one_between_and_the_last() {
+    fn the_highest_energy_part_may_be_the_first_one_between_and_the_last() {
         for (range, first) in [
             (0..5_000, 0),
             (10_000..15_000, 10_000),
             (24_000..29_000, 19_000),
         ] {
             let samples = ringing(29_000, range);
-            let part = liveliest(&samples, 10_000);
+            let part = highest_energy(&samples, 10_000);
             assert_eq!(part, &samples[first..first + 10_000]);
         }
         // Less than two parts: all that rings is in what is left of the first.
         let samples = ringing(19_000, 13_000..19_000);
-        assert_eq!(liveliest(&samples, 10_000), &samples[9_000..]);
+        assert_eq!(highest_energy(&samples, 10_000), &samples[9_000..]);
         let short = &samples[..10_000];
-        assert_eq!(liveliest(short, 10_000), short);
-        assert_eq!(liveliest(&short[1..], 10_000), &short[1..]);
+        assert_eq!(highest_energy(short, 10_000), short);
+        assert_eq!(highest_energy(&short[1..], 10_000), &short[1..]);
     }
 }

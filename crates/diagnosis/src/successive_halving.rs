@@ -1,4 +1,4 @@
-//! Fits of candidates in a race: each goes as far as it may still win.
+//! Successive halving of candidates: each is fitted as far as it may still win.
 //!
 //! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
 
@@ -16,31 +16,31 @@ use rayon::prelude::*;
 /// the winner than to none.
 const NEARER: f64 = 0.5;
 
-/// A race on top of an explanation.
-pub(super) struct Race<'a> {
+/// Candidates on top of an explanation, and how far each is fitted.
+pub(super) struct Halving<'a> {
     search: &'a Search<'a>,
     from: &'a Explanation,
     /// What is known there.
     linear: Option<&'a Linearised>,
-    runners: Vec<Runner<'a>>,
+    entrants: Vec<Entrant<'a>>,
     leader: Option<Trial>,
 }
 
 /// A candidate.
-struct Runner<'a> {
+struct Entrant<'a> {
     effect: EffectAt,
     /// Fits from its starts on, the best first.
     starts: Vec<Descent<'a>>,
 }
 
-impl Runner<'_> {
+impl Entrant<'_> {
     fn cost(&self) -> f64 {
         self.starts.first().map_or(f64::INFINITY, Descent::cost)
     }
 }
 
-impl<'a> Race<'a> {
-    /// Without runners.
+impl<'a> Halving<'a> {
+    /// Without entrants.
     pub fn new(
         search: &'a Search<'a>,
         from: &'a Explanation,
@@ -50,17 +50,17 @@ impl<'a> Race<'a> {
             search,
             from,
             linear,
-            runners: Vec::new(),
+            entrants: Vec::new(),
             leader: None,
         }
     }
 
     /// Lets candidates make their first step.
     pub fn enter(&mut self, candidates: Vec<Candidate>) {
-        let runners = candidates.into_par_iter().map(|own| self.started(own));
-        for mut next in runners.collect::<Vec<_>>() {
+        let entrants = candidates.into_par_iter().map(|own| self.started(own));
+        for mut next in entrants.collect::<Vec<_>>() {
             match self
-                .runners
+                .entrants
                 .iter_mut()
                 .find(|own| own.effect == next.effect)
             {
@@ -68,12 +68,12 @@ impl<'a> Race<'a> {
                     own.starts.append(&mut next.starts);
                     own.starts.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
                 }
-                None => self.runners.push(next),
+                None => self.entrants.push(next),
             }
         }
     }
 
-    fn started(&self, candidate: Candidate) -> Runner<'a> {
+    fn started(&self, candidate: Candidate) -> Entrant<'a> {
         let Search {
             problem, projector, ..
         } = *self.search;
@@ -86,7 +86,7 @@ impl<'a> Race<'a> {
         let far = candidate.far.iter().map(|point| start(point, None));
         let mut starts: Vec<Descent> = near.chain(far).collect();
         starts.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        Runner {
+        Entrant {
             effect: candidate.effect,
             starts,
         }
@@ -95,12 +95,12 @@ impl<'a> Race<'a> {
     /// Carries the one that is ahead to its end before the others. None whose misfit has many minima: its
     /// starts may not all be there yet.
     pub fn lead(&mut self) {
-        let plain = |index: &usize| !self.runners[*index].effect.0.has_many_minima();
-        let cost = |index: &usize| self.runners[*index].cost();
-        let all = (0..self.runners.len()).filter(plain);
+        let plain = |index: &usize| !self.entrants[*index].effect.0.has_many_minima();
+        let cost = |index: &usize| self.entrants[*index].cost();
+        let all = (0..self.entrants.len()).filter(plain);
         if let Some(first) = all.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
-            let runner = self.runners.remove(first);
-            let chosen = self.chosen(runner, f64::INFINITY);
+            let entrant = self.entrants.remove(first);
+            let chosen = self.chosen(entrant, f64::INFINITY);
             self.leader = chosen.map(|descent| self.carried(descent, f64::INFINITY));
         }
     }
@@ -112,16 +112,16 @@ impl<'a> Race<'a> {
 
     /// Whether an effect takes part.
     pub fn has(&self, effect: EffectAt) -> bool {
-        self.runners.iter().any(|runner| runner.effect == effect)
+        self.entrants.iter().any(|entrant| entrant.effect == effect)
     }
 
     /// Carries all to their ends, or to where they cannot win any more; judged.
     pub fn finish(mut self) -> Vec<Trial> {
-        let runners = std::mem::take(&mut self.runners);
+        let entrants = std::mem::take(&mut self.entrants);
         let winner = self.winner().unwrap_or(f64::INFINITY);
-        let chosen: Vec<Descent> = runners
+        let chosen: Vec<Descent> = entrants
             .into_par_iter()
-            .filter_map(|runner| self.chosen(runner, winner))
+            .filter_map(|entrant| self.chosen(entrant, winner))
             .collect();
         let costs = chosen.iter().map(Descent::cost);
         let leader = self.leader.as_ref();
@@ -144,13 +144,13 @@ impl<'a> Race<'a> {
     }
 
     /// The best of a candidate's starts, on its way to a rival.
-    fn chosen(&self, mut runner: Runner<'a>, rival: f64) -> Option<Descent<'a>> {
+    fn chosen(&self, mut entrant: Entrant<'a>, rival: f64) -> Option<Descent<'a>> {
         let mut ahead = rival;
-        for descent in runner.starts.iter_mut().take(SECOND) {
-            descent.race(SHORT, ahead);
+        for descent in entrant.starts.iter_mut().take(SECOND) {
+            descent.run_against(SHORT, ahead);
             ahead = ahead.min(descent.cost());
         }
-        let best = runner.starts.into_iter();
+        let best = entrant.starts.into_iter();
         let best = best.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
         (best.cost() <= self.from.fitted.cost).then_some(best)
     }
@@ -161,7 +161,7 @@ impl<'a> Race<'a> {
         let near = |winner| explained(descent.cost()) > NEARER * explained(winner);
         let carries = self.winner().is_none_or(near);
         if carries {
-            descent.race(LONG, ahead);
+            descent.run_against(LONG, ahead);
             if descent.winds() && descent.cost() < LOST * ahead {
                 descent.hop();
             }

@@ -31,7 +31,7 @@ impl Descent<'_> {
                 return;
             };
             let mut next = self.stepped(&step);
-            next.race(STEPS, self.cost());
+            next.run_against(STEPS, self.cost());
             if next.cost() < self.cost() {
                 *self = next;
             }

@@ -1,4 +1,4 @@
-//! Walks over the sizes of an effect whose misfit has many minima, for starts that a screen cannot see: it moves
+//! Continuation over the sizes of an effect whose misfit has many minima, for starts that a screen cannot see: it moves
 //! the rest in one step only.
 //!
 //! Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
@@ -8,39 +8,39 @@ use super::criteria::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};
-use super::race::Race;
 use super::screen::candidates;
+use super::successive_halving::Halving;
 use super::thresholds::{LOST, SECOND, SHORT};
 
-/// Steps of the model's keys at each size of a walk.
+/// Steps of the model's keys at each size.
 const FIRST: usize = 2;
 /// Parts into which the way from one size to the next is cut near the best one: sizes that differ by some 15 %
 /// where a grid's differ by 1.7 times.
 const SLOWER: u32 = 4;
 
 impl Search<'_> {
-    /// Starts from walks: of all effects that need one, or, where nothing is left to be found, of those alone
-    /// that take part in the race.
-    pub(super) fn walked_through(&self, from: &Explanation, race: &Race) -> Vec<Candidate> {
+    /// Starts by continuation: of all effects that need one, or, where nothing is left to be found, of those alone
+    /// that take part in the halving.
+    pub(super) fn continued(&self, from: &Explanation, halving: &Halving) -> Vec<Candidate> {
         let own = from.effects();
-        let done = self.known.alone || race.is_won();
+        let done = self.known.alone || halving.is_won();
         let winding = |effect: &EffectAt| {
-            effect.0.has_many_minima() && !own.contains(effect) && (race.has(*effect) || !done)
+            effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
         };
-        let walks = candidates(self.problem).into_iter().filter(winding);
+        let continued = candidates(self.problem).into_iter().filter(winding);
         let candidate = |effect: EffectAt| Candidate {
             effect,
             near: Vec::new(),
-            far: self.walked(from, effect),
+            far: self.along_sizes(from, effect),
         };
-        walks.map(candidate).collect()
+        continued.map(candidate).collect()
     }
 
-    /// The best places on a walk over the sizes of an effect, and on a slower one around the best of these.
+    /// The best places along the sizes of an effect, and along finer ones around the best of these.
     /// At each size the model's keys are fitted from where they were at the last one: a large size makes them
     /// (a frequency, mostly) other than they are without the effect, and a fit of both at once would rather
     /// make the size small.
-    fn walked(&self, from: &Explanation, (effect, place): EffectAt) -> Vec<Point> {
+    fn along_sizes(&self, from: &Explanation, (effect, place): EffectAt) -> Vec<Point> {
         let lost = LOST * from.fitted.cost;
         let from = &from.fitted.point;
         let own = |parameter| Global::Parameter(from.terms.len(), parameter);
@@ -56,7 +56,7 @@ impl Search<'_> {
         let step = |last: &Point, values: &[f64]| {
             fitted(last.with(effect, place, values.to_vec()), None, FIRST)
         };
-        let walk = |start: &Point, sizes: &[Vec<f64>]| {
+        let follow = |start: &Point, sizes: &[Vec<f64>]| {
             let mut ends: Vec<(f64, Point)> = Vec::new();
             for values in sizes {
                 let last = ends.last();
@@ -69,11 +69,11 @@ impl Search<'_> {
             ends
         };
         let starts = (effect.starts)(&self.problem.scales);
-        let mut ends = walk(from, &starts);
+        let mut ends = follow(from, &starts);
         let best = (0..ends.len()).min_by(|a, b| ends[*a].0.total_cmp(&ends[*b].0));
         let before = best.unwrap_or(0).saturating_sub(1);
         let nearer = between(&starts[before..ends.len().min(before + 3)], effect.size());
-        ends.extend(walk(&ends[before].1.without(from.terms.len()), &nearer));
+        ends.extend(follow(&ends[before].1.without(from.terms.len()), &nearer));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.truncate(SECOND);
         // The size first, then what shapes the law: it makes up for a size that is not yet right.

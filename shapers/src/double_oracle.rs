@@ -54,7 +54,7 @@ impl Direction {
 }
 
 /// The game as far as it is known.
-pub(crate) struct Duel {
+pub(crate) struct DoubleOracle {
     delay: f64,
     /// Lowest and highest frequency, and the damping ratios.
     frequencies: (f64, f64),
@@ -66,14 +66,14 @@ pub(crate) struct Duel {
     pub best: ArrayVec<(f64, f64), ROOM>,
 }
 
-impl Duel {
+impl DoubleOracle {
     /// The first strategies: impulses about half a period apart, and a mode with four phases.
     pub fn new(uncertainty: Uncertainty, delay: f64) -> Self {
         let (lowest, highest) = uncertainty.ratios;
         let step = (highest - lowest) / (RATIOS - 1) as f64;
         let count = if step > 0.0 { RATIOS } else { 1 };
         let ratios = (0..count).map(|k| lowest + step * k as f64).collect();
-        let mut duel = Self {
+        let mut game = Self {
             delay,
             frequencies: uncertainty.frequencies,
             ratios,
@@ -84,11 +84,11 @@ impl Duel {
         };
         for k in 0..NEW {
             let phase = Complex64::new(0.0, 0.5 * PI * k as f64);
-            duel.add_direction(unit_pole(lowest), phase.exp());
+            game.add_direction(unit_pole(lowest), phase.exp());
         }
         let gaps = Float::round(delay / PI).clamp(1.0, 8.0);
-        (0..=gaps as usize).for_each(|k| duel.add_instant(delay * k as f64 / gaps));
-        duel
+        (0..=gaps as usize).for_each(|k| game.add_instant(delay * k as f64 / gaps));
+        game
     }
 
     fn add_direction(&mut self, pole: Complex64, turn: Complex64) {
@@ -111,7 +111,7 @@ impl Duel {
     }
 
     /// The worst residual of the best train found.
-    pub fn fight(&mut self) -> f64 {
+    pub fn solve(&mut self) -> f64 {
         let (mut least, mut most) = (0.0_f64, f64::INFINITY);
         for _ in 0..ROUNDS {
             let found = solve(&self.payoff, self.directions.len(), self.instants.len());

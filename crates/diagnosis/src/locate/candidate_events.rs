@@ -1,4 +1,4 @@
-//! Instants at which something happens: knocks, forces that set in, a payload that is taken.
+//! Instants at which something happens: impacts, forces that set in, a payload that is taken.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -14,8 +14,8 @@ const CANDIDATES: usize = 200;
 /// What kind of event an instant is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A jump of the velocity: a knock.
-    Knock,
+    /// A jump of the velocity: an impact.
+    Impact,
     /// A jump of the missing force.
     Onset,
     /// From there on the force follows the motion otherwise.
@@ -24,7 +24,7 @@ pub(super) enum Kind {
 
 /// An instant at which something happens.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Suspect {
+pub(super) struct CandidateEvent {
     /// Stamp.
     pub at: usize,
     /// When, s.
@@ -38,20 +38,20 @@ pub(super) struct Suspect {
 }
 
 /// The most suspicious first, at least `apart` seconds from one another.
-pub(super) fn suspects(
+pub(super) fn candidate_events(
     residual: &Residual,
     smoothed: &Smoothed,
     at: &[usize],
     apart: f64,
-) -> Vec<Suspect> {
-    let mut found = jumps(residual.time, &smoothed.velocity_jump, Kind::Knock);
+) -> Vec<CandidateEvent> {
+    let mut found = jumps(residual.time, &smoothed.velocity_jump, Kind::Impact);
     found.extend(jumps(residual.time, &smoothed.force_jump, Kind::Onset));
     found.extend(change(residual, &smoothed.missing, at));
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut kept: Vec<Suspect> = Vec::new();
-    for suspect in found {
-        if kept.len() < MOST && kept.iter().all(|k| (k.time - suspect.time).abs() > apart) {
-            kept.push(suspect);
+    let mut kept: Vec<CandidateEvent> = Vec::new();
+    for event in found {
+        if kept.len() < MOST && kept.iter().all(|k| (k.time - event.time).abs() > apart) {
+            kept.push(event);
         }
     }
     kept
@@ -60,7 +60,7 @@ pub(super) fn suspects(
 /// Local maxima of a jump's gain that noise would not make: half a chi-squared of one degree exceeds
 /// `g` with a probability below `exp(-g)`, at `n` stamps in two directions. Where the gains at large
 /// are greater than that law's median, the noise is coloured, and they count for less.
-fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<Suspect> {
+fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<CandidateEvent> {
     /// Median of half a chi-squared of one degree.
     const MEDIAN: f64 = 0.227;
     let n = gain.len();
@@ -73,7 +73,7 @@ fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<Suspect> {
     (1..n.saturating_sub(1))
         .filter(|&k| gain[k] > threshold * scale)
         .filter(|&k| gain[k] > gain[k - 1] && gain[k] >= gain[k + 1])
-        .map(|at| Suspect {
+        .map(|at| CandidateEvent {
             at,
             time: time[at],
             kind,
@@ -86,7 +86,7 @@ fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<Suspect> {
 /// The stamp from which the regression of the force on `1`, acceleration, velocity and rate (or
 /// position) has other coefficients than before: the supremum of likelihood ratios (Andrews, 1993),
 /// for as many independent values as the force has.
-fn change(residual: &Residual, force: &[f64], at: &[usize]) -> Option<Suspect> {
+fn change(residual: &Residual, force: &[f64], at: &[usize]) -> Option<CandidateEvent> {
     let n = at.len();
     if n < 64 {
         return None;
@@ -113,7 +113,7 @@ fn change(residual: &Residual, force: &[f64], at: &[usize]) -> Option<Suspect> {
     let series: Vec<f64> = at.iter().map(|&k| force[k]).collect();
     let gain = best.1 / length(&stamps, &series).samples;
     let (at, share) = (at[best.0], best.2);
-    let found = Suspect {
+    let found = CandidateEvent {
         at,
         time: residual.time[at],
         kind: Kind::Change,
