@@ -7,6 +7,7 @@ pub use quell_diagnosis as diagnosis;
 pub use quell_identification as identification;
 pub use quell_model as model;
 pub use quell_model::effects;
+pub use quell_page as page;
 pub use quell_proof as proof;
 pub use quell_recording as recording;
 pub use quell_report as report;

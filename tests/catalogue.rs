@@ -1,7 +1,6 @@
 //! One effect is one constant and one line of the catalogue: all that looks for it or speaks of it knows it then.
 
 use quell::cli::diagnose::long_help;
-use quell::cli::diagnose::page::{Case, page_of};
 use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
 use quell::effects::{
     Catalogue, EFFECTS, Effect, Force, Law, Likeness, Memory, Motion, PLACES, Parameter,
@@ -9,6 +8,7 @@ use quell::effects::{
 };
 use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
+use quell::report::{Case, page_of};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};

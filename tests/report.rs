@@ -1,7 +1,7 @@
 //! One report with every element: complete in itself, escaped, thinned. It is written to the
 //! target directory, to be looked at: `target/tmp/report.html`.
 
-use quell::report::{Bars, Cell, Chain, Chart, Figure, Page, Table, Verdict};
+use quell::page::{Bars, Cell, Chain, Chart, Figure, Page, Table, Verdict};
 
 /// A name as an attacker would give it to a recording.
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>&\"'";

@@ -6,7 +6,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{Request as Asked, Response, StatusCode, header};
 use axum::routing::Router;
 use libfuzzer_sys::fuzz_target;
-use quell::cli::diagnose::page::page;
+use quell::report::page;
 use quell::service::contract::{Accepted, EngineEnds, JointSnapshot, Request, Snapshot, channels};
 use quell::service::http::{Settings, routes};
 use quell_shapers::{Mode, SHAPERS};

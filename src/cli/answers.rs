@@ -2,10 +2,10 @@
 
 use serde_json::Value;
 
-use super::{CliError, output};
+use super::CliError;
 use crate::batch::{Answer, BatchError};
 use crate::diagnosis::Verdict;
-use crate::report::number;
+use crate::page::{columns, number};
 
 /// One answer in a table.
 pub struct Row {
@@ -58,7 +58,7 @@ pub fn table(rows: &[Row]) -> String {
     let cells = rows.iter().map(|row| row.cells.clone());
     let errors: String = rows.iter().filter_map(Row::set_aside).collect();
     let gap = if errors.is_empty() { "" } else { "\n" };
-    format!("{}{gap}{errors}", output::table(header, cells))
+    format!("{}{gap}{errors}", columns(header, cells))
 }
 
 /// How many were set aside.

@@ -1,19 +1,7 @@
 //! `quell diagnose`: what physics a model lacks, from what was recorded.
 
 mod batch;
-mod findings;
-mod follows;
-mod head;
 mod help;
-mod motion;
-mod next;
-pub mod page;
-mod place;
-mod ranking;
-mod record;
-pub(super) mod shown;
-mod text;
-mod words;
 
 pub use help::long_help;
 
@@ -24,6 +12,7 @@ use crate::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
 use crate::effects::Catalogue;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::report::{Case, page, text};
 use help::HELP;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -118,8 +107,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
         output::json(&outcome.diagnosis)?;
         return told(&outcome.diagnosis);
     }
-    let case = page::Case::new(&outcome.diagnosis, &outcome.traces);
-    output::text(&text::text(&case, &files))?;
+    let case = Case::new(&outcome.diagnosis, &outcome.traces);
+    output::text(&text(&case, &files))?;
     told(&outcome.diagnosis)
 }
 
@@ -163,7 +152,7 @@ fn write(
     names: &[String],
 ) -> Result<Vec<PathBuf>, CliError> {
     let model = args.model.display().to_string();
-    let page = page::page(&outcome.diagnosis, &outcome.traces, &model, names).footnote(format!(
+    let page = page(&outcome.diagnosis, &outcome.traces, &model, names).footnote(format!(
         "quell diagnose --model {model}, seed {}",
         args.seed
     ));

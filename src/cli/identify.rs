@@ -11,8 +11,8 @@ use crate::identification::{
     Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series, identify,
     prepare,
 };
+use crate::page::{columns, fixed};
 use crate::recording::Recording;
-use crate::report::fixed;
 use std::path::PathBuf;
 
 /// Identifies the vibratory mode of a recording, on-line by every estimator and off-line.
@@ -159,7 +159,7 @@ fn on_line(found: &Identification) -> String {
         "periods",
         "over",
     ];
-    output::table(heads, rows)
+    columns(heads, rows)
 }
 
 /// What the references say of a run.
@@ -172,5 +172,5 @@ fn off_line(run: &Run) -> String {
             words::used(run),
         ]
     });
-    output::table(["off-line", "f_hz", "xi", "over"], rows)
+    columns(["off-line", "f_hz", "xi", "over"], rows)
 }

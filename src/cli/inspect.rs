@@ -3,9 +3,9 @@
 mod topics;
 
 use super::{CliError, output};
+use crate::page::{columns, fixed};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
 use crate::recording::{Channel, McapFile, Recording, mcap_and_joint, plain as short};
-use crate::report::fixed;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -67,7 +67,7 @@ fn mcap(file: &McapFile, joint: Option<&str>, json: bool) -> Result<(), CliError
 
 fn page(recording: &Recording, figures: &[Health]) -> String {
     let channels = || recording.channels.iter().zip(figures);
-    let clocks = output::table(
+    let clocks = columns(
         [
             "channel",
             "samples",
@@ -79,7 +79,7 @@ fn page(recording: &Recording, figures: &[Health]) -> String {
         ],
         channels().map(|(channel, health)| clock_row(channel, health)),
     );
-    let values = output::table(
+    let values = columns(
         ["values", "unit", "least", "greatest", "noise", "step"],
         channels().flat_map(|(channel, health)| value_rows(channel, health)),
     );

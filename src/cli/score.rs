@@ -1,11 +1,11 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
-use super::diagnose::shown::Shown;
 use super::{CliError, output};
 use crate::diagnosis::{Score, predict};
 use crate::model::Model;
+use crate::page::fixed;
 use crate::recording::Recording;
-use crate::report::fixed;
+use crate::report::Shown;
 use std::path::PathBuf;
 
 /// Scores a model on a recording: its error over the noise.

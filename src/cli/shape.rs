@@ -4,6 +4,7 @@ mod command_file;
 
 use super::out::Force;
 use super::{CliError, choices, output, shaping, values};
+use crate::page::columns;
 use quell_shapers::{
     Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, insensitivity,
     residual_vibration,
@@ -184,8 +185,8 @@ fn page(design: &Design) -> Result<String, CliError> {
         design.grid.duration(),
         title = design.shaper.title(),
         summary = design.shaper.summary(),
-        impulses = output::table(["impulse_s", "amplitude"], impulses),
-        taps = output::table(["tap", "time_s", "amplitude"], taps),
+        impulses = columns(["impulse_s", "amplitude"], impulses),
+        taps = columns(["tap", "time_s", "amplitude"], taps),
         modes = modes(design)?,
     ))
 }
@@ -203,7 +204,7 @@ fn modes(design: &Design) -> Result<String, CliError> {
         let name = format!("{} Hz, {}", mode.hertz(), mode.damping_ratio());
         rows.push([name, format!("{residual:.1e}"), width, range]);
     }
-    Ok(output::table(
+    Ok(columns(
         ["mode", "V of the taps", "insensitivity", "band_hz"],
         rows,
     ))

@@ -4,8 +4,8 @@
 mod fixtures;
 mod verb;
 
-use quell::cli::diagnose::page::page;
 use quell::diagnosis::{Traces, Verdict};
+use quell::report::page;
 
 /// Every verdict, its file, what its page must say, and what it must not.
 const PAGES: &[(Verdict, &str, &[&str], &[&str])] = &[

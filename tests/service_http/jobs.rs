@@ -3,11 +3,11 @@
 use super::client::Client;
 use super::small::{MODEL, fleet, poison};
 use super::stand_in::{BOUNDS, Outside, outside, settings};
-use quell::cli::diagnose::page::page;
 use quell::diagnosis::{Diagnosis, DiagnosisError, Options, Stop, Traces, diagnose};
 use quell::model::Model;
+use quell::page::Page;
 use quell::recording::Recording;
-use quell::report::Page;
+use quell::report::page;
 use quell::service::http::Settings;
 use serde_json::{Value, json};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! An engine that does nothing but answer, and the service's outside upon it.
 
-use quell::cli::diagnose::page::page;
+use quell::report::page;
 use quell::service::contract::{
     Accepted, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot, Stopping,
     channels,

@@ -1,19 +1,21 @@
 #![doc = include_str!("../README.md")]
 
-mod bars;
-mod chain;
-mod chart;
-mod figure;
-mod html;
+mod case;
+mod findings;
+mod follows;
+mod head;
+mod motion;
+mod next;
 mod page;
-mod series;
-mod table;
-mod thin;
+mod place;
+mod ranking;
+mod record;
+mod shares;
+mod shown;
+mod text;
+mod words;
 
-pub use bars::Bars;
-pub use chain::Chain;
-pub use chart::Chart;
-pub use figure::Figure;
-pub use html::{fixed, number};
-pub use page::{Page, ReportError, STYLE, UPLOT_SCRIPT, UPLOT_STYLE, Verdict};
-pub use table::{Cell, Table};
+pub use case::Case;
+pub use page::{page, page_of};
+pub use shown::Shown;
+pub use text::text;

@@ -2,7 +2,7 @@
 
 use super::print::{describe, percent_label};
 use super::{Comparison, ERRORS, errors};
-use crate::report::{Cell, Chart, Figure, Page, Table, Verdict};
+use crate::page::{Cell, Chart, Figure, Page, Table, Verdict};
 
 /// The page: advice first, then table, curves and trains.
 pub fn page(comparison: &Comparison) -> Page {

@@ -2,7 +2,7 @@
 
 use super::candidate::Candidate;
 use super::{Comparison, ERRORS, NO_CHOICE, errors};
-use crate::cli::output;
+use crate::page::columns;
 use quell_shapers::Mode;
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ pub fn text(comparison: &Comparison) -> String {
     ];
     let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
     let rows = comparison.candidates.iter().map(|one| row(comparison, one));
-    let table = output::table(header, std::iter::once(unshaped).chain(rows));
+    let table = columns(header, std::iter::once(unshaped).chain(rows));
     let mut refused = String::new();
     for candidate in &comparison.candidates {
         if let Err(reason) = &candidate.design {
@@ -56,7 +56,7 @@ fn simulated(comparison: &Comparison) -> Option<String> {
     let first = format!("mm at {e1}");
     Some(format!(
         "\n{}",
-        output::table(["shaper", &first, &e2, &e3, &e4, &e5], rows)
+        columns(["shaper", &first, &e2, &e3, &e4, &e5], rows)
     ))
 }
 

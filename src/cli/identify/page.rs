@@ -4,7 +4,7 @@ use super::{Findings, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
 use crate::identification::{OffLine, OnLine, Run};
-use crate::report::{Chart, Figure, Page, Table, Verdict, number};
+use crate::page::{Chart, Figure, Page, Table, Verdict, number};
 
 const TAU: f64 = core::f64::consts::TAU;
 

@@ -2,7 +2,7 @@
 
 use super::Findings;
 use crate::identification::{Identification, Run, Stretch};
-use crate::report::fixed;
+use crate::page::fixed;
 
 /// `decay 0.39-2.00s`: what a run's off-line references used.
 pub fn used(run: &Run) -> String {

@@ -1,13 +1,12 @@
 //! What an MCAP file holds: its topics, and the roles that it says they have.
 
-use crate::cli::output;
+use crate::page::{columns, fixed};
 use crate::recording::{Cut, Found, McapFile, Topic};
-use crate::report::fixed;
 use serde_json::{Map, Value, json};
 
 /// The topics, the roles of each joint, and what has to be known of the file, as text.
 pub fn page(file: &McapFile) -> String {
-    let topics = output::table(
+    let topics = columns(
         ["topic", "type", "messages", "rate_hz"],
         file.topics().iter().map(topic_row),
     );
@@ -23,7 +22,7 @@ pub fn page(file: &McapFile) -> String {
     let rows: Vec<_> = joints.iter().flat_map(of).collect();
     let roles = match rows.is_empty() {
         true => fields(file),
-        false => output::table(["joint", "role", "topic", "field"], rows),
+        false => columns(["joint", "role", "topic", "field"], rows),
     };
     let remarks: String = file.remarks().iter().map(|r| format!("- {r}\n")).collect();
     let several = match &*joints {

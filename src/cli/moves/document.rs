@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use crate::cli::{output, shaping};
+use crate::cli::shaping;
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
-use crate::report::number;
+use crate::page::{columns, number};
 
 /// Distance from the target within which the tip counts as settled, m.
 pub const SETTLED: f64 = 0.05e-3;
@@ -80,7 +80,7 @@ pub fn document(comparison: &Comparison) -> Value {
 
 /// The comparison as text for a terminal.
 pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
-    let table = output::table(
+    let table = columns(
         [
             "move",
             "residual_mm",

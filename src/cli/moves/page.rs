@@ -4,8 +4,8 @@ use nalgebra::Point3;
 
 use super::document::{self, Learned, SETTLED};
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario, Tick};
+use crate::page::{Bars, Chart, Figure, Page, Table, Verdict, number};
 use crate::recording::Role;
-use crate::report::{Bars, Chart, Figure, Page, Table, Verdict, number};
 use crate::signal::{CubicSpline, End, Window, spectrum};
 
 /// The report.

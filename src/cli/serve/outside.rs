@@ -4,7 +4,7 @@ use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
-use crate::cli::{CliError, diagnose};
+use crate::cli::CliError;
 use crate::service::Service;
 use crate::service::config::Config;
 use crate::service::http::{self, HttpError, Settings};
@@ -43,7 +43,7 @@ impl Outside {
             max_body_bytes: config.http.max_body,
             arcs: arcs.collect(),
             recorder: recorder.clone(),
-            report: diagnose::page::page,
+            report: crate::report::page,
             diagnosis_limit: config.diagnosis_limit,
         };
         let (end, ended) = oneshot::channel();

@@ -1,5 +1,6 @@
 //! What came of a simulation, as JSON and as text.
 
+use crate::page::columns;
 use std::path::PathBuf;
 
 use quell_shapers::Mode;
@@ -9,7 +10,6 @@ use super::Args;
 use super::motion::Motion;
 use super::setup::Setup;
 use super::trace::Trace;
-use crate::cli::output;
 use crate::plant::ArmSimulation;
 
 /// All that there is to tell.
@@ -106,7 +106,7 @@ fn table(run: &Run) -> String {
         "residual_mm",
     ];
     let moves = run.motion.legs.iter().zip(&run.trace.settled).enumerate();
-    output::table(
+    columns(
         header,
         moves.map(|(index, (leg, settled))| {
             [

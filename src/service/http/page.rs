@@ -42,9 +42,9 @@ const FILES: [(&str, &str, &str); 13] = [
     ("/moves.js", JS, MOVES),
     ("/recordings.js", JS, RECORDINGS),
     ("/icon.svg", SVG, ICON),
-    ("/report.css", CSS, quell_report::STYLE),
-    ("/uplot.js", JS, quell_report::UPLOT_SCRIPT),
-    ("/uplot.css", CSS, quell_report::UPLOT_STYLE),
+    ("/report.css", CSS, quell_page::STYLE),
+    ("/uplot.js", JS, quell_page::UPLOT_SCRIPT),
+    ("/uplot.css", CSS, quell_page::UPLOT_STYLE),
 ];
 
 /// Adds the page's files to the routes.

@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use crate::diagnosis::{Diagnosis, Traces};
 use crate::model::Model;
-use crate::report::Page;
+use crate::page::Page;
 pub use job::{Job, Status};
 use list::List;
 

@@ -1,7 +1,7 @@
 //! The score as a page.
 
 use super::{Judged, Rate, Score};
-use quell_report::{Bars, Cell, Figure, Page, Table, Verdict};
+use quell_page::{Bars, Cell, Figure, Page, Table, Verdict};
 use std::collections::BTreeSet;
 
 /// Share of right cases from which the page opens with a good sign.

@@ -2,7 +2,7 @@
 
 use super::{Judged, Score};
 use comfy_table::{CellAlignment, Table, presets};
-use quell_report::number;
+use quell_page::number;
 use std::collections::BTreeSet;
 
 impl Score {

@@ -1,11 +1,11 @@
 //! Recorded, before and after over time, and the residuals.
 
-use super::page::Case;
+use super::case::Case;
 use super::shown::{Shown, peak};
 use super::words;
-use crate::diagnosis::{OutputTrace, Verdict};
-use crate::report::{Chart, Page};
 use core::ops::Range;
+use quell_diagnosis::{OutputTrace, Verdict};
+use quell_page::{Chart, Page};
 
 /// Samples that the close look holds at least and at most.
 const CLOSE: (usize, usize) = (60, 1500);

@@ -1,11 +1,11 @@
 //! What the missing part follows: its scatter over a coordinate, and how much each explains.
 
-use super::page::Case;
-use super::place::{missing_name, percentages};
+use super::case::Case;
+use super::shares::percentages;
 use super::shown::{Shown, peak};
 use super::words;
-use crate::diagnosis::CoordinateTrace;
-use crate::report::{Bars, Chart};
+use quell_diagnosis::CoordinateTrace;
+use quell_page::{Bars, Chart};
 
 /// Points of a scatter that are drawn at most.
 const POINTS: usize = 2000;
@@ -21,7 +21,7 @@ pub fn scatter(case: &Case) -> Option<Chart> {
         .coordinate
         .as_ref()
         .filter(|trace| !trace.x.is_empty())?;
-    let missing = missing_name(case);
+    let missing = words::missing_name(case);
     let unit = match trace.unit.as_str() {
         "" => &case.traces.missing_unit,
         unit => unit,

@@ -1,6 +1,6 @@
 //! Units that a reader likes: millimetres rather than metres, degrees or milliradians.
 
-use crate::report::number;
+use quell_page::number;
 
 /// From which size on, by which factor, and in which unit.
 type Row = (f64, f64, &'static str);

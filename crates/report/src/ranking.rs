@@ -1,10 +1,10 @@
 //! What else was considered.
 
-use super::page::Case;
+use super::case::Case;
 use super::shown::digits;
 use super::{head, words};
-use crate::diagnosis::Verdict;
-use crate::report::{Bars, Page, Table, number};
+use quell_diagnosis::Verdict;
+use quell_page::{Bars, Page, Table, number};
 
 /// Candidates that are drawn, and that are listed, at most.
 const DRAWN: usize = 10;
@@ -89,7 +89,7 @@ fn table(case: &Case) -> Table {
     for one in candidates.iter().take(LISTED) {
         let name = words::capital(&case.title(&one.effect));
         let numbers = [one.delta_bic, one.held_out_ratio];
-        let [bic, ratio] = numbers.map(crate::report::Cell::from);
+        let [bic, ratio] = numbers.map(quell_page::Cell::from);
         table = table.row([name.into(), one.place.clone().into(), bic, ratio]);
         if words::in_set(case.diagnosis, &one.effect) {
             table = table.marked();

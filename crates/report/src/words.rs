@@ -1,9 +1,9 @@
 //! Effects and places as an engineer says them.
 
-use super::page::Case;
-use crate::diagnosis::{Diagnosis, Finding, FittedParameter};
-use crate::effects::Place;
-pub use crate::effects::words as plain;
+use super::case::Case;
+use quell_diagnosis::{Diagnosis, Finding, FittedParameter};
+use quell_model::effects::Place;
+pub use quell_model::effects::words as plain;
 
 /// With a capital, to begin a sentence.
 pub fn capital(text: &str) -> String {
@@ -58,45 +58,45 @@ pub fn list(items: &[String], joint: &str) -> String {
 
 impl Case<'_> {
     /// The title of an effect, of joined effects one by one.
-    pub(super) fn title(&self, names: &str) -> String {
+    pub(crate) fn title(&self, names: &str) -> String {
         self.catalogue.title(names)
     }
 
     /// The findings' titles: `Coulomb friction and sensor lag`.
-    pub(super) fn findings(&self) -> String {
+    pub(crate) fn findings(&self) -> String {
         let findings = self.diagnosis.findings.iter();
         let titles: Vec<_> = findings.map(|f| self.title(&f.effect)).collect();
         list(&titles, "and")
     }
 
     /// Titles of all effects that a finding may be: itself and its alternatives.
-    pub(super) fn set(&self, finding: &Finding) -> Vec<String> {
+    pub(crate) fn set(&self, finding: &Finding) -> Vec<String> {
         let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
         names.map(|name| self.title(name)).collect()
     }
 
     /// A parameter of a finding in words.
-    pub(super) fn parameter(&self, finding: &Finding, name: &str) -> String {
+    pub(crate) fn parameter(&self, finding: &Finding, name: &str) -> String {
         let effect = self.catalogue.effect(&finding.effect);
         effect.map_or_else(|| plain(name), |effect| effect.parameter_title(name))
     }
 
     /// The parameter that says how large a finding is.
-    pub(super) fn size<'f>(&self, finding: &'f Finding) -> Option<&'f FittedParameter> {
+    pub(crate) fn size<'f>(&self, finding: &'f Finding) -> Option<&'f FittedParameter> {
         let effect = self.catalogue.effect(&finding.effect)?;
         let size = effect.parameters[effect.size()].name;
         finding.parameters.iter().find(|own| own.name == size)
     }
 
     /// The first sentences of the catalogue's paragraph on an effect, without its source.
-    pub(super) fn physics(&self, name: &str) -> Option<String> {
+    pub(crate) fn physics(&self, name: &str) -> Option<String> {
         let text = self.catalogue.effect(name)?.physics;
         let text = text.split("Source:").next().unwrap_or(text).trim();
         Some(sentences(text, 240))
     }
 
     /// What an engineer may do about an effect.
-    pub(super) fn remedy(&self, name: &str) -> Option<&'static str> {
+    pub(crate) fn remedy(&self, name: &str) -> Option<&'static str> {
         Some(self.catalogue.effect(name)?.remedy)
     }
 }
@@ -131,6 +131,14 @@ pub fn in_set(diagnosis: &Diagnosis, candidate: &str) -> bool {
         diagnosis.findings.iter().any(same)
     };
     parts.len() == diagnosis.findings.len() && parts.iter().all(fits)
+}
+
+/// What it is that is missing, by its unit.
+pub fn missing_name(case: &Case) -> &'static str {
+    match case.traces.missing_unit.ends_with("/s^2") {
+        true => "missing acceleration",
+        false => "missing force",
+    }
 }
 
 #[cfg(test)]

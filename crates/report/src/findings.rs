@@ -1,11 +1,11 @@
 //! What is missing: each finding in plain words, and its parameters.
 
-use super::page::Case;
+use super::case::Case;
 use super::shown::Shown;
 use super::{head, words};
-use crate::diagnosis::{Finding, Verdict};
-use crate::effects::Place;
-use crate::report::{Page, Table, number};
+use quell_diagnosis::{Finding, Verdict};
+use quell_model::effects::Place;
+use quell_page::{Page, Table, number};
 
 /// Every finding, what it means, what may be done about it, and its parameters.
 pub fn section(page: Page, case: &Case) -> Page {

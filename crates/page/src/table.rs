@@ -1,7 +1,7 @@
 //! Tables.
 
+use super::colour::swatch;
 use super::html::number;
-use super::page::COLOURS;
 use maud::{Markup, html};
 
 /// One entry of a table.
@@ -161,9 +161,4 @@ impl Column {
             }
         }
     }
-}
-
-/// A small square in the colour of a curve.
-pub(super) fn swatch(slot: usize) -> Markup {
-    html! { span.swatch style=(format!("background:var(--c{})", slot % COLOURS)) {} }
 }

@@ -1,11 +1,12 @@
 //! Where the mismatch sits: in the chain, in time, over a coordinate, in frequency.
 
-use super::page::Case;
+use super::case::Case;
+use super::shares::percentages;
 use super::shown::{Shown, peak};
 use super::{follows, words};
-use crate::diagnosis::{Finding, Traces, Verdict};
-use crate::effects::{PLACES, Place};
-use crate::report::{Bars, Chain, Chart, Page};
+use quell_diagnosis::{Finding, Traces, Verdict};
+use quell_model::effects::{PLACES, Place};
+use quell_page::{Bars, Chain, Chart, Page};
 
 /// The machine as a row of stations, the place of the mismatch marked.
 pub fn chain(page: Page, case: &Case) -> Page {
@@ -65,14 +66,6 @@ pub fn section(page: Page, case: &Case) -> Page {
     spectrum.into_iter().fold(page, Page::chart)
 }
 
-/// What it is that is missing, by its unit.
-pub fn missing_name(case: &Case) -> &'static str {
-    match case.traces.missing_unit.ends_with("/s^2") {
-        true => "missing acceleration",
-        false => "missing force",
-    }
-}
-
 /// How the missing part is to be read.
 fn reading(case: &Case) -> &'static str {
     match case
@@ -98,7 +91,7 @@ fn missing(case: &Case) -> Option<Chart> {
         return None;
     }
     let shown = Shown::of(&traces.missing_unit, peak(&traces.missing));
-    let name = missing_name(case);
+    let name = words::missing_name(case);
     let edge = |sign: f64| -> Vec<f64> {
         let pairs = traces.missing.iter().zip(&traces.missing_std);
         pairs
@@ -127,16 +120,6 @@ fn missing(case: &Case) -> Option<Chart> {
 fn phases(traces: &Traces) -> Option<Bars> {
     let title = "When: share of the misfit above the noise in each phase of the motion";
     percentages(title, traces.phases.clone()).map(|bars| bars.0.marked(0))
-}
-
-/// Bars of shares, the largest first, and their names.
-pub fn percentages(title: &str, mut shares: Vec<(String, f64)>) -> Option<(Bars, Vec<String>)> {
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let (names, values): (Vec<String>, Vec<f64>) = shares.into_iter().unzip();
-    let rounded = |share: &f64| (1000.0 * share).round() / 10.0;
-    let values: Vec<_> = values.iter().map(rounded).collect();
-    let bars = Bars::new(title, "%", names.clone()).series("share", &values);
-    (!names.is_empty()).then_some((bars, names))
 }
 
 fn spectrum(case: &Case) -> Option<Chart> {

@@ -34,7 +34,7 @@ pub(super) fn json_number(value: f64, digits: usize) -> String {
 ///
 /// # Example
 /// ```
-/// use quell_report::number;
+/// use quell_page::number;
 /// assert_eq!(number(8.1234567), "8.123");
 /// assert_eq!(number(0.0), "0");
 /// assert_eq!(number(1234567.0), "1.235e6");
@@ -56,7 +56,7 @@ pub fn number(value: f64) -> String {
 ///
 /// # Example
 /// ```
-/// use quell_report::fixed;
+/// use quell_page::fixed;
 /// assert_eq!([fixed(8.12, 3), fixed(1e300, 3), fixed(f64::NAN, 3)], ["8.120", "1e300", "–"]);
 /// ```
 pub fn fixed(value: f64, decimals: usize) -> String {

@@ -1,9 +1,9 @@
 //! For the record: every output, what was fitted besides, remarks.
 
+use super::case::Case;
 use super::motion::residual;
-use super::page::Case;
 use super::shown::{Shown, rms};
-use crate::report::{Page, Table};
+use quell_page::{Page, Table};
 
 /// The last section.
 pub fn section(page: Page, case: &Case) -> Page {

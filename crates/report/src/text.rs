@@ -2,15 +2,14 @@
 
 use std::path::PathBuf;
 
-use super::page::Case;
+use super::case::Case;
 use super::shown::Shown;
 use super::{head, next, words};
-use crate::cli::output;
-use crate::diagnosis::{Finding, Fit, NextMove, Verdict};
-use crate::report::number;
+use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
+use quell_page::{columns, number};
 
 /// The verdict, the findings, the fit, what to do next, and the files that were written.
-pub(super) fn text(case: &Case, files: &[PathBuf]) -> String {
+pub fn text(case: &Case, files: &[PathBuf]) -> String {
     let diagnosis = case.diagnosis;
     let mut parts = vec![format!("{}\n", diagnosis.summary)];
     parts.push(parameters(case));
@@ -67,7 +66,7 @@ fn parameters(case: &Case) -> String {
         .collect();
     match rows.is_empty() {
         true => String::new(),
-        false => output::table(
+        false => columns(
             [
                 "missing",
                 "place",
@@ -108,11 +107,11 @@ fn fit(case: &Case) -> String {
         ),
     ];
     let table = match case.has_after() {
-        true => output::table(
+        true => columns(
             ["misfit", "before", "after"],
             rows.map(|(name, before, after)| [name, before, after]),
         ),
-        false => output::table(["misfit", ""], rows.map(|(name, before, _)| [name, before])),
+        false => columns(["misfit", ""], rows.map(|(name, before, _)| [name, before])),
     };
     format!(
         "{table}noise: {} {}\n",

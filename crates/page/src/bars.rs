@@ -1,8 +1,7 @@
 //! Bar charts, for a few named values.
 
+use super::colour::{COLOURS, swatch};
 use super::html::number;
-use super::page::COLOURS;
-use super::table::swatch;
 use maud::{Markup, html};
 
 /// Horizontal bars from zero, each with its value beside it; several series stand below each other.

@@ -1,9 +1,9 @@
 //! The next move: what would tell explanations apart.
 
-use super::page::Case;
+use super::case::Case;
 use super::shown::digits;
-use crate::diagnosis::{NextMove, ProposedMove};
-use crate::report::{Page, Table};
+use quell_diagnosis::{NextMove, ProposedMove};
+use quell_page::{Page, Table};
 
 /// What to do next, if anything.
 pub fn section(page: Page, case: &Case) -> Page {

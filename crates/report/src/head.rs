@@ -1,21 +1,19 @@
 //! The top of the page: the verdict and the key figures.
 
-use super::page::Case;
+use super::case::Case;
 use super::shown::{Shown, digits};
 use super::words;
-use crate::diagnosis::{Finding, Fit, Quality, Verdict};
-use crate::report::{self, Figure, Page, fixed, number};
+use quell_diagnosis::{Finding, Fit, Quality, Verdict};
+use quell_page::{self as html, Figure, Page, fixed, number};
 
 /// Title, verdict in one sentence, key figures.
 pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
     let diagnosis = case.diagnosis;
     let names = words::list(recording_names, "and");
     let sign = match diagnosis.verdict {
-        Verdict::NoMismatch => report::Verdict::Good,
-        Verdict::Named | Verdict::Ambiguous => report::Verdict::Plain,
-        Verdict::PartlyExplained | Verdict::Unexplained | Verdict::NotExcited => {
-            report::Verdict::Bad
-        }
+        Verdict::NoMismatch => html::Verdict::Good,
+        Verdict::Named | Verdict::Ambiguous => html::Verdict::Plain,
+        Verdict::PartlyExplained | Verdict::Unexplained | Verdict::NotExcited => html::Verdict::Bad,
     };
     let title = match recording_names {
         [] => "Diagnosis".into(),
