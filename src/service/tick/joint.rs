@@ -3,13 +3,13 @@
 use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
-use super::between::within_limits;
 use super::hearing::{Change, FOLLOWED, Hearing, Watchdog};
 use super::messages::{AxisReport, Event, JointReport, NotTaken, Plan, Taken, TrainOrder};
 use super::pace::Stride;
 use super::taking::{put_in_force, ready};
 use crate::controller::{AxisStatus, Controller, ringing_time};
 use crate::estimators::Estimate;
+use crate::service::between::within_limits;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
 use crate::service::guard::{Bounds, CommandedMotion, Guard};
 use crate::service::link::INBOX;
