@@ -224,9 +224,9 @@ fn val_clock_frame_and_deformation_come_out_of_a_simulated_recording() {
     }
 }
 
-/// Both registrations of the simulated arm's single joint, whose frame is known: across the arc both are as good as
-/// the noise. Along it the paper's, by closest points, is off by what the vibration reaches beyond the ends, and says
-/// by how much; frequency and damping do not suffer.
+/// Both registrations of the simulated arm's single joint, whose frame is known: by plane and circle it is as good as
+/// the noise. The paper's, by closest points, is off by what the vibration at the ends of the path pulls; along the
+/// arc it says by how much. Frequency and damping do not suffer.
 #[test]
 fn val_both_registrations_find_the_known_frame_and_the_mode() {
     for seed in 0..3 {
@@ -256,11 +256,15 @@ fn val_both_registrations_find_the_known_frame_and_the_mode() {
                 found.normal_rms.hypot(found.radial_rms) * 1e6,
                 (found.clock.offset - 0.0017) * 1e6,
             );
-            // 1165 samples of 10 um on plane and circle, and some of the arc's shortness.
-            assert!(across < 2e-5, "{across} m");
-            // Two coordinates of 10 um.
             let residual = found.normal_rms.hypot(found.radial_rms);
-            assert!((residual / (2f64.sqrt() * 1e-5) - 1.0).abs() < 0.1, "{residual} m");
+            // Two coordinates of 10 um, 1165 times; where the vibration reaches beyond the ends, the closest points
+            // pull the whole path by some 1 / 25 of it, too.
+            let (shifted, least, most) = match way {
+                TipRegistration::Arc => (2e-6, 1.3e-5, 1.5e-5),
+                TipRegistration::Icp => (2e-5, 1.3e-5, 2.5e-5),
+            };
+            assert!(across < shifted, "{across} m");
+            assert!((least..most).contains(&residual), "{residual} m");
             assert!((found.angle_error - angle).abs() < 5e-6, "{angle} rad");
             assert!((found.clock.offset - 0.0017).abs() < 4.0 * found.clock_offset_std);
             let samples: Vec<_> = recorded

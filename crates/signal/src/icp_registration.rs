@@ -34,12 +34,13 @@ pub fn register_icp(
     check_tip(time, tip)?;
     let (fitted_radius, fitted_radius_std) = fitted_radius(tip)?;
     let seen = evenly(tip);
-    // Guessed by what came together, refined by what lies together.
     let (first, last) = motor.span();
-    let meant = |t: &f64| arc.tip(motor.value(t.clamp(first, last)));
-    let meant: Vec<_> = time.iter().map(meant).collect();
-    let guess = initial_guess(&seen, &evenly(&meant))?;
-    let path = thinned(&meant);
+    let stamps = time.iter().map(|t| t.clamp(first, last));
+    let meant: Vec<f64> = stamps.map(|t| motor.value(t)).collect();
+    // Guessed by what came together, refined by what lies together.
+    let followed: Vec<_> = meant.iter().map(|&u| arc.tip(u)).collect();
+    let guess = initial_guess(&seen, &evenly(&followed))?;
+    let path = path(arc, &meant);
     let sensor_to_base = icp(&seen, &path, &guess, IcpOptions::default())?
         .registration
         .transform;
@@ -69,17 +70,12 @@ fn evenly(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
         .collect()
 }
 
-/// A path without the points at which it has hardly moved since the last: a rest is one point.
-fn thinned(path: &[Point3<f64>]) -> Vec<Point3<f64>> {
-    let length: f64 = path.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-    let mut thin: Vec<Point3<f64>> = Vec::new();
-    for point in path {
-        let is_far = |last: &Point3<f64>| (point - last).norm() > length / POINTS as f64;
-        if thin.last().is_none_or(is_far) {
-            thin.push(*point);
-        }
-    }
-    thin
+/// The part of the arc that the motor side's positions (rad) cover.
+fn path(arc: &JointArc, positions: &[f64]) -> Vec<Point3<f64>> {
+    let low = positions.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let at = |k: usize| arc.tip(low + (high - low) * k as f64 / (POINTS - 1) as f64);
+    (0..POINTS).map(at).collect()
 }
 
 /// The tip about the joint's axis.

@@ -31,12 +31,9 @@ impl KeptPath {
             Lane::new(index, controller.borrow(), &trains, &capacities)
         };
         let lanes = axes.iter().enumerate().map(lane);
-        for (index, lane) in lanes
-            .collect::<Result<Vec<_>, _>>()?
-            .into_iter()
-            .enumerate()
-        {
-            axes[index].borrow_mut().axis.enter(lane)?;
+        let lanes: Vec<_> = lanes.collect::<Result<_, _>>()?;
+        for (controller, lane) in axes.iter_mut().zip(lanes) {
+            controller.borrow_mut().axis.enter(lane)?;
         }
         Ok(Self { rested: 0 })
     }
@@ -45,18 +42,18 @@ impl KeptPath {
     /// No allocation.
     pub fn exchange_trains<C: BorrowMut<Controller>>(&mut self, axes: &mut [C]) {
         let settled = axes.iter().all(|axis| axis.borrow().is_settled());
-        self.rested = if settled {
-            self.rested.saturating_add(1)
-        } else {
-            0
+        self.rested = match settled {
+            true => self.rested.saturating_add(1),
+            false => 0,
         };
         for index in 0..axes.len() {
             let lane = axes[index].borrow_mut().axis.lane.as_mut();
             if let Some(train) = lane.and_then(|lane| lane.take_waiting(self.rested)) {
-                let lanes = axes
-                    .iter_mut()
-                    .map(|axis| axis.borrow_mut().axis.lane.as_mut());
-                lanes.flatten().for_each(|lane| lane.install(index, &train));
+                for axis in axes.iter_mut() {
+                    let lane = axis.borrow_mut().axis.lane.as_mut();
+                    lane.into_iter()
+                        .for_each(|lane| lane.install(index, &train));
+                }
             }
         }
     }
