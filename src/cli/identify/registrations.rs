@@ -51,16 +51,18 @@ pub fn all(
     chosen: TipRegistration,
     (series, found): (&Series, &Identification),
 ) -> Vec<Registered> {
-    let Some(outcome) = Outcome::of(series, found) else {
+    if series.registration.is_none() {
         return Vec::new();
-    };
-    let mut outcome = Some(outcome);
+    }
     let ways = TipRegistration::ALL.iter().filter_map(|&way| {
         let outcome = match way == chosen {
-            true => Ok(outcome.take()?),
-            false => other(recording, model, way).transpose()?,
+            true => Ok(Outcome::of(series, found)),
+            false => other(recording, model, way),
         };
-        Some(Registered { way, outcome })
+        Some(Registered {
+            way,
+            outcome: outcome.transpose()?,
+        })
     });
     ways.collect()
 }

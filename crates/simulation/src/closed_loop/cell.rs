@@ -135,7 +135,7 @@ impl Cell {
         self.controller.load(sampled).map_err(|(_, error)| error)?;
         let mut log = MeasurementLog::new();
         let ticks = self.run_until_quiet(&mut log);
-        let axis = &self.controller.axis();
+        let axis = self.controller.axis();
         let after = axis.status();
         Ok(MoveTrace {
             period: self.controller.sample_time(),
