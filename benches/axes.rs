@@ -10,7 +10,7 @@ mod embedded;
 use std::sync::Arc;
 
 use embedded::axis_settings;
-use quell::controller::{Controller, PathPolicy};
+use quell::controller::Controller;
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::service::contract::{LinkHealth, Measured, Quantity};
 use quell::service::guard::Bounds;
@@ -98,7 +98,7 @@ fn measured(robot: &Robot) -> Vec<[f64; 2]> {
 fn controller() -> Controller {
     let belief = Mode::from_hertz(9.0, 0.084).expect("a mode");
     let settings = axis_settings(belief, PERIOD, PERIOD);
-    Controller::new(vec![settings], &[0.0], PathPolicy::Independent).expect("a controller")
+    Controller::new(settings, 0.0).expect("a controller")
 }
 
 fn made(robot: &Robot, joints: usize, measured: &Arc<Vec<[f64; 2]>>) -> (Tick, EngineRings) {

@@ -9,7 +9,7 @@
 mod embedded;
 
 use embedded::axis_settings;
-use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, Setpoint};
+use quell::controller::{AxisSettings, Controller, Setpoint};
 use quell::estimators::{ESTIMATORS, EstimatorEntry};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::signal::Measurement;
@@ -46,32 +46,27 @@ struct Case {
     shaper: &'static str,
 }
 
-fn controller(axes: usize, case: Case) -> Outcome<Controller> {
+fn controller(case: Case) -> Outcome<Controller> {
     let belief = Mode::from_hertz(10.15, 0.084)?;
-    let settings = (0..axes).map(|_| AxisSettings {
+    let settings = AxisSettings {
         limits: LIMITS,
         estimator: case.estimator,
         shaper: shaper_by_name(case.shaper),
         ..axis_settings(belief, PERIOD, 0.003)
-    });
-    Ok(Controller::new(
-        settings.collect(),
-        &vec![0.0; axes],
-        PathPolicy::Independent,
-    )?)
+    };
+    Ok(Controller::new(settings, 0.0)?)
 }
 
-fn plan(axes: usize, from: f64, to: f64) -> Outcome<SampledTrajectory> {
-    let ends = [from, to].map(|position| vec![AxisState::at_rest(position); axes]);
-    let limits = vec![LIMITS; axes];
-    let trajectory = Planner::new(axes)?.plan(&ends[0], &ends[1], &limits)?;
+fn plan(from: f64, to: f64) -> Outcome<SampledTrajectory> {
+    let ends = [from, to].map(AxisState::at_rest);
+    let trajectory = Planner::new(1)?.plan(&ends[..1], &ends[1..], &[LIMITS])?;
     Ok(trajectory.sample(PERIOD)?)
 }
 
 /// Controller and arm in a loop.
 fn tape(ticks: usize, case: Case) -> Outcome<Tape> {
     let mut arm = ArmSimulation::new(&Robot::rx170(), 0, &SimulationOptions::default())?;
-    let mut controller = controller(1, case)?;
+    let mut controller = controller(case)?;
     let mut tape = Tape {
         measured: vec![Vec::new()],
         moves: Vec::new(),
@@ -81,15 +76,15 @@ fn tape(ticks: usize, case: Case) -> Outcome<Tape> {
         since += 1;
         if since >= PAUSE && controller.is_settled() {
             arm.set_payload([0.0, 40.0, 15.0, 60.0][tape.moves.len() % 4])?;
-            let from = controller.planned()[0].position;
+            let from = controller.planned().position;
             let to = if from < 0.25 { 0.5 } else { 0.0 };
             controller
-                .load(plan(1, from, to)?)
+                .load(plan(from, to)?)
                 .map_err(|(_, error)| error)?;
             tape.moves.push((tick, from, to));
             since = 0;
         }
-        let setpoint = controller.tick(&inbox(&tape.measured[tick], 1))[0];
+        let setpoint = controller.tick(&tape.measured[tick]);
         let command = Command {
             position: setpoint.position,
             velocity: Some(setpoint.velocity),
@@ -99,43 +94,33 @@ fn tape(ticks: usize, case: Case) -> Outcome<Tape> {
     Ok(tape)
 }
 
-fn inbox(measured: &[Measurement], axes: usize) -> Vec<AxisMeasurement> {
-    (0..axes)
-        .flat_map(|axis| {
-            measured
-                .iter()
-                .map(move |&measurement| AxisMeasurement { axis, measurement })
-        })
-        .collect()
-}
-
 /// Seconds of each tick, the clock's own cost taken off, and the sum of all setpoints.
 fn replay(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<(Vec<f64>, f64)> {
-    let mut controller = controller(axes, case)?;
-    let inboxes: Vec<_> = tape
-        .measured
-        .iter()
-        .map(|measured| inbox(if hears { measured } else { &[] }, axes))
-        .collect();
+    let controllers = (0..axes).map(|_| controller(case));
+    let mut controllers = controllers.collect::<Outcome<Vec<_>>>()?;
     let (mut moves, mut sum) = (tape.moves.iter().peekable(), 0.0);
-    let mut seconds = Vec::with_capacity(inboxes.len());
-    for (tick, inbox) in inboxes.iter().enumerate() {
+    let mut seconds = Vec::with_capacity(tape.measured.len());
+    for (tick, measured) in tape.measured.iter().enumerate() {
         if let Some(&(_, from, to)) = moves.next_if(|planned| planned.0 == tick) {
-            controller
-                .load(plan(axes, from, to)?)
-                .map_err(|(_, error)| error)?;
+            for controller in &mut controllers {
+                controller
+                    .load(plan(from, to)?)
+                    .map_err(|(_, error)| error)?;
+            }
         }
+        let inbox = if hears { measured.as_slice() } else { &[] };
         let start = Instant::now();
-        let setpoints = controller.tick(inbox);
+        for controller in &mut controllers {
+            sum += total(controller.tick(inbox));
+        }
         let end = Instant::now();
         let clock = end.elapsed();
-        sum += setpoints.iter().map(total).sum::<f64>();
         seconds.push((end - start).saturating_sub(clock).as_secs_f64());
     }
     Ok((seconds, sum))
 }
 
-fn total(setpoint: &Setpoint) -> f64 {
+fn total(setpoint: Setpoint) -> f64 {
     setpoint.position + setpoint.velocity + setpoint.acceleration
 }
 

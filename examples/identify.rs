@@ -4,6 +4,7 @@ use quell::closed_loop::Scenario;
 use quell::identification::{NominalModel, Prior, identify, prepare};
 use quell::plant::Robot;
 use quell::shapers::Mode;
+use quell::signal::TipRegistration;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mode = Mode::from_hertz(10.15, 0.084)?;
@@ -14,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         lever_arm: Some(1.8),
         tip_height: 0.9,
     };
-    let series = prepare(recording, Some(&arm))?;
+    let series = prepare(recording, Some(&arm), TipRegistration::Arc)?;
     let found = identify(&series.samples, Prior::default())?;
     let best = found.reference().batch().ok_or("nothing rings")?;
     println!(

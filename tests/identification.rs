@@ -8,6 +8,7 @@ use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 use quell::estimators::{ESTIMATORS, Sample};
 use quell::identification::{Identification, NominalModel, Prior, identify, prepare};
 use quell::recording::Recording;
+use quell::signal::TipRegistration;
 use quell_shapers::Mode;
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,7 @@ fn manifest(folder: &Path, file: &Path, motor: &str, deformation: &str, unit: &s
 
 fn found(path: &Path, model: Option<&NominalModel>) -> Identification {
     let recording = Recording::from_path(path).expect("a recording");
-    let series = prepare(recording, model).expect("a series");
+    let series = prepare(recording, model, TipRegistration::Arc).expect("a series");
     let prior = Prior {
         belief: model.map(|model| model.mode),
         scale_is_open: series.scale_is_open,
@@ -272,4 +273,51 @@ fn the_verb_prints_what_it_promises() {
         words.contains("model.toml:1") && words.contains("natural_frequency_hz"),
         "{words}"
     );
+}
+
+/// Over what the tracker of the simulated arm saw, in a frame of its own.
+#[test]
+fn the_verb_compares_the_registrations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let quell = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("quell").expect("the binary");
+        let output = command.current_dir(folder.path()).args(arguments).output();
+        let output = output.expect("it runs");
+        assert!(output.status.success(), "{output:?}");
+        output.stdout
+    };
+    quell(&["move", "--json"]);
+    let mut frequencies = Vec::new();
+    for chosen in ["arc", "icp"] {
+        let told = quell(&[
+            "identify",
+            "out/unshaped",
+            "--model",
+            "out/model.toml",
+            "--registration",
+            chosen,
+            "--force",
+            "--json",
+        ]);
+        let told: serde_json::Value = serde_json::from_slice(&told).expect("JSON");
+        let ways = told["registrations"].as_array().expect("a list");
+        let names: Vec<_> = ways.iter().map(|way| way["method"].as_str()).collect();
+        assert_eq!(names, [Some("arc"), Some("icp")]);
+        for way in ways {
+            let number = |key: &str| way[key].as_f64().expect("a number");
+            // The tracker's 10 um in two coordinates, and what the vibration at the ends turns the path of closest
+            // points; 8.12 Hz and 0.084 are the arm's.
+            assert!((0.013..0.02).contains(&number("residual_mm")), "{way}");
+            assert!(number("angle_error_mrad").abs() < 0.4, "{way}");
+            assert!((number("frequency_hz") / 8.12 - 1.0).abs() < 0.005, "{way}");
+            assert!((number("damping_ratio") - 0.084).abs() < 0.005, "{way}");
+        }
+        assert_eq!(ways[0]["angle_error_mrad"], 0.0);
+        let at = |lines: &serde_json::Value| lines[0]["frequency_hz"].clone();
+        let way = usize::from(chosen == "icp");
+        assert_eq!(at(&told["offline"]), ways[way]["frequency_hz"]);
+        frequencies.push([0, 1].map(|way| ways[way]["frequency_hz"].clone()));
+    }
+    // Whichever is chosen, both are told alike.
+    assert_eq!(frequencies[0], frequencies[1]);
 }

@@ -3,9 +3,9 @@
 mod embedded;
 
 use embedded::axis_settings;
-use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, Setpoint};
+use quell::controller::{AxisSettings, Controller, KeptPath, Setpoint};
 use quell::signal::{Measurement, RestRule};
-use quell_shapers::Mode;
+use quell_shapers::{Mode, ShaperError};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
 const PERIOD: f64 = 0.002;
@@ -32,7 +32,7 @@ fn axis(axis: usize, belief: Mode) -> AxisSettings {
     }
 }
 
-fn plan(from: f64, to: f64, axes: usize) -> SampledTrajectory {
+fn plan(from: f64, to: f64, axes: usize) -> Vec<SampledTrajectory> {
     let states = |at: f64| -> Vec<_> {
         let place = |scale: &f64| AxisState::at_rest(at * scale);
         DIRECTION[..axes].iter().map(place).collect()
@@ -40,7 +40,8 @@ fn plan(from: f64, to: f64, axes: usize) -> SampledTrajectory {
     let limits: Vec<_> = (0..axes).map(limits).collect();
     let planner = Planner::new(axes).expect("a planner");
     let trajectory = planner.plan(&states(from), &states(to), &limits);
-    trajectory.expect("a plan").sample(PERIOD).expect("samples")
+    let sampled = trajectory.expect("a plan").sample(PERIOD);
+    sampled.expect("samples").axes()
 }
 
 /// A mode driven by the increments of its command: `z(t) = sum du_k exp(lambda (t - t_k))`, of which
@@ -88,17 +89,17 @@ struct Run {
 }
 
 /// One move from rest, and rest after it.
-fn run(controller: &mut Controller, modes: &[Mode], from: f64, to: f64, clock: &mut f64) -> Run {
+fn run(joints: &mut Axes, modes: &[Mode], from: f64, to: f64, clock: &mut f64) -> Run {
     let axes = modes.len();
-    let joints = || -> Vec<_> {
+    let rung = || -> Vec<_> {
         let joint = |(mode, scale): (&Mode, &f64)| Joint::new(*mode, from * scale);
         modes.iter().zip(&DIRECTION).map(joint).collect()
     };
-    let (mut shaped, mut plain) = (joints(), joints());
-    controller
-        .load(plan(from, to, axes))
-        .expect("the plan fits");
-    let mut inbox = Vec::with_capacity(2 * axes);
+    let (mut shaped, mut plain) = (rung(), rung());
+    for (controller, plan) in joints.controllers.iter_mut().zip(plan(from, to, axes)) {
+        controller.load(plan).expect("the plan fits");
+    }
+    let mut inboxes = vec![Vec::with_capacity(2); axes];
     let mut result = Run {
         departure: 0.0,
         left: vec![0.0; axes],
@@ -111,15 +112,14 @@ fn run(controller: &mut Controller, modes: &[Mode], from: f64, to: f64, clock: &
     for _ in 0..2_000 {
         let mut setpoints = Vec::with_capacity(axes);
         let counted = allocation_counter::measure(|| {
-            setpoints.extend_from_slice(controller.tick(&inbox));
+            joints.tick(&inboxes, &mut setpoints);
         });
         assert_eq!(counted.count_total, 0, "the tick allocates");
         *clock += PERIOD;
-        inbox.clear();
         for axis in 0..axes {
             let now = setpoints[axis];
             shaped[axis].step(now.position);
-            plain[axis].step(controller.planned()[axis].position);
+            plain[axis].step(joints.controllers[axis].planned().position);
             let line = now.position / DIRECTION[axis] - setpoints[0].position;
             result.departure = result.departure.max(line.abs());
             let own = limits(axis);
@@ -129,7 +129,7 @@ fn run(controller: &mut Controller, modes: &[Mode], from: f64, to: f64, clock: &
                 .max(now.velocity.abs() / own.velocity)
                 .max(now.acceleration.abs() / own.acceleration)
                 .max(jerk.abs() / own.jerk);
-            for measurement in [
+            inboxes[axis] = vec![
                 Measurement::MotorPosition {
                     time: *clock,
                     position: now.position,
@@ -138,9 +138,7 @@ fn run(controller: &mut Controller, modes: &[Mode], from: f64, to: f64, clock: &
                     time: *clock,
                     deformation: shaped[axis].deformation(),
                 },
-            ] {
-                inbox.push(AxisMeasurement { axis, measurement });
-            }
+            ];
         }
         before = setpoints;
     }
@@ -161,9 +159,35 @@ fn modes(axes: usize, error: f64) -> Vec<Mode> {
         .collect()
 }
 
-fn controller(beliefs: &[Mode], path: PathPolicy) -> Controller {
-    let settings = beliefs.iter().enumerate().map(|(k, &mode)| axis(k, mode));
-    Controller::new(settings.collect(), &[0.0; 3], path).expect("a controller")
+/// Axes that move together.
+struct Axes {
+    controllers: Vec<Controller>,
+    path: Option<KeptPath>,
+}
+
+impl Axes {
+    fn new(beliefs: &[Mode]) -> Self {
+        let controller = |(k, &mode)| Controller::new(axis(k, mode), 0.0).expect("a controller");
+        Self {
+            controllers: beliefs.iter().enumerate().map(controller).collect(),
+            path: None,
+        }
+    }
+
+    fn keeping_the_path(beliefs: &[Mode]) -> Self {
+        let mut axes = Self::new(beliefs);
+        axes.path = Some(KeptPath::new(&mut axes.controllers).expect("a kept path"));
+        axes
+    }
+
+    fn tick(&mut self, inboxes: &[Vec<Measurement>], setpoints: &mut Vec<Setpoint>) {
+        if let Some(path) = &mut self.path {
+            path.exchange_trains(&mut self.controllers);
+        }
+        for (controller, inbox) in self.controllers.iter_mut().zip(inboxes) {
+            setpoints.push(controller.tick(inbox));
+        }
+    }
 }
 
 /// Differences of positions of up to 0.4 rad, rounded at each of up to three filters.
@@ -173,8 +197,8 @@ const STRAIGHT: f64 = 1e-14;
 fn kept_the_path_is_straight_and_every_mode_is_shaped_out() {
     for axes in [2, 3] {
         let truth = modes(axes, 0.0);
-        let mut controller = controller(&truth, PathPolicy::Kept);
-        let run = run(&mut controller, &truth, 0.0, DISTANCE, &mut 0.0);
+        let mut joints = Axes::keeping_the_path(&truth);
+        let run = run(&mut joints, &truth, 0.0, DISTANCE, &mut 0.0);
         println!(
             "{axes} axes: off the line {:.1e} rad, left {:?}",
             run.departure, run.left
@@ -190,10 +214,23 @@ fn kept_the_path_is_straight_and_every_mode_is_shaped_out() {
 }
 
 #[test]
+fn axes_of_different_control_periods_keep_no_path() {
+    let mut joints = Axes::new(&modes(2, 0.0));
+    let slower = axis_settings(modes(1, 0.0)[0], 2.0 * PERIOD, PERIOD);
+    joints
+        .controllers
+        .push(Controller::new(slower, 0.0).expect("a controller"));
+    assert!(matches!(
+        KeptPath::new(&mut joints.controllers),
+        Err(ShaperError::SampleTimeMismatch { .. })
+    ));
+}
+
+#[test]
 fn independent_the_axes_leave_the_path() {
     let truth = modes(2, 0.0);
-    let mut controller = controller(&truth, PathPolicy::Independent);
-    let run = run(&mut controller, &truth, 0.0, DISTANCE, &mut 0.0);
+    let mut joints = Axes::new(&truth);
+    let run = run(&mut joints, &truth, 0.0, DISTANCE, &mut 0.0);
     // The trains lag by 100 ms and 62 ms; at half a radian a second and more that is centimetres.
     assert!(run.departure > 0.01, "{}", run.departure);
     assert!(run.left.iter().all(|&left| left < 1e-9), "{:?}", run.left);
@@ -203,10 +240,10 @@ fn independent_the_axes_leave_the_path() {
 fn kept_the_axes_learn_and_retune_together_at_rest() {
     for axes in [2, 3] {
         let truth = modes(axes, 0.0);
-        let mut controller = controller(&modes(axes, 0.2), PathPolicy::Kept);
+        let mut joints = Axes::keeping_the_path(&modes(axes, 0.2));
         let mut clock = 0.0;
-        let first = run(&mut controller, &truth, 0.0, DISTANCE, &mut clock);
-        let next = run(&mut controller, &truth, DISTANCE, 0.0, &mut clock);
+        let first = run(&mut joints, &truth, 0.0, DISTANCE, &mut clock);
+        let next = run(&mut joints, &truth, DISTANCE, 0.0, &mut clock);
         println!("{axes} axes: first {:?}, next {:?}", first.left, next.left);
         for run in [&first, &next] {
             assert!(run.departure <= STRAIGHT, "{}", run.departure);
@@ -224,9 +261,9 @@ fn kept_the_axes_learn_and_retune_together_at_rest() {
             next.left
         );
         assert!(next.end.iter().all(|&end| end == 0.0), "{:?}", next.end);
-        for axis in controller.axes() {
-            assert_eq!(axis.status().corrections, 0);
-            assert_eq!(axis.status().retunes, 1);
+        for controller in &joints.controllers {
+            assert_eq!(controller.axis().status().corrections, 0);
+            assert_eq!(controller.axis().status().retunes, 1);
         }
     }
 }

@@ -4,10 +4,9 @@ mod embedded;
 
 use embedded::axis_settings;
 use proptest::prelude::*;
-use quell::controller::{
-    AxisMeasurement, AxisSettings, Controller, LoadError, PathPolicy, Setpoint,
-};
+use quell::controller::{AxisSettings, Controller, LoadError, Setpoint};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
+use quell::signal::Measurement;
 use quell_shapers::{Mode, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
 
@@ -27,7 +26,7 @@ const LONGEST_CORRECTION: usize = 380;
 struct Loop {
     controller: Controller,
     arm: ArmSimulation,
-    inbox: Vec<AxisMeasurement>,
+    inbox: Vec<Measurement>,
     sent: Vec<Setpoint>,
     /// Largest deformation of each tick, rad.
     deformation: Vec<f64>,
@@ -42,7 +41,7 @@ impl Loop {
             shaper: shaper.and_then(shaper_by_name),
             ..axis_settings(belief, PERIOD, 0.003)
         };
-        let controller = Controller::new(vec![settings], &[0.0], PathPolicy::Independent);
+        let controller = Controller::new(settings, 0.0);
         let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default());
         Self {
             controller: controller.expect("a controller"),
@@ -61,17 +60,13 @@ impl Loop {
 
     fn run(&mut self, ticks: usize) {
         for _ in 0..ticks {
-            let setpoint = self.controller.tick(&self.inbox)[0];
+            let setpoint = self.controller.tick(&self.inbox);
             let command = Command {
                 position: setpoint.position,
                 velocity: Some(setpoint.velocity),
             };
             self.inbox.clear();
-            let measured = self.arm.step(command, PERIOD).iter();
-            self.inbox.extend(measured.map(|&m| AxisMeasurement {
-                axis: 0,
-                measurement: m,
-            }));
+            self.inbox.extend_from_slice(self.arm.step(command, PERIOD));
             self.sent.push(setpoint);
             self.deformation.push(self.arm.true_deformation().abs());
         }
@@ -89,7 +84,7 @@ impl Loop {
             position,
             velocity,
             acceleration,
-        } = self.controller.planned()[0];
+        } = self.controller.planned();
         AxisState {
             position,
             velocity,
@@ -151,7 +146,7 @@ fn interrupted(error: f64, shaper: Option<&str>, at: usize, target: Option<f64>)
             .load(plan.sample(PERIOD).expect("samples"));
         match loaded {
             Ok(_) => break plan,
-            Err((_, LoadError::Correction { .. })) => running.run(1),
+            Err((_, LoadError::Correction(_))) => running.run(1),
             Err((_, error)) => panic!("{error}"),
         }
         assert!(running.sent.len() < at + LONGEST_CORRECTION);
@@ -213,7 +208,6 @@ fn a_plan_that_does_not_continue_the_motion_is_refused() {
     assert_eq!(
         error,
         LoadError::Motion {
-            axis: 0,
             quantity: "velocity",
             expected: here.velocity,
             found: 0.0

@@ -4,7 +4,7 @@ mod embedded;
 
 use embedded::axis_settings;
 use proptest::prelude::*;
-use quell::controller::{AxisMeasurement, AxisSettings, Controller, PathPolicy, Setpoint};
+use quell::controller::{AxisSettings, Controller, Setpoint};
 use quell::estimators::{ESTIMATORS, EstimatorEntry};
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::signal::Measurement;
@@ -40,7 +40,7 @@ fn plan(from: f64, to: f64) -> SampledTrajectory {
 struct Loop {
     controller: Controller,
     arm: ArmSimulation,
-    inbox: Vec<AxisMeasurement>,
+    inbox: Vec<Measurement>,
     moves: usize,
     ticks_of_move: usize,
 }
@@ -49,10 +49,9 @@ impl Loop {
     fn new(shaper: &'static dyn Shaper, estimator: &'static EstimatorEntry) -> Self {
         let robot = Robot::rx170();
         let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default());
-        let axes = vec![settings(shaper, estimator)];
+        let settings = settings(shaper, estimator);
         Self {
-            controller: Controller::new(axes, &[0.0], PathPolicy::Independent)
-                .expect("a controller"),
+            controller: Controller::new(settings, 0.0).expect("a controller"),
             arm: arm.expect("an arm"),
             inbox: Vec::with_capacity(64),
             moves: 0,
@@ -67,12 +66,8 @@ impl Loop {
             position: setpoint.position,
             velocity: Some(setpoint.velocity),
         };
-        let measured = self.arm.step(command, PERIOD).iter();
-        self.inbox
-            .extend(measured.map(|&measurement| AxisMeasurement {
-                axis: 0,
-                measurement,
-            }));
+        let measured = self.arm.step(command, PERIOD);
+        self.inbox.extend_from_slice(measured);
         self.ticks_of_move += 1;
         if self.ticks_of_move >= 600 && self.controller.is_settled() {
             let payload = [0.0, 40.0, 15.0, 60.0][self.moves % 4];
@@ -82,7 +77,7 @@ impl Loop {
             } else {
                 0.0
             };
-            let position = self.controller.planned()[0].position;
+            let position = self.controller.planned().position;
             let loaded = self.controller.load(plan(position, target));
             loaded.expect("the plan begins where the axis stands");
             self.moves += 1;
@@ -98,12 +93,12 @@ fn a_hundred_thousand_ticks_with_retunes_do_not_allocate() {
     let (mut allocations, mut setpoint) = (0, Setpoint::default());
     for _ in 0..100_000 {
         let counted = allocation_counter::measure(|| {
-            setpoint = running.controller.tick(&running.inbox)[0];
+            setpoint = running.controller.tick(&running.inbox);
         });
         allocations += counted.count_total;
         running.between(setpoint);
     }
-    let retunes = running.controller.axes()[0].status().retunes;
+    let retunes = running.controller.axis().status().retunes;
     println!("{} moves, {retunes} retunes", running.moves);
     assert_eq!(allocations, 0);
     assert!(retunes as usize >= running.moves, "{retunes} retunes");
@@ -117,7 +112,7 @@ fn no_estimator_and_no_shaper_makes_the_tick_allocate() {
             let mut setpoint = Setpoint::default();
             for tick in 0..2_500 {
                 let counted = allocation_counter::measure(|| {
-                    setpoint = running.controller.tick(&running.inbox)[0];
+                    setpoint = running.controller.tick(&running.inbox);
                 });
                 let (shaper, estimator) = (shaper.name(), estimator.name);
                 assert_eq!(counted.count_total, 0, "{shaper}, {estimator}, tick {tick}");
@@ -154,16 +149,12 @@ proptest! {
         nonsense in prop::collection::vec(prop::collection::vec(measurement(), 0..4), 400),
         estimator in 0..ESTIMATORS.len(),
     ) {
-        let axes = vec![settings(SHAPERS[0], &ESTIMATORS[estimator])];
-        let mut controller = Controller::new(axes, &[0.0], PathPolicy::Independent).expect("a controller");
+        let settings = settings(SHAPERS[0], &ESTIMATORS[estimator]);
+        let mut controller = Controller::new(settings, 0.0).expect("a controller");
         controller.load(plan(0.0, 0.5)).expect("a plan");
         let mut before = Setpoint::default();
         for measured in nonsense.iter().chain(std::iter::repeat_n(&Vec::new(), 2_000)) {
-            let inbox: Vec<_> = measured
-                .iter()
-                .map(|&measurement| AxisMeasurement { axis: 0, measurement })
-                .collect();
-            let now = controller.tick(&inbox)[0];
+            let now = controller.tick(measured);
             let jerk = (now.acceleration - before.acceleration) / PERIOD;
             let slack = 1.0 + 1e-9;
             prop_assert!(now.velocity.abs() <= LIMITS.velocity * slack);

@@ -10,6 +10,7 @@ use quell::estimators::offline::log_decrement;
 use quell::estimators::{Estimate, estimator};
 use quell::identification::{NominalModel, Prior, Run, identify, prepare};
 use quell::plant::{Robot, SimulationOptions};
+use quell::signal::TipRegistration;
 use quell_shapers::{Mode, shaper_by_name};
 use quell_trajectories::Limits;
 
@@ -44,7 +45,7 @@ fn free_decay(seed: u64) -> Run {
         lever_arm: Some(trace.arc.radius()),
         tip_height: trace.arc.centre().z,
     };
-    let series = prepare(trace.recording.clone(), Some(&model)).unwrap();
+    let series = prepare(trace.recording.clone(), Some(&model), TipRegistration::Arc).unwrap();
     let prior = Prior {
         belief: Some(model.mode),
         scale_is_open: series.scale_is_open,

@@ -5,10 +5,10 @@ use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use quell::service::bridged::BRIDGED;
 use quell::service::config::{Config, Overrides};
 use quell::service::contract::Snapshot;
 use quell::service::start;
-use quell::service::tick::pace::BRIDGED;
 use serde_json::Value;
 
 const RATE: f64 = 250.0;

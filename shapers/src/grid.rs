@@ -20,7 +20,7 @@ pub struct Tap {
     pub amplitude: f64,
 }
 
-/// A train on a grid of ticks: delays in ticks, ordered, the first 0 unless [`GridTrain::delayed`];
+/// A train on a grid of ticks: delays in ticks, ordered, the first 0 unless it was read with another;
 /// amplitudes with sum 1.
 ///
 /// An impulse between two ticks, `A` at `t = (m + f) T_s`, becomes two taps whose contribution at
@@ -188,25 +188,6 @@ impl GridTrain {
     /// Delay of the last tap, s: the delay that the train adds to the end of a move.
     pub fn duration(&self) -> f64 {
         self.duration_in_ticks() as f64 * self.sample_time
-    }
-
-    /// `sum A_i t_i`, s: by how much a slow command lags.
-    pub fn mean_delay(&self) -> f64 {
-        let ticks: f64 = self
-            .taps
-            .iter()
-            .map(|tap| tap.amplitude * f64::from(tap.delay))
-            .sum();
-        ticks * self.sample_time
-    }
-
-    /// The same train, later by whole ticks; its residual is the same.
-    pub fn delayed(&self, ticks: u32) -> Self {
-        let mut train = self.clone();
-        for tap in &mut train.taps {
-            tap.delay = tap.delay.saturating_add(ticks);
-        }
-        train
     }
 
     /// `sum |A_i|`: the most by which the train can raise a peak.

@@ -58,7 +58,7 @@ pub use limits::{MotionLimits, PeakRatios, peak_ratios, shaped_peak_ratios};
 pub use mode::{Mode, ModeError};
 pub use mzv::Mzv;
 pub use optimal::Optimal;
-pub use path::{align_delays, common_train};
+pub use path::common_train;
 pub use recommend::{
     Candidate, Criterion, Reason, Recommendation, Requirements, Standing, recommend,
 };

@@ -2,7 +2,7 @@
 
 use quell_shapers::{
     Criterion, GridTrain, Mode, Reason, Requirements, Setpoint, Shaper, ShaperError, ShapingFilter,
-    Standing, UncertainMode, Zv, Zvd, align_delays, common_train, recommend,
+    Standing, UncertainMode, Zv, Zvd, common_train, recommend,
 };
 
 const TICK: f64 = 0.001;
@@ -35,15 +35,11 @@ fn val_a_common_train_keeps_the_path() {
         .on_grid(Mode::from_hertz(12.0, 0.02).unwrap(), TICK)
         .unwrap();
     let own = departure([&slow, &fast]);
-    let common = common_train(&[slow.clone(), fast.clone()]).unwrap();
+    let common = common_train(&[slow, fast]).unwrap();
     let strict = departure([&common, &common]);
-    let mut aligned = [slow, fast];
-    align_delays(&mut aligned).unwrap();
-    assert!((aligned[0].mean_delay() - aligned[1].mean_delay()).abs() <= 0.5 * TICK + 1e-12);
-    let light = departure([&aligned[0], &aligned[1]]);
-    println!("off the path: own trains {own:.3}, delays aligned {light:.3}, common {strict:.1e}");
+    println!("off the path: own trains {own:.3}, common {strict:.1e}");
     assert!(strict < 1e-14, "{strict}");
-    assert!(light < 0.25 * own, "{light} {own}");
+    assert!(own > 0.1, "{own}");
 }
 
 fn wanted(longest_delay: f64) -> Requirements {

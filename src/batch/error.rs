@@ -3,7 +3,6 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::pack::MOST_BYTES;
 use crate::recording::RecordingError;
 
 /// Why a batch does not go on, or a recording is not taken into it.
@@ -34,7 +33,7 @@ pub enum BatchError {
     },
     /// The files of a recording are more than is sent about.
     #[error(
-        "{}: the recording's files have {bytes} bytes; at most {MOST_BYTES} are taken into a batch",
+        "{}: the recording's files have {bytes} bytes; at most {most} are taken into a batch",
         path.display()
     )]
     TooLarge {
@@ -42,6 +41,8 @@ pub enum BatchError {
         path: PathBuf,
         /// What its files have, bytes.
         bytes: u64,
+        /// The most that is taken, bytes.
+        most: u64,
     },
     /// A manifest names a file that no other machine would find.
     #[error(

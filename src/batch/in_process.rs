@@ -9,7 +9,7 @@ use super::answer::Answer;
 use super::error::BatchError;
 use super::folder::{self, Folder};
 use super::job::Job;
-use super::pack::Packed;
+use super::packed::Packed;
 use super::queue::{Claim, Queue, Submitted, Taken, Ticket};
 
 /// How long a worker waits for a job before it looks whether it should end.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::pack::Packed;
+use super::packed::Packed;
 
 /// What is before everything in the hash of a key: another meaning of the parts gets another number.
 const MEANING: &str = "quell job 1";
@@ -57,9 +57,4 @@ impl Job {
         }
         format!("{:x}", hash.finalize())
     }
-}
-
-/// SHA-256 of bytes, in hexadecimal.
-pub fn hash(bytes: &[u8]) -> String {
-    format!("{:x}", Sha256::digest(bytes))
 }

@@ -8,23 +8,12 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::error::BatchError;
-use super::job::hash;
+use super::packed::Packed;
 use crate::recording::{MANIFEST, McapFile, Problem, mcap_and_joint};
 
 /// The most that the files of a recording may have, bytes: several hours of a few channels at 1 kHz, gzipped.
 /// A worker holds them in memory while it opens them.
 pub const MOST_BYTES: u64 = 256 << 20;
-
-/// A recording that can be sent.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Packed {
-    /// The archive.
-    pub bytes: Vec<u8>,
-    /// What is to be read of it: the manifest, or the MCAP file with the joint.
-    pub entry: String,
-    /// SHA-256 of the archive, in hexadecimal.
-    pub hash: String,
-}
 
 /// Packs a recording: a manifest, a folder with one, or an MCAP file (with `#joint` where it has several).
 ///
@@ -64,11 +53,11 @@ pub fn pack(path: &Path) -> Result<Packed, BatchError> {
     named.sort();
     named.dedup_by(|a, b| a.0 == b.0);
     let bytes = archive(&named, inside)?;
-    Ok(Packed {
-        entry: joint.map_or(entry.clone(), |joint| format!("{entry}#{joint}")),
-        hash: hash(&bytes),
-        bytes,
-    })
+    let entry = match joint {
+        Some(joint) => format!("{entry}#{joint}"),
+        None => entry,
+    };
+    Ok(Packed::new(bytes, entry))
 }
 
 /// The files that a manifest names, as far as it can be read and they are there.
@@ -134,6 +123,7 @@ fn bounded(path: &Path, files: &[(PathBuf, PathBuf)]) -> Result<(), BatchError> 
         false => Err(BatchError::TooLarge {
             path: path.into(),
             bytes,
+            most: MOST_BYTES,
         }),
     }
 }

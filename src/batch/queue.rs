@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::answer::Answer;
 use super::error::BatchError;
 use super::job::Job;
-use super::pack::Packed;
+use super::packed::Packed;
 
 /// Takes jobs in, hands them out, and keeps the answers.
 ///

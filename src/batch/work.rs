@@ -11,7 +11,8 @@ use serde_json::Value;
 
 use super::answer::Answer;
 use super::error::BatchError;
-use super::job::{Job, hash};
+use super::hash::hash;
+use super::job::Job;
 use super::queue::{Claim, Queue, Taken, Ticket};
 use super::unpack::unpack;
 use crate::diagnosis::{Options, diagnose};

@@ -5,6 +5,7 @@ use quell_shapers::{SHAPERS, Shaper, shaper_by_name};
 
 use crate::estimators::{ESTIMATORS, EstimatorEntry, estimator};
 use crate::plant::Damping;
+use crate::signal::TipRegistration;
 
 /// The table of shapers, with what each does.
 pub fn shapers() -> impl TypedValueParser<Value = &'static dyn Shaper> {
@@ -18,6 +19,16 @@ pub fn estimators() -> impl TypedValueParser<Value = &'static EstimatorEntry> {
     let choice = |entry: &EstimatorEntry| PossibleValue::new(entry.name).help(entry.summary);
     PossibleValuesParser::new(ESTIMATORS.iter().map(choice))
         .try_map(|name| estimator(&name).ok_or("there is no such estimator"))
+}
+
+/// The ways to register a tip sensor, with what each does.
+pub fn registrations() -> impl TypedValueParser<Value = TipRegistration> {
+    let ways = TipRegistration::ALL;
+    let choice = |way: &TipRegistration| PossibleValue::new(way.name()).help(way.summary());
+    PossibleValuesParser::new(ways.iter().map(choice)).try_map(|name| {
+        let found = ways.iter().find(|way| way.name() == name);
+        found.copied().ok_or("there is no such registration")
+    })
 }
 
 /// Where a damper can sit.

@@ -2,17 +2,20 @@
 
 mod document;
 mod page;
+mod registrations;
 mod words;
 
 use super::out::{Force, Out};
-use super::{CliError, output};
+use super::{CliError, choices, output};
 use crate::estimators::ESTIMATORS;
 use crate::identification::{
     Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series, identify,
     prepare,
 };
 use crate::page::{columns, fixed};
-use crate::recording::Recording;
+use crate::recording::{Recording, Role};
+use crate::signal::TipRegistration;
+use registrations::Registered;
 use std::path::PathBuf;
 
 /// Identifies the vibratory mode of a recording, on-line by every estimator and off-line.
@@ -30,6 +33,8 @@ in a frame of its own needs a model with the lever arm:
   damping_ratio = 0.06
   lever_arm_m = 1.8
   tip_height_m = 0.9
+Its frame is then learned from the recording in the way of --registration, and what the other way would
+make of it is told beside.
 
 Estimators that know the motor side's motion see the whole recording, of more than 1e5 samples the
 1e5 in a row whose deformation varies most, if the motion explains the deformation; the others, and
@@ -40,6 +45,9 @@ pub struct Args {
     /// What is believed of the joint.
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// How the frame of a tip sensor is learned.
+    #[arg(long, default_value = "arc", value_parser = choices::registrations())]
+    pub registration: TipRegistration,
     /// Prints JSON instead of tables.
     #[arg(long)]
     pub json: bool,
@@ -58,6 +66,8 @@ struct Findings {
     recording: String,
     series: Series,
     found: Identification,
+    /// What each way to register a tip sensor makes of it.
+    registered: Vec<Registered>,
 }
 
 impl From<ModelError> for CliError {
@@ -84,17 +94,20 @@ pub fn run(args: Args) -> Result<(), CliError> {
         .as_ref()
         .map(NominalModel::from_path)
         .transpose()?;
+    let (model, registration) = (model.as_ref(), args.registration);
     let name = recording.name.clone();
-    let series = prepare(recording, model.as_ref())?;
-    let prior = Prior {
-        belief: model.map(|model| model.mode),
-        scale_is_open: series.scale_is_open,
-    };
-    let found = identify(&series.samples, prior)?;
+    let tip = recording.channel(Role::TipPosition);
+    let again = tip.is_some().then(|| recording.clone());
+    let series = prepare(recording, model, registration)?;
+    let found = identify(&series.samples, prior(model, &series))?;
+    let registered = again.map_or_else(Vec::new, |recording| {
+        registrations::all(&recording, model, registration, (&series, &found))
+    });
     let findings = Findings {
         recording: name,
         series,
         found,
+        registered,
     };
     let stage = out.stage()?;
     stage.file(REPORT, page::page(&findings).render())?;
@@ -111,6 +124,13 @@ pub fn run(args: Args) -> Result<(), CliError> {
     }
 }
 
+fn prior(model: Option<&NominalModel>, series: &Series) -> Prior {
+    Prior {
+        belief: model.map(|model| model.mode),
+        scale_is_open: series.scale_is_open,
+    }
+}
+
 /// The text that the verb prints.
 fn tables(findings: &Findings) -> String {
     let remarks: String = words::remarks(findings)
@@ -121,7 +141,11 @@ fn tables(findings: &Findings) -> String {
         on_line(&findings.found),
         off_line(findings.found.reference()),
     );
-    format!("{}\n\n{on_line}\n{off_line}\n{remarks}", findings.recording)
+    let registered = registrations::text(&findings.registered);
+    format!(
+        "{}\n\n{on_line}\n{off_line}\n{registered}{remarks}",
+        findings.recording
+    )
 }
 
 /// What every estimator says, over the run that is quoted of it.

@@ -26,7 +26,8 @@ Examples:
 
 V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
 one leaves, each at its own end. The insensitivity is the width of the band of frequencies, over
-the design frequency, in which V stays at or below 5 %.")]
+the design frequency, in which V stays at or below 5 %. Where a file has columns of several joints,
+give the mode of each: all columns run the same train, and the joints keep their path.")]
 pub struct Args {
     /// The shaper.
     #[arg(long, value_parser = choices::shapers())]

@@ -1,6 +1,6 @@
 //! Trains and moves as every verb makes them.
 
-use quell_shapers::{GridTrain, Setpoint, Shaper, ShaperError, UncertainMode};
+use quell_shapers::{GridTrain, Setpoint, Shaper, ShaperError, UncertainMode, common_train};
 use quell_trajectories::{AxisState, Limits, Planner};
 
 use super::CliError;
@@ -24,10 +24,11 @@ pub fn train(
     modes: impl IntoIterator<Item = UncertainMode>,
     sample_time: f64,
 ) -> Result<GridTrain, ShaperError> {
-    let mut train = GridTrain::identity(sample_time)?;
+    let mut trains = vec![GridTrain::identity(sample_time)?];
     for known in modes {
-        train = train.convolve(&shaper.on_grid_for(&known, sample_time)?)?;
+        trains.push(shaper.on_grid_for(&known, sample_time)?);
     }
+    let train = common_train(&trains)?;
     match train.duration_in_ticks() {
         ticks if ticks > LONGEST_TRAIN => Err(ShaperError::TooLong {
             ticks,

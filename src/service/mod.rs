@@ -3,6 +3,8 @@
 //! [`contract`] is all that the outside sees of the engine: [`http`] with the page, the [`recorder`],
 //! and the [`jobs`] that diagnose what was recorded.
 
+pub mod between;
+pub mod bridged;
 pub mod clock;
 pub mod config;
 pub mod contract;
@@ -19,6 +21,7 @@ mod kept;
 pub mod link;
 pub mod recorder;
 pub mod ringing;
+pub mod signature;
 mod start;
 pub mod state;
 pub mod station;

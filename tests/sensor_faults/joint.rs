@@ -2,9 +2,7 @@
 
 use quell::adaptation::AdaptationSettings;
 use quell::closed_loop::{ClosedLoopError, commission};
-use quell::controller::{
-    AxisSettings, Controller, PathPolicy, RetunePolicy, motion_limits, plan_shaped,
-};
+use quell::controller::{AxisSettings, Controller, RetunePolicy, motion_limits, plan_shaped};
 use quell::estimators::Settings;
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::service::contract::{Measured, Quantity};
@@ -102,7 +100,7 @@ impl Joint {
         };
         let mut tick = JointTick::new(index, bounds, watchdog, shaped, true);
         let settings = axis(&robot, case, shaped, sensor);
-        let controller = Controller::new(vec![settings], &[start], PathPolicy::Independent)?;
+        let controller = Controller::new(settings, start)?;
         tick.begin(Box::new(controller), 0.0);
         Ok(Self {
             case: case.clone(),

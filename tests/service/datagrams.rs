@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use quell::service::clock::ServiceClock;
 use quell::service::contract::{LinkHealth, Measured, Phase};
-use quell::service::link::{INBOX, Key, Order, RobotLink, Sequence, UdpLink, UdpSettings};
+use quell::service::link::{INBOX, Order, RobotLink, Sequence, UdpLink, UdpSettings};
+use quell::service::signature::Key;
 use quell_shapers::Setpoint;
 use rand::{Rng, RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;

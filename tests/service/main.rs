@@ -14,12 +14,12 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use quell::service::bridged::bridged;
 use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::contract::{
     Accepted, Handle, ModeValue, MoveResult, Phase, Request, ServiceError, ShapingChange, Snapshot,
     Stopping, WatchdogState,
 };
-use quell::service::tick::pace::bridged;
 use quell::service::{Service, start};
 
 use robot::{Received, UdpRobot};

@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex};
 
 use proptest::prelude::*;
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
+use quell::service::between::between;
+use quell::service::bridged::bridged;
 use quell::service::contract::{LinkHealth, Measured};
 use quell::service::link::RobotLink;
-use quell::service::tick::between::between;
-use quell::service::tick::pace::bridged;
 use quell::service::tick::{EngineRings, Plan, Start, Tick, ToTick, Train};
 use quell_shapers::{GridTrain, Setpoint, Shaper, UncertainMode, shaper_by_name};
 

@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
-use quell::service::tick::between::between;
+use quell::service::between::between;
 use quell_shapers::Setpoint;
 use serde::Deserialize;
 

@@ -1,7 +1,7 @@
 //! The body of the tick: no allocation, whatever is ordered and measured.
 
 use super::embedded::axis_settings;
-use quell::controller::{AxisSettings, Controller, PathPolicy};
+use quell::controller::{AxisSettings, Controller};
 use quell::plant::{ArmSimulation, Robot, SimulationOptions};
 use quell::service::contract::TickStatistics;
 use quell::service::guard::Bounds;
@@ -20,7 +20,7 @@ pub fn controller(robot: &Robot, shaper: &'static dyn Shaper, belief: Mode) -> C
         shaper: Some(shaper),
         ..axis_settings(belief, PERIOD, 0.003)
     };
-    let controller = Controller::new(vec![settings], &[0.0], PathPolicy::Independent);
+    let controller = Controller::new(settings, 0.0);
     controller.expect("a controller")
 }
 

@@ -347,7 +347,7 @@ impl Asked {
 
 /// What of two setpoints in succession no plan within the limits makes, in words.
 pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
-    use quell::service::tick::pace::bridged;
+    use quell::service::bridged::bridged;
     let allowed = 1.0 + 1e-9;
     let apart = ((now.0 - before.0) / PERIOD).round();
     let stood = apart as u64 > bridged(PERIOD) + 1;

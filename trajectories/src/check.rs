@@ -67,7 +67,7 @@ impl Planner {
         }
         let rule = "above 0 and below 1e9";
         Err(PlanError::Value {
-            axis: self.label(index),
+            axis: index,
             what,
             value,
             rule,
@@ -80,7 +80,7 @@ impl Planner {
         }
         let rule = "finite and within +-1e9";
         Err(PlanError::Value {
-            axis: self.label(index),
+            axis: index,
             what,
             value,
             rule,
@@ -98,7 +98,7 @@ impl Planner {
             return Ok(());
         }
         Err(PlanError::TargetBeyondLimit {
-            axis: self.label(index),
+            axis: index,
             what,
             value,
             limit,
@@ -124,7 +124,7 @@ impl Planner {
         }
         let limit = limit.velocity;
         Err(PlanError::TargetUnreachable {
-            axis: self.label(index),
+            axis: index,
             value,
             limit,
         })

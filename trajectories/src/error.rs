@@ -1,35 +1,6 @@
 //! What is wrong with a move, told before it reaches Ruckig or by Ruckig itself.
 
-use std::fmt;
-
 use thiserror::Error;
-
-/// An axis as errors name it: its index from 0, and its name if it has one.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AxisLabel {
-    /// Index from 0.
-    pub index: usize,
-    /// Name given by [`crate::Planner::with_axis_names`].
-    pub name: Option<String>,
-}
-
-impl AxisLabel {
-    pub(crate) fn of(index: usize, names: &[String]) -> Self {
-        Self {
-            index,
-            name: names.get(index).cloned(),
-        }
-    }
-}
-
-impl fmt::Display for AxisLabel {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.name {
-            Some(name) => write!(formatter, "axis {} ({name})", self.index),
-            None => write!(formatter, "axis {}", self.index),
-        }
-    }
-}
 
 /// Why a move cannot be planned or sampled.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -52,10 +23,10 @@ pub enum PlanError {
         given: usize,
     },
     /// A value is not finite, not positive, or outside of the range that Ruckig is tested for.
-    #[error("{axis}: {what} is {value}, it must be {rule}")]
+    #[error("axis {axis}: {what} is {value}, it must be {rule}")]
     Value {
-        /// Which axis.
-        axis: AxisLabel,
+        /// Axis, counted from 0.
+        axis: usize,
         /// Which quantity.
         what: &'static str,
         /// Its value.
@@ -64,10 +35,10 @@ pub enum PlanError {
         rule: &'static str,
     },
     /// The target state itself breaks a limit.
-    #[error("{axis}: target {what} {value} is beyond the limit {limit}")]
+    #[error("axis {axis}: target {what} {value} is beyond the limit {limit}")]
     TargetBeyondLimit {
-        /// Which axis.
-        axis: AxisLabel,
+        /// Axis, counted from 0.
+        axis: usize,
         /// Velocity or acceleration.
         what: &'static str,
         /// The target's value.
@@ -77,12 +48,12 @@ pub enum PlanError {
     },
     /// The target can only be reached from a velocity that breaks the limit.
     #[error(
-        "{axis}: the target's velocity and acceleration can only be reached from a velocity of \
+        "axis {axis}: the target's velocity and acceleration can only be reached from a velocity of \
          {value}, beyond the limit {limit}"
     )]
     TargetUnreachable {
-        /// Which axis.
-        axis: AxisLabel,
+        /// Axis, counted from 0.
+        axis: usize,
         /// Velocity at which the acceleration towards the target must begin.
         value: f64,
         /// The limit of its magnitude.
@@ -97,10 +68,10 @@ pub enum PlanError {
         limit: f64,
     },
     /// Ruckig found no profile for one of the axes on its own (its step 1).
-    #[error("Ruckig found no time-optimal profile for {axis} within its limits")]
+    #[error("Ruckig found no time-optimal profile for axis {axis} within its limits")]
     NoProfile {
-        /// Which axis.
-        axis: AxisLabel,
+        /// Axis, counted from 0.
+        axis: usize,
     },
     /// Ruckig found a profile for each axis, but no common duration (its step 2).
     #[error("Ruckig found no common duration for the {axes} axes of this move")]
@@ -115,20 +86,14 @@ pub enum PlanError {
         code: String,
     },
     /// What Ruckig returned does not end at the target.
-    #[error("{axis}: Ruckig's trajectory misses the target {what} by {error}")]
+    #[error("axis {axis}: Ruckig's trajectory misses the target {what} by {error}")]
     Inexact {
-        /// Which axis.
-        axis: AxisLabel,
+        /// Axis, counted from 0.
+        axis: usize,
         /// Position, velocity or acceleration.
         what: &'static str,
         /// Distance from the target.
         error: f64,
-    },
-    /// The time of a retarget is not a number.
-    #[error("a time on the running trajectory must be finite, not {time}")]
-    Time {
-        /// The time asked for, s.
-        time: f64,
     },
     /// The sampling period is not finite and above 0.
     #[error("the sampling period is {period} s, it must be finite and above 0")]

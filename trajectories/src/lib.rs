@@ -18,7 +18,7 @@ mod stop;
 mod trajectory;
 
 pub use axis::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM};
-pub use error::{AxisLabel, PlanError};
+pub use error::PlanError;
 pub use planner::Planner;
 pub use profile::{AxisProfile, Phase};
 pub use sampled::{MAX_SAMPLES, SampledTrajectory};

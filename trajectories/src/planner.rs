@@ -3,7 +3,7 @@
 use ruckig::ControlInterface;
 
 use crate::problem::Problem;
-use crate::{AxisLabel, AxisState, Limits, MAX_DEGREES_OF_FREEDOM, PlanError, Trajectory};
+use crate::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM, PlanError, Trajectory};
 
 /// Plans moves of a fixed number of axes.
 ///
@@ -12,7 +12,6 @@ use crate::{AxisLabel, AxisState, Limits, MAX_DEGREES_OF_FREEDOM, PlanError, Tra
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Planner {
     degrees_of_freedom: usize,
-    names: Vec<String>,
 }
 
 impl Planner {
@@ -26,23 +25,7 @@ impl Planner {
                 given: degrees_of_freedom,
             });
         }
-        Ok(Self {
-            degrees_of_freedom,
-            names: Vec::new(),
-        })
-    }
-
-    /// Gives the axes the names by which errors call them.
-    ///
-    /// # Errors
-    /// [`PlanError::Length`] unless there is one name for each axis.
-    pub fn with_axis_names<S: Into<String>>(
-        mut self,
-        names: impl IntoIterator<Item = S>,
-    ) -> Result<Self, PlanError> {
-        self.names = names.into_iter().map(Into::into).collect();
-        self.check_length("axis names", self.names.len())?;
-        Ok(self)
+        Ok(Self { degrees_of_freedom })
     }
 
     /// Number of axes.
@@ -50,7 +33,8 @@ impl Planner {
         self.degrees_of_freedom
     }
 
-    /// The quickest move from state to state within the limits, all axes arriving together.
+    /// The quickest move from state to state within the limits, all axes arriving together. In mid-move
+    /// it begins with [`Trajectory::state_at`]: it goes on without a jump up to the acceleration.
     ///
     /// One entry for each axis in `from`, `to` and `limits`. The target may move
     /// ([`AxisState::at_rest`] if it does not) but must be within the limits. The start may be
@@ -68,31 +52,12 @@ impl Planner {
         self.check_start(from, limits)?;
         self.check_target(to, limits)?;
         let problem = Problem {
-            names: &self.names,
             from,
             to,
             limits,
             interface: ControlInterface::Position,
         };
         problem.solve()
-    }
-
-    /// A new target in mid-move: the quickest move from the state that `running` has at `time` (s
-    /// after its start), continuous in position, velocity and acceleration.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`]; [`PlanError::Time`] if the time is not finite.
-    pub fn retarget(
-        &self,
-        running: &Trajectory,
-        time: f64,
-        to: &[AxisState],
-        limits: &[Limits],
-    ) -> Result<Trajectory, PlanError> {
-        if !time.is_finite() {
-            return Err(PlanError::Time { time });
-        }
-        self.plan(&running.state_at(time), to, limits)
     }
 
     /// The quickest jerk-limited stop from a state; where the axes come to rest follows.
@@ -116,16 +81,11 @@ impl Planner {
             .map(|state| AxisState::at_rest(state.position))
             .collect();
         let problem = Problem {
-            names: &self.names,
             from,
             to: &to,
             limits,
             interface: ControlInterface::Velocity,
         };
         problem.solve()
-    }
-
-    pub(crate) fn label(&self, index: usize) -> AxisLabel {
-        AxisLabel::of(index, &self.names)
     }
 }

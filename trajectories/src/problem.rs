@@ -5,7 +5,7 @@ use ruckig::{ControlInterface, InputParameter, Synchronization};
 use crate::closed_form::Known;
 use crate::read_back::{Scale, read_back};
 use crate::solver::Solver;
-use crate::{AxisLabel, AxisProfile, AxisState, Limits, PlanError, Trajectory};
+use crate::{AxisProfile, AxisState, Limits, PlanError, Trajectory};
 
 /// Ruckig refuses longer moves of several axes (`calculator_target.hpp`); of one axis, too, here.
 const LONGEST_MOVE: f64 = 7.6e3;
@@ -26,8 +26,6 @@ const SEEN_AT: f64 = 0.5;
 
 /// A checked problem: one entry for each axis in each list.
 pub(crate) struct Problem<'a> {
-    /// What errors call the axes.
-    pub(crate) names: &'a [String],
     pub(crate) from: &'a [AxisState],
     pub(crate) to: &'a [AxisState],
     pub(crate) limits: &'a [Limits],
@@ -107,7 +105,7 @@ impl Problem<'_> {
             let allowed = tolerance + 4.0 * f64::EPSILON * largest;
             if error.is_nan() || error.abs() > allowed {
                 return Err(PlanError::Inexact {
-                    axis: AxisLabel::of(index, self.names),
+                    axis: index,
                     what,
                     error,
                 });
@@ -119,7 +117,7 @@ impl Problem<'_> {
     fn failure(&self, result: ruckig::Result) -> PlanError {
         match result {
             ruckig::Result::ErrorExecutionTimeCalculation => PlanError::NoProfile {
-                axis: AxisLabel::of(self.first_unsolvable_axis(), self.names),
+                axis: self.first_unsolvable_axis(),
             },
             ruckig::Result::ErrorSynchronizationCalculation => PlanError::NoCommonDuration {
                 axes: self.from.len(),
@@ -177,7 +175,6 @@ impl Problem<'_> {
         let fails = |&index: &usize| {
             let one = index..index + 1;
             let problem = Problem {
-                names: self.names,
                 from: &self.from[one.clone()],
                 to: &self.to[one.clone()],
                 limits: &self.limits[one],

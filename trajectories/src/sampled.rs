@@ -67,6 +67,20 @@ impl SampledTrajectory {
         self.accelerations.push(state.acceleration);
     }
 
+    /// The same move axis by axis: what is run by one controller for each axis.
+    pub fn axes(&self) -> Vec<Self> {
+        (0..self.degrees_of_freedom)
+            .map(|axis| Self {
+                period: self.period,
+                degrees_of_freedom: 1,
+                samples: self.samples,
+                positions: self.positions(axis).to_vec(),
+                velocities: self.velocities(axis).to_vec(),
+                accelerations: self.accelerations(axis).to_vec(),
+            })
+            .collect()
+    }
+
     /// The sampling period `T_s`, s.
     pub fn period(&self) -> f64 {
         self.period

@@ -34,7 +34,7 @@ fn plans_of_every_kind() {
             .collect();
         let there = planner.plan(&from, &to, &limits).unwrap();
         planner
-            .retarget(&there, 0.3, &from, &limits)
+            .plan(&there.state_at(0.3), &from, &limits)
             .unwrap()
             .sample(0.001)
             .unwrap();

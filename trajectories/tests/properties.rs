@@ -154,7 +154,7 @@ proptest! {
         let time = share * running.duration();
         let targets: Vec<_> =
             to.iter().map(|state| AxisState::at_rest(state.position + new)).collect();
-        let next = planner.retarget(&running, time, &targets, &limits).unwrap();
+        let next = planner.plan(&running.state_at(time), &targets, &limits).unwrap();
         prop_assert_eq!(next.state_at(0.0), running.state_at(time));
         prop_assert_eq!(next.end(), targets);
         within_limits(&next, &limits)?;

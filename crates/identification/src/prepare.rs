@@ -5,7 +5,7 @@ use core::f64::consts::{PI, TAU};
 use super::nominal_model::NominalModel;
 use quell_control::estimators::Sample;
 use quell_recording::{Recording, Role, plain};
-use quell_signal::{ArcRegistration, JointArc, SignalError, recorded_deformation};
+use quell_signal::{ArcRegistration, JointArc, SignalError, TipRegistration, recorded_deformation};
 
 /// Why a recording cannot be identified.
 #[derive(Debug, thiserror::Error)]
@@ -80,13 +80,15 @@ pub struct Series {
     pub scale_is_open: bool,
 }
 
-/// Aligns a recording, which is taken: angles unwrapped, a tip sensor registered by the model's lever arm.
+/// Aligns a recording, which is taken: angles unwrapped, a tip sensor registered by the model's lever arm, in the way
+/// that is asked for.
 ///
 /// # Errors
 /// [`IdentificationError::Signal`].
 pub fn prepare(
     mut recording: Recording,
     model: Option<&NominalModel>,
+    registration: TipRegistration,
 ) -> Result<Series, IdentificationError> {
     for channel in &mut recording.channels {
         let angle = matches!(channel.role, Role::MotorPosition | Role::LinkPosition);
@@ -102,8 +104,8 @@ pub fn prepare(
         }
         _ => None,
     };
-    let deformation =
-        recorded_deformation(&recording, arc.as_ref(), model.map(|model| model.mode))?;
+    let belief = model.map(|model| model.mode);
+    let deformation = recorded_deformation(&recording, arc.as_ref(), belief, registration)?;
     Ok(Series {
         samples: deformation
             .samples

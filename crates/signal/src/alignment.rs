@@ -129,11 +129,6 @@ impl Aligner {
         self.dropped
     }
 
-    /// Replaces the clock, as after a new estimate of its offset; what waits keeps its instant.
-    pub fn set_clock(&mut self, clock: Clock) {
-        self.clock = clock;
-    }
-
     /// Forgets every sample.
     pub fn restart(&mut self) {
         self.encoder.clear();

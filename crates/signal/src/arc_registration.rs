@@ -10,7 +10,7 @@ use super::clock_offset::fit_clock_offset;
 use super::registration::{centroid, check_points};
 use super::{Clock, CubicSpline, JointArc, SignalError};
 
-/// Where a tip sensor stands and what its clock reads, learned from one recorded move.
+/// Where a tip sensor stands and what its clock reads, learned from one joint's recorded move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcRegistration {
     /// Maps sensor coordinates to the robot's base frame.
@@ -19,6 +19,9 @@ pub struct ArcRegistration {
     pub clock: Clock,
     /// One standard deviation of its offset, s.
     pub clock_offset_std: f64,
+    /// How far the tip stands ahead of the motor side in this frame while nothing deforms the joint, rad, as the
+    /// fit of clock and mode tells it: the frame's error about the joint's axis. [`register_arc`] leaves none.
+    pub angle_error: f64,
     /// Root mean square distance of the tip from the plane of the arc, m: the sensor's noise.
     pub normal_rms: f64,
     /// Root mean square distance from the circle, in its plane, m: noise, and a wrong lever arm.
@@ -53,15 +56,7 @@ pub fn register_arc(
     tip: &[Point3<f64>],
     belief: Option<Mode>,
 ) -> Result<ArcRegistration, SignalError> {
-    if time.len() != tip.len() {
-        let (left, right) = (time.len(), tip.len());
-        return Err(SignalError::Lengths {
-            what: "tip stamps and positions",
-            left,
-            right,
-        });
-    }
-    check_points("tip positions", tip)?;
+    check_tip(time, tip)?;
     let mut plane = Plane::fit(tip)?;
     let flat = plane.project(tip);
     let guess = Circle::algebraic(&flat)?;
@@ -84,6 +79,7 @@ pub fn register_arc(
         sensor_to_base: frame(arc, &plane, &circle, fit.angle_offset),
         clock: Clock::with_offset(fit.offset),
         clock_offset_std: fit.offset_std,
+        angle_error: 0.0,
         normal_rms: plane.rms,
         radial_rms,
         tangential_rms: fit.rms * arc.radius(),
@@ -92,6 +88,26 @@ pub fn register_arc(
         mode: fit.mode,
         damper_to_ground: fit.damper_to_ground,
     })
+}
+
+/// A stamp for each position, and positions that are numbers.
+pub(super) fn check_tip(time: &[f64], tip: &[Point3<f64>]) -> Result<(), SignalError> {
+    if time.len() != tip.len() {
+        let (left, right) = (time.len(), tip.len());
+        return Err(SignalError::Lengths {
+            what: "tip stamps and positions",
+            left,
+            right,
+        });
+    }
+    check_points("tip positions", tip)
+}
+
+/// The radius that the points themselves would choose, and one standard deviation of it, m.
+pub(super) fn fitted_radius(tip: &[Point3<f64>]) -> Result<(f64, f64), SignalError> {
+    let flat = Plane::fit(tip)?.project(tip);
+    let circle = Circle::algebraic(&flat)?.refine(&flat, true);
+    Ok((circle.radius, circle.radius_std(&flat)))
 }
 
 /// Whether the angle grows when the motor position does.
@@ -274,18 +290,25 @@ impl Circle {
 
     /// Polar angles about the centre, without jumps of a turn.
     fn angles(&self, points: &[Vector2<f64>]) -> Vec<f64> {
-        let mut turns = 0.0;
-        let mut last = None;
-        let unwrap = points.iter().map(|p| {
+        let angle = |p: &Vector2<f64>| {
             let arm = p - self.centre;
-            let angle = arm.y.atan2(arm.x);
-            let jump = last.map_or(0.0, |last: f64| {
-                ((angle - last) / std::f64::consts::TAU).round()
-            });
-            turns -= jump * std::f64::consts::TAU;
-            last = Some(angle);
-            angle + turns
-        });
-        unwrap.collect()
+            arm.y.atan2(arm.x)
+        };
+        unwrapped(points.iter().map(angle))
     }
+}
+
+/// Angles without jumps of a turn.
+pub(super) fn unwrapped(angles: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut turns = 0.0;
+    let mut last = None;
+    let unwrap = angles.map(|angle| {
+        let jump = last.map_or(0.0, |last: f64| {
+            ((angle - last) / std::f64::consts::TAU).round()
+        });
+        turns -= jump * std::f64::consts::TAU;
+        last = Some(angle);
+        angle + turns
+    });
+    unwrap.collect()
 }

@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Point3};
 use quell_shapers::Mode;
 
-use super::arc_registration::{ArcRegistration, register_arc};
+use super::arc_registration::ArcRegistration;
+use super::tip_registration::TipRegistration;
 use super::{Aligner, Clock, CubicSpline, End, JointArc, Measurement, SignalError};
 use quell_recording::{Channel, Recording, Role};
 
@@ -94,22 +95,6 @@ impl DeformationSensor {
         self.arc.as_ref()
     }
 
-    /// Replaces the arc, as after another joint has changed the pose.
-    pub fn set_arc(&mut self, arc: JointArc) {
-        self.arc = Some(arc);
-    }
-
-    /// Replaces frame and clock, as after a new registration.
-    pub fn set_registration(&mut self, sensor_to_base: Isometry3<f64>, clock: Clock) {
-        self.sensor_to_base = sensor_to_base;
-        self.aligner.set_clock(clock);
-    }
-
-    /// The aligner within.
-    pub fn aligner(&self) -> &Aligner {
-        &self.aligner
-    }
-
     /// Forgets every sample.
     pub fn restart(&mut self) {
         self.aligner.restart();
@@ -129,8 +114,8 @@ pub struct RecordedDeformation {
 /// Deformation over a recording, from whichever sensor it has beside the motor position: the
 /// deformation itself, the link position, or the tip.
 ///
-/// A tip sensor needs the tip's `arc`; its frame and clock are learned from the recording itself, by
-/// [`register_arc`]. A deformation in m is divided by the arc's radius. Without an arc the tip
+/// A tip sensor needs the tip's `arc`; its frame and clock are learned from the recording itself, in the way
+/// that is asked for. A deformation in m is divided by the arc's radius. Without an arc the tip
 /// deformation is NaN.
 ///
 /// # Errors
@@ -139,6 +124,7 @@ pub fn recorded_deformation(
     recording: &Recording,
     arc: Option<&JointArc>,
     belief: Option<Mode>,
+    registration: TipRegistration,
 ) -> Result<RecordedDeformation, SignalError> {
     let missing = |channel| SignalError::MissingChannel {
         recording: recording.name.clone(),
@@ -168,7 +154,7 @@ pub fn recorded_deformation(
         .ok_or_else(|| missing("deformation, link_position or tip_position"))?;
     let arc = arc.ok_or_else(|| missing("link_position (tip_position needs a lever arm)"))?;
     let tip = points(channel, &missing)?;
-    let registration = register_arc(arc, &motor, &channel.time, &tip, belief)?;
+    let registration = registration.register(arc, &motor, &channel.time, &tip, belief)?;
     let samples = tip_deformation(arc, &registration, &motor, &channel.time, &tip);
     Ok(RecordedDeformation {
         samples,

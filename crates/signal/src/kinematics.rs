@@ -130,7 +130,7 @@ impl Chain {
     }
 
     /// Pose of the tip in the base frame: forward kinematics.
-    pub fn tip_pose(&self, q: &[f64]) -> Isometry3<f64> {
+    fn tip_pose(&self, q: &[f64]) -> Isometry3<f64> {
         match self.joints.len() {
             0 => self.tool,
             n => self.link_pose(q, n - 1) * self.tool,
@@ -167,21 +167,6 @@ impl Chain {
             Point3::from(frame.translation.vector),
             frame.rotation * entry.axis,
         ))
-    }
-
-    /// Column of the geometric Jacobian: velocity of the tip per unit velocity of `joint`.
-    ///
-    /// `J = z x (p - o)` for a joint that turns about `z` through `o` (m/rad), `z` for one that
-    /// slides.
-    ///
-    /// # Errors
-    /// [`SignalError::NoSuchJoint`].
-    pub fn jacobian_column(&self, q: &[f64], joint: usize) -> Result<Vector3<f64>, SignalError> {
-        let (origin, axis) = self.joint_axis(q, joint)?;
-        Ok(match self.joints[joint].kind {
-            JointKind::Revolute => axis.cross(&(self.tip(q) - origin)),
-            JointKind::Prismatic => axis.into_inner(),
-        })
     }
 
     /// The arc that the tip draws in the base frame when `joint` alone turns; the others stand as

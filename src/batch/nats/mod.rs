@@ -31,7 +31,7 @@ use tokio::runtime::Runtime;
 use super::answer::Answer;
 use super::error::BatchError;
 use super::job::Job;
-use super::pack::Packed;
+use super::packed::Packed;
 use super::queue::{Claim, Queue, Submitted, Taken};
 use super::work::HEARTBEAT;
 use parts::Parts;

@@ -1,6 +1,6 @@
 //! The findings as JSON.
 
-use super::{Findings, words};
+use super::{Findings, registrations, words};
 use crate::estimators::ESTIMATORS;
 use crate::identification::{OnLine, Run};
 use serde_json::{Value, json};
@@ -36,6 +36,7 @@ pub fn document(findings: &Findings) -> Value {
         "known_input_holds": found.known_input_holds,
         "explained_by_known_input": found.explained,
         "damping_by_amplitude": dependence,
+        "registrations": registrations::document(&findings.registered),
         "runs": found.free_decays.iter().chain([&found.whole]).map(run_document).collect::<Vec<_>>(),
         "remarks": words::remarks(findings),
     })

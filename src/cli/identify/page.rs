@@ -1,6 +1,6 @@
 //! The report: what was found, and the estimates over time as in the paper's Fig. 7.
 
-use super::{Findings, words};
+use super::{Findings, registrations, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
 use crate::identification::{OffLine, OnLine, Run};
@@ -28,6 +28,9 @@ pub fn page(findings: &Findings) -> Page {
     page = page
         .table(on_line(findings))
         .table(off_line(found.reference()));
+    if let Some(table) = registrations::table(&findings.registered) {
+        page = page.table(table);
+    }
     page = page.heading("Estimates over time");
     let run = found.reference();
     page = page.chart(frequencies(run)).chart(dampings(run));

@@ -1,6 +1,6 @@
 //! The findings in sentences.
 
-use super::Findings;
+use super::{Findings, registrations};
 use crate::identification::{Identification, Run, Stretch};
 use crate::page::fixed;
 
@@ -60,6 +60,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
             1e6 * registration.normal_rms,
         ));
     }
+    remarks.extend(registrations::remarks(&findings.registered));
     remarks
 }
 

@@ -19,7 +19,7 @@ pub use nats::NatsConfig;
 pub use recording::RecordingConfig;
 pub use zenoh::ZenohConfig;
 
-use super::link::Key;
+use super::signature::Key;
 use crate::plant::{Robot, RobotError};
 
 /// The rates at which the tick is made to run, Hz.
@@ -210,7 +210,8 @@ fn checked(
         [1.0, 86_400.0],
     )?;
     let joints = joints(&keys.joint, &description, robot, describes, &check)?;
-    keys.zenoh.check(&joints, &check)?;
+    let names = joints.iter().map(|joint| joint.name.as_str());
+    keys.zenoh.check(names, &check)?;
     keys.nats.iter().try_for_each(|nats| nats.check(&check))?;
     if let Some(address) = keys.foxglove.address.filter(|a| !a.ip().is_loopback()) {
         return Err(check.refuse(

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use super::keys::UdpKeys;
 use super::{Check, ConfigError};
-use crate::service::link::Key;
+use crate::service::signature::Key;
 
 /// The shortest key of datagrams, characters: 128 bits where they are random bytes.
 const SHORTEST_KEY: usize = 16;

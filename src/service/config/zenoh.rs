@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Check, ConfigError, JointConfig};
+use super::{Check, ConfigError};
 
 /// The highest domain of ROS 2 on every system.
 const HIGHEST_DOMAIN: f64 = 232.0;
@@ -53,9 +53,15 @@ impl Default for ZenohConfig {
 }
 
 impl ZenohConfig {
+    /// Checks the values; `joints` are the names of those that are commanded.
+    ///
     /// # Errors
     /// [`ConfigError`] where a value is out of its range, or a topic has no name that ROS 2 allows.
-    pub(super) fn check(&self, joints: &[JointConfig], check: &Check) -> Result<(), ConfigError> {
+    pub(super) fn check<'a>(
+        &self,
+        mut joints: impl Iterator<Item = &'a str>,
+        check: &Check,
+    ) -> Result<(), ConfigError> {
         check.within("zenoh.domain", self.domain.into(), [0.0, HIGHEST_DOMAIN])?;
         let topics = [
             ("joint_states", &self.joint_states),
@@ -72,7 +78,7 @@ impl ZenohConfig {
             }
         }
         match &self.imu_joint {
-            Some(name) if joints.iter().all(|joint| joint.name != *name) => {
+            Some(name) if joints.all(|joint| joint != name) => {
                 Err(check.refuse("zenoh.imu_joint", name, "the name of a joint"))
             }
             _ => Ok(()),

@@ -3,7 +3,7 @@
 use quell_shapers::{GridTrain, Mode, Shaper, ShaperError, UncertainMode};
 
 use crate::adaptation::AdaptationSettings;
-use crate::controller::{AxisSettings, Controller, PathPolicy, RetunePolicy};
+use crate::controller::{AxisSettings, Controller, RetunePolicy};
 use crate::estimators::Settings;
 use crate::service::config::JointConfig;
 use crate::signal::{DeformationSensor, RestRule};
@@ -13,7 +13,7 @@ const LONGEST_MOVE: f64 = 20.0;
 /// Longest train, in periods of the lowest plausible frequency: as in the simulated cell.
 const LONGEST_TRAIN: f64 = 4.0;
 
-/// A controller of one axis at rest at `position` (rad), shaping for `mode`.
+/// A controller of a joint at rest at `position` (rad), shaping for `mode`.
 pub fn controller(
     joint: &JointConfig,
     shaper: Option<&'static dyn Shaper>,
@@ -43,7 +43,7 @@ pub fn controller(
         longest_train: LONGEST_TRAIN * joint.belief.damped_period(),
         longest_move: LONGEST_MOVE,
     };
-    Controller::new(vec![settings], &[position], PathPolicy::Independent)
+    Controller::new(settings, position)
 }
 
 /// The train of a shaper for a mode that is known so well; none sends the plan as it is.

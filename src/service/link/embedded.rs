@@ -5,9 +5,9 @@ use quell_shapers::Setpoint;
 
 use super::RobotLink;
 use crate::plant::{ArmSimulation, Command, Load};
+use crate::service::between::between;
+use crate::service::bridged::bridged;
 use crate::service::contract::{LinkHealth, Measured, Quantity};
-use crate::service::tick::between::between;
-use crate::service::tick::pace::bridged;
 use crate::signal::Measurement;
 
 /// The simulated arm. It goes by the stamps of the setpoints: where ticks were missed the motion between

@@ -5,7 +5,6 @@ pub mod datagram;
 mod embedded;
 mod intake;
 mod sequence;
-mod signature;
 mod udp;
 #[cfg(feature = "zenoh")]
 mod zenoh;
@@ -13,7 +12,6 @@ mod zenoh;
 pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
 pub use sequence::{Order, Sequence};
-pub use signature::{Key, Replay};
 pub use udp::{Ear, Heard, UdpLink, UdpSettings};
 #[cfg(feature = "zenoh")]
 pub use zenoh::{Node, ZenohBridge, ZenohLink};

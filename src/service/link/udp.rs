@@ -11,10 +11,11 @@ use std::time::Duration;
 
 use quell_shapers::Setpoint;
 
+use super::RobotLink;
 use super::datagram::write_setpoint;
-use super::{Key, RobotLink};
 use crate::service::clock::ServiceClock;
 use crate::service::contract::{LinkHealth, Measured};
+use crate::service::signature::Key;
 pub use receiver::{Ear, Heard};
 
 /// What the UDP link is told.

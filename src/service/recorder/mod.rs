@@ -1,5 +1,6 @@
 //! The recorder: listens to the stream and puts each move, or what is asked for, onto the shelf.
 
+mod demand;
 mod journal;
 mod log;
 mod running;
@@ -12,8 +13,9 @@ use thiserror::Error;
 use tokio::sync::{mpsc, oneshot};
 
 use super::contract::Handle;
+use demand::Demand;
 pub use shelf::{About, Archive, Bounds, Draft, Entry, Shelf, ShelfError, name_of_move};
-use task::{Demand, Task};
+use task::Task;
 
 /// The whole as one file in the profile of ROS 2, beside manifest and CSV.
 const MCAP: &str = "recording.mcap";

@@ -1,9 +1,11 @@
 //! One recording that is being made.
 
+use std::sync::Arc;
+
 use super::journal::Journal;
 use super::log::Log;
-use super::shelf::About;
-use crate::service::contract::{Handle, RecordingNews};
+use super::{About, MCAP, Shelf, ShelfError};
+use crate::service::contract::{DiskPart, Handle, RecordingNews};
 
 /// One recording that is being made.
 pub struct Running {
@@ -57,4 +59,65 @@ impl Running {
             });
         }
     }
+
+    /// Writes down what has come since the last time. Where the disk refuses, the recording is begun
+    /// anew on it when there is room again, and is still kept at its end.
+    fn write_down(&mut self, shelf: &Shelf, epoch: f64) {
+        let no_room = self.journal.is_none() && shelf.disk().is_failing(DiskPart::Recordings);
+        if self.unwritable || no_room || !self.log.is_measured() {
+            return;
+        }
+        let written = self.try_to_write_down(shelf, epoch);
+        if let Err(error) = shelf.told(written) {
+            (self.journal, self.described) = (None, false);
+            self.unwritable = !error.is_disk();
+            if self.unwritable {
+                tracing::warn!(name = self.name, %error, "is not written down while it is made");
+            }
+        }
+    }
+
+    fn try_to_write_down(&mut self, shelf: &Shelf, epoch: f64) -> Result<(), ShelfError> {
+        if !self.described {
+            shelf.begin(&self.name, &self.about)?;
+            self.described = true;
+        }
+        let joint = &self.about.joint;
+        match &mut self.journal {
+            Some(journal) => journal.write(&self.log, joint)?,
+            None => {
+                let path = shelf.unfinished(&self.name).join(MCAP);
+                let journal = Journal::begin(shelf.disk(), &path, &self.log, joint, epoch)?;
+                self.journal = Some(journal);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Has written down what has come of all, on a thread that may wait for the disk, and tells the engine what is on
+/// it. `epoch` is the Unix time of the service's clock's zero, s.
+pub async fn write_down(
+    mut all: Vec<Running>,
+    shelf: &Arc<Shelf>,
+    epoch: f64,
+    handle: &Handle,
+) -> Vec<Running> {
+    let names: Vec<_> = all.iter().map(|one| one.name.clone()).collect();
+    let its_shelf = Arc::clone(shelf);
+    let work = tokio::task::spawn_blocking(move || {
+        all.iter_mut()
+            .for_each(|one| one.write_down(&its_shelf, epoch));
+        all
+    });
+    let mut all = work.await.unwrap_or_else(|error| {
+        tracing::error!(%error, "what was being recorded is lost");
+        for name in names {
+            shelf.disk().lost_recording();
+            handle.tell(RecordingNews::Gone { name });
+        }
+        Vec::new()
+    });
+    all.iter_mut().for_each(|one| one.tell(handle));
+    all
 }

@@ -4,10 +4,11 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{broadcast, mpsc, oneshot};
+use tokio::sync::{broadcast, mpsc};
 
+use super::demand::Demand;
 use super::log::Log;
-use super::running::Running;
+use super::running::{Running, write_down};
 use super::{About, RecordError, Shelf, ShelfError, shelf};
 use crate::service::contract::{
     Batch, DiskPart, Event, Handle, MoveResult, MoveStart, RecordingNews,
@@ -17,42 +18,21 @@ use crate::service::contract::{
 const BEFORE: f64 = 1.0;
 /// Rest after it, s: what still rings tells the damping. Another move ends it at once.
 const AFTER: f64 = 1.0;
+/// How often what has come is written down, s: what a kill may cost. As often as the file closes its
+/// chunks by itself.
+const EVERY: f64 = 0.25;
 /// How often a disk that has refused something is asked whether there is room again, s.
 const AGAIN: f64 = 1.0;
 
-/// What somebody wants of it.
-#[derive(Debug)]
-pub enum Demand {
-    /// A recording of a joint, until it is ended.
-    Begin {
-        /// The joint.
-        joint: String,
-        /// Its number, counted from 0.
-        index: usize,
-        /// Where the name goes.
-        reply: oneshot::Sender<Result<String, RecordError>>,
-    },
-    /// The end of it.
-    End {
-        /// Where the name goes.
-        reply: oneshot::Sender<Result<String, RecordError>>,
-    },
-    /// The end of the recorder.
-    Close {
-        /// Told when all is on the shelf.
-        reply: oneshot::Sender<()>,
-    },
-}
-
 /// The recorder's task.
 pub struct Task {
-    pub(super) handle: Handle,
-    pub(super) shelf: Arc<Shelf>,
+    handle: Handle,
+    shelf: Arc<Shelf>,
     /// What came last, for the rest before a move.
     before: VecDeque<Arc<Batch>>,
-    pub(super) running: Vec<Running>,
+    running: Vec<Running>,
     /// When what has come was last written down, s on the service's clock.
-    pub(super) written: f64,
+    written: f64,
     /// When the disk was last asked whether there is room, s on the service's clock.
     asked: f64,
     /// Whether something unfinished waits for room.
@@ -127,7 +107,11 @@ impl Task {
         }
         self.ring_out(|one| one.until <= now).await;
         self.look_for_room(now).await;
-        self.write_down(now).await;
+        if !self.running.is_empty() && now - self.written >= EVERY {
+            self.written = now;
+            let running = std::mem::take(&mut self.running);
+            self.running = write_down(running, &self.shelf, self.epoch(), &self.handle).await;
+        }
         let full = |one: &Running| one.id.is_none() && one.log.is_full();
         if self.running.iter().any(full) {
             tracing::warn!("a recording on demand has reached its longest and ends");
@@ -329,7 +313,7 @@ impl Task {
     }
 
     /// The wall time at which the service's clock was 0, seconds since 1970.
-    pub(super) fn epoch(&self) -> f64 {
+    fn epoch(&self) -> f64 {
         let snapshot = self.handle.snapshot();
         snapshot.unix_time_s - snapshot.time_s
     }

@@ -3,25 +3,25 @@
 use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
-use super::between::within_limits;
 use super::hearing::{Change, FOLLOWED, Hearing, Watchdog};
 use super::messages::{AxisReport, Event, JointReport, NotTaken, Plan, Taken, TrainOrder};
 use super::pace::Stride;
 use super::taking::{put_in_force, ready};
-use crate::controller::{AxisMeasurement, AxisStatus, Controller, ringing_time};
+use crate::controller::{AxisStatus, Controller, ringing_time};
 use crate::estimators::Estimate;
+use crate::service::between::within_limits;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
 use crate::service::guard::{Bounds, CommandedMotion, Guard};
 use crate::service::link::INBOX;
 use crate::signal::{DeformationSensor, Measurement};
 
-/// A joint as the tick holds it. The controller has one axis, so that joints begin and end apart.
+/// A joint as the tick holds it. It has a controller of its own, so that joints begin and end apart.
 pub struct JointTick {
     index: usize,
     controller: Option<Box<Controller>>,
     guard: Guard,
     limits: Limits,
-    inbox: Vec<AxisMeasurement>,
+    inbox: Vec<Measurement>,
     waiting: Option<Box<Plan>>,
     /// The command at the last two control periods.
     command: [Setpoint; 2],
@@ -78,7 +78,7 @@ impl JointTick {
     pub fn begin(&mut self, controller: Box<Controller>, now: f64) -> Option<Box<Controller>> {
         self.hearing.begin(now);
         self.settled = Some(f64::NEG_INFINITY);
-        self.sent = controller.planned().first().copied().unwrap_or_default();
+        self.sent = controller.planned();
         self.command = [self.sent; 2];
         self.runs = false;
         self.guard.restart();
@@ -98,11 +98,9 @@ impl JointTick {
     /// Takes a sensor that is registered; gives the one before back.
     pub fn take_sensor(&mut self, mut sensor: Box<DeformationSensor>) -> Option<Event> {
         self.registered = true;
-        if let Some(controller) = self.controller.as_deref_mut()
+        if let Some(controller) = self.controller.as_deref_mut() {
             // Plain numbers: a copy does not allocate.
-            && let Some(before) = controller.replace_sensor(0, (*sensor).clone())
-        {
-            *sensor = before;
+            *sensor = controller.replace_sensor((*sensor).clone());
         }
         // The next controller is made with it; here it must not be dropped.
         Some(Event::Sensor(sensor))
@@ -135,10 +133,7 @@ impl JointTick {
             return;
         }
         if self.inbox.len() < self.inbox.capacity() {
-            self.inbox.push(AxisMeasurement {
-                axis: 0,
-                measurement,
-            });
+            self.inbox.push(measurement);
         }
     }
 
@@ -217,11 +212,11 @@ impl JointTick {
         let frozen = silent || self.guard.report().is_at_fault();
         if frozen && !self.frozen {
             // What came before belongs to a fault, or to another stretch of time.
-            controller.restart_estimation(0);
+            controller.restart_estimation();
         }
         self.frozen = frozen;
         self.quiet = is_quiet(controller, self.settled, now);
-        controller.set_adaptive(0, self.adaptive && !frozen && !self.quiet);
+        controller.set_adaptive(self.adaptive && !frozen && !self.quiet);
         controller.observe(&self.inbox);
         self.inbox.clear();
     }
@@ -231,14 +226,9 @@ impl JointTick {
         let Some(controller) = self.controller.as_deref_mut() else {
             return;
         };
-        let Some(next) = controller.tick(&[]).first().copied() else {
-            return;
-        };
+        let next = controller.tick(&[]);
         if !self.quiet {
-            self.learned = controller
-                .axes()
-                .first()
-                .and_then(|axis| axis.status().estimate);
+            self.learned = controller.axis().status().estimate;
         }
         self.command = [self.command[1], next];
     }
@@ -280,13 +270,13 @@ impl JointTick {
     /// The joint at this tick, for the stream.
     pub fn row(&self, time: f64) -> Option<TickRow> {
         let controller = self.controller.as_deref()?;
-        let status = controller.axes().first()?.status();
+        let status = controller.axis().status();
         let deformation = status.deformation;
         let estimate = self.learned;
         Some(TickRow {
             time,
             joint: self.index,
-            planned: controller.planned().first()?.position,
+            planned: controller.planned().position,
             position: self.sent.position,
             velocity: self.sent.velocity,
             acceleration: self.sent.acceleration,
@@ -304,23 +294,20 @@ impl JointTick {
 
     /// The joint now, for the state.
     pub fn report(&self, now: f64) -> JointReport {
-        let axis = |controller: &Controller| {
-            let axis = controller.axes().first()?;
-            Some(AxisReport {
-                status: AxisStatus {
-                    estimate: self.learned,
-                    ..*axis.status()
-                },
-                train: axis.train(),
-                planned: controller.planned().first().copied()?,
-                sent: self.sent,
-                settled: controller.is_settled(),
-                frozen: self.frozen,
-            })
+        let axis = |controller: &Controller| AxisReport {
+            status: AxisStatus {
+                estimate: self.learned,
+                ..*controller.axis().status()
+            },
+            train: controller.axis().train(),
+            planned: controller.planned(),
+            sent: self.sent,
+            settled: controller.is_settled(),
+            frozen: self.frozen,
         };
         JointReport {
             joint: self.index,
-            axis: self.controller.as_deref().and_then(axis),
+            axis: self.controller.as_deref().map(axis),
             watchdog: match self.hearing.is_silent(now) {
                 true => WatchdogState::Silent,
                 false => WatchdogState::Fine,
@@ -332,10 +319,10 @@ impl JointTick {
 
 /// Whether nothing moves and nothing rings any more, so that there is only noise to be heard.
 fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
-    let (Some(settled), Some(axis)) = (settled, controller.axes().first()) else {
+    let Some(settled) = settled else {
         return false;
     };
-    let mode = axis.status().shaped_for.mode;
+    let mode = controller.axis().status().shaped_for.mode;
     // A mode without damping rings for as long as the estimator looks back, forty periods.
     let rings = ringing_time(mode).min(40.0 * mode.damped_period());
     now - settled > rings

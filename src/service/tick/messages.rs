@@ -11,7 +11,7 @@ use crate::signal::DeformationSensor;
 
 /// Engine to tick. Joints are counted from 0.
 pub enum ToTick {
-    /// Begin to command a joint, by a controller of one axis.
+    /// Begin to command a joint.
     Begin(usize, Box<Controller>),
     /// Cease to command a joint.
     Cease(usize),

@@ -6,7 +6,6 @@
 //! A tick that is missed is counted, and nothing is sent for it. What becomes of the command's own time
 //! is said in [`pace`]: the limits hold over the time that has really gone by between any two setpoints.
 
-pub mod between;
 mod hearing;
 mod joint;
 mod lateness;

@@ -35,19 +35,12 @@
 //! make the two terms beside `J r^3` less than `(2 A k + 2 V k^2) (1 - r^3)`. Between two setpoints `x'` and `x''`
 //! are linear, so that the bounds hold for what is sent, too. The command falls back by
 //! 1 / k in all, which is made a whole number of periods, so that it ends on its own samples.
+//!
+//! [`BRIDGED`]: crate::service::bridged::BRIDGED
 
 use quell_trajectories::Limits;
 
-/// How long a robot goes on without a setpoint, s: 20 in succession at 1 kHz stop it. Source: Franka
-/// Control Interface, which predicts at constant acceleration until then and reports a violation of
-/// the communication after it.
-pub const BRIDGED: f64 = 0.02;
-
-/// Ticks of `period` (s) that may be missed in succession and are made up for.
-pub fn bridged(period: f64) -> u64 {
-    // A period that divides the time exactly may come out a rounding below.
-    (BRIDGED / period + 1e-9) as u64
-}
+use crate::service::bridged::bridged;
 
 /// What the command does with a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,20 +15,18 @@ pub fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool
     }
     put_in_force(train, controller)?;
     // A longer train takes over once the command has stood still for its length.
-    Ok(!controller.is_train_waiting(0))
+    Ok(!controller.is_train_waiting())
 }
 
 /// Has a train take over once the joint rests, unless it is the next one already.
 pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTaken> {
-    let Some(axis) = controller.axes().first() else {
-        return Err(NotTaken::Idle);
-    };
+    let axis = controller.axis();
     if axis.status().retunes != train.retunes {
         return Err(NotTaken::Outdated);
     }
     if *axis.next_train() == train.train && axis.status().shaped_for == train.known {
         return Ok(());
     }
-    let set = controller.set_train(0, train.shaper, &train.known, &train.train);
+    let set = controller.set_train(train.shaper, &train.known, &train.train);
     set.map_err(NotTaken::Train)
 }

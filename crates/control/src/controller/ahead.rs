@@ -1,30 +1,19 @@
-//! What the plan still has in store for one axis.
+//! What the plan still has in store for the axis.
 
 use quell_shapers::Setpoint;
 use quell_trajectories::SampledTrajectory;
 
-/// The planned setpoints of one axis from the present tick on.
+/// The planned setpoints from the present tick on.
 pub struct Ahead<'a> {
     plan: Option<&'a SampledTrajectory>,
-    axis: usize,
     cursor: usize,
     rest: Setpoint,
 }
 
 impl<'a> Ahead<'a> {
     /// From tick `cursor` of `plan`; where there is no plan, the axis stays at `rest`.
-    pub fn new(
-        plan: Option<&'a SampledTrajectory>,
-        axis: usize,
-        cursor: usize,
-        rest: Setpoint,
-    ) -> Self {
-        Self {
-            plan,
-            axis,
-            cursor,
-            rest,
-        }
+    pub fn new(plan: Option<&'a SampledTrajectory>, cursor: usize, rest: Setpoint) -> Self {
+        Self { plan, cursor, rest }
     }
 
     /// Ticks until the plan stands still, the present one included.
@@ -36,7 +25,7 @@ impl<'a> Ahead<'a> {
     /// The setpoint `ticks` from now, 0 for the present one; the end of the plan after it.
     pub fn setpoint(&self, ticks: usize) -> Setpoint {
         let tick = self.cursor.saturating_add(ticks);
-        match self.plan.and_then(|plan| plan.state(self.axis, tick)) {
+        match self.plan.and_then(|plan| plan.state(0, tick)) {
             Some(state) => Setpoint {
                 position: state.position,
                 velocity: state.velocity,

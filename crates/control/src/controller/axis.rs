@@ -33,7 +33,7 @@ pub struct AxisStatus {
     pub deformation: Option<DeformationSample>,
 }
 
-/// One axis of the controller.
+/// The axis of a controller.
 pub struct Axis {
     pub(super) settings: AxisSettings,
     sensor: DeformationSensor,

@@ -1,7 +1,8 @@
 //! What runs at the tick: target to trajectory to shaper to setpoint, sample to estimate to train.
 //!
-//! [`Controller::tick`] composes everything. It does no I/O, does not allocate, block or fail; what
-//! allocates (planning, building an axis) happens off the tick and is handed over.
+//! [`Controller::tick`] composes everything for one axis. It does no I/O, does not allocate, block or
+//! fail; what allocates (planning, building an axis) happens off the tick and is handed over. Several
+//! axes are as many controllers, which [`KeptPath`] makes keep a path in space.
 
 mod adapting;
 mod ahead;
@@ -13,7 +14,7 @@ mod slow_down;
 
 pub use adapting::ringing_time;
 pub use axis::{Axis, AxisStatus};
-pub use path::PathPolicy;
+pub use path::KeptPath;
 pub use quell_shapers::Setpoint;
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
 pub use slow_down::{SlowedPlan, plan_shaped};
@@ -22,29 +23,14 @@ use quell_shapers::{Refusal, ShaperError};
 use quell_trajectories::SampledTrajectory;
 
 use self::ahead::Ahead;
-use self::path::Lane;
 use quell_signal::Measurement;
-
-/// A measurement and the axis, counted from 0, that it belongs to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisMeasurement {
-    /// Axis, counted from 0.
-    pub axis: usize,
-    /// What was measured.
-    pub measurement: Measurement,
-}
 
 /// A plan that the controller does not take, handed back with the reason.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoadError {
-    /// The plan has another number of axes than the controller.
-    #[error("the plan moves {found} axes, the controller has {expected}")]
-    Axes {
-        /// Axes of the controller.
-        expected: usize,
-        /// Axes of the plan.
-        found: usize,
-    },
+    /// The plan does not move one axis.
+    #[error("the plan moves {0} axes, a controller one")]
+    Axes(usize),
     /// The plan was sampled at another period than the control period.
     #[error("the plan is sampled every {found} s, the control period is {expected} s")]
     Period {
@@ -54,22 +40,16 @@ pub enum LoadError {
         found: f64,
     },
     /// The plan does not begin where the axis stands or moves now.
-    #[error("axis {axis}: the plan begins at {found} rad, the command is at {expected} rad")]
+    #[error("the plan begins at {found} rad, the command is at {expected} rad")]
     Start {
-        /// Axis, counted from 0.
-        axis: usize,
         /// Present planned position, rad.
         expected: f64,
         /// First position of the plan, rad.
         found: f64,
     },
     /// The plan does not begin with the motion that the axis is in.
-    #[error(
-        "axis {axis}: the plan begins with a {quantity} of {found}, the command has {expected}"
-    )]
+    #[error("the plan begins with a {quantity} of {found}, the command has {expected}")]
     Motion {
-        /// Axis, counted from 0.
-        axis: usize,
         /// Velocity (rad/s) or acceleration (rad/s^2).
         quantity: &'static str,
         /// The present planned one.
@@ -79,65 +59,34 @@ pub enum LoadError {
     },
     /// A correction is under way, and with the plan the command would exceed the limits: try again
     /// at the next tick, or plan with lower limits.
-    #[error("axis {axis}: a correction is under way: {reason}")]
-    Correction {
-        /// Axis, counted from 0.
-        axis: usize,
-        /// Why it cannot go on with the plan.
-        reason: Refusal,
-    },
+    #[error("a correction is under way: {0}")]
+    Correction(Refusal),
 }
 
-/// The controller of one or more axes.
+/// The controller of one axis.
 pub struct Controller {
-    sample_time: f64,
-    axes: Vec<Axis>,
-    planned: Vec<Setpoint>,
-    setpoints: Vec<Setpoint>,
+    axis: Axis,
+    planned: Setpoint,
     plan: Option<SampledTrajectory>,
     cursor: usize,
-    /// Ticks for which every command has stood still.
-    rested: usize,
 }
 
 impl Controller {
-    /// A controller of axes at rest at the given positions (rad), one for each of `settings`;
-    /// allocates all that it will ever need. The control period is that of the first axis.
+    /// A controller of an axis at rest at `position` (rad); allocates all that it will ever need.
     ///
     /// # Errors
-    /// [`ShaperError`] where a belief cannot be shaped for at the control rate, or where the path
-    /// shall be kept by axes of different control periods.
-    pub fn new(
-        settings: Vec<AxisSettings>,
-        positions: &[f64],
-        path: PathPolicy,
-    ) -> Result<Self, ShaperError> {
-        let sample_time = settings.first().map_or(1.0, |axis| axis.sample_time);
-        let start = |axis: usize| positions.get(axis).copied().unwrap_or(0.0);
-        let rest: Vec<_> = (0..settings.len())
-            .map(|i| Setpoint::at_rest(start(i)))
-            .collect();
-        let mut axes = settings
-            .into_iter()
-            .enumerate()
-            .map(|(index, settings)| Axis::new(settings, start(index)))
-            .collect::<Result<Vec<_>, _>>()?;
-        if path == PathPolicy::Kept {
-            keep_path(&mut axes, start)?;
-        }
+    /// [`ShaperError`] where the belief cannot be shaped for at the control rate.
+    pub fn new(settings: AxisSettings, position: f64) -> Result<Self, ShaperError> {
         Ok(Self {
-            sample_time,
-            axes,
-            planned: rest.clone(),
-            setpoints: rest,
+            axis: Axis::new(settings, position)?,
+            planned: Setpoint::at_rest(position),
             plan: None,
             cursor: 0,
-            rested: 0,
         })
     }
 
-    /// Takes a plan that begins at the present planned state, and gives the last one back, to be
-    /// dropped off the tick. No allocation.
+    /// Takes a plan of one axis that begins at the present planned state, and gives the last one back,
+    /// to be dropped off the tick. No allocation.
     ///
     /// In motion, as for a new target or a stop, the plan begins at [`Controller::planned`], which was
     /// sent with the last tick, and the next tick sends the plan's second sample. A correction that is
@@ -154,137 +103,84 @@ impl Controller {
         }
         // From rest the first sample is sent too: the same position for a tick more.
         let cursor = usize::from(self.is_moving());
-        if let Err((axis, reason)) = self.prepare(&plan, cursor) {
-            return Err((plan, LoadError::Correction { axis, reason }));
+        let ahead = Ahead::new(Some(&plan), cursor, self.planned);
+        if let Err(reason) = self.axis.prepare(&ahead) {
+            return Err((plan, LoadError::Correction(reason)));
         }
-        self.axes.iter_mut().for_each(Axis::take_new_plan);
+        self.axis.take_new_plan();
         if self.is_settled() {
-            self.axes.iter_mut().for_each(Axis::begin_move);
+            self.axis.begin_move();
         }
         self.cursor = cursor;
         Ok(self.plan.replace(plan))
     }
 
-    /// Looks for corrections that go on with a plan, for all axes, before any is taken.
-    fn prepare(&mut self, plan: &SampledTrajectory, cursor: usize) -> Result<(), (usize, Refusal)> {
-        for (index, axis) in self.axes.iter_mut().enumerate() {
-            let ahead = Ahead::new(Some(plan), index, cursor, self.planned[index]);
-            axis.prepare(&ahead).map_err(|refusal| (index, refusal))?;
-        }
-        Ok(())
-    }
-
-    /// One control period: takes what was measured since the last tick, returns one setpoint an
-    /// axis. Measurements of axes that do not exist are ignored.
+    /// One control period: takes what was measured since the last tick, returns the setpoint.
     ///
-    /// Does not allocate, block, print or fail. Cost: most often below a microsecond an axis; a retune
+    /// Does not allocate, block, print or fail. Cost: most often below a microsecond; a retune
     /// in motion once costs in proportion to the length of the move.
-    pub fn tick(&mut self, measurements: &[AxisMeasurement]) -> &[Setpoint] {
+    pub fn tick(&mut self, measurements: &[Measurement]) -> Setpoint {
         self.observe(measurements);
-        self.exchange_trains();
-        for (index, axis) in self.axes.iter_mut().enumerate() {
-            let ahead = Ahead::new(self.plan.as_ref(), index, self.cursor, self.planned[index]);
-            self.planned[index] = ahead.setpoint(0);
-            self.setpoints[index] = axis.step(&ahead);
-        }
+        let ahead = Ahead::new(self.plan.as_ref(), self.cursor, self.planned);
+        self.planned = ahead.setpoint(0);
+        let setpoint = self.axis.step(&ahead);
         self.cursor = self.cursor.saturating_add(1);
-        &self.setpoints
+        setpoint
     }
 
     /// Takes what was measured, where that and the control periods do not come one by one. The next
     /// [`Controller::tick`] adapts to it. Does not allocate, block, print or fail.
-    pub fn observe(&mut self, measurements: &[AxisMeasurement]) {
-        for measured in measurements {
-            if let Some(axis) = self.axes.get_mut(measured.axis) {
-                axis.observe(measured.measurement);
-            }
+    pub fn observe(&mut self, measurements: &[Measurement]) {
+        for &measurement in measurements {
+            self.axis.observe(measurement);
         }
     }
 
-    /// Puts trains that wait in force, with the same tick on all axes that keep a path.
-    fn exchange_trains(&mut self) {
-        self.rested = match self.is_settled() {
-            true => self.rested.saturating_add(1),
-            false => 0,
-        };
-        for index in 0..self.axes.len() {
-            let lane = self.axes[index].lane.as_mut();
-            if let Some(train) = lane.and_then(|lane| lane.take_waiting(self.rested)) {
-                for lane in self.axes.iter_mut().filter_map(|axis| axis.lane.as_mut()) {
-                    lane.install(index, &train);
-                }
-            }
-        }
+    /// What the axis believes and does.
+    pub fn axis(&self) -> &Axis {
+        &self.axis
     }
 
-    /// The axes.
-    pub fn axes(&self) -> &[Axis] {
-        &self.axes
-    }
-
-    /// The planned, unshaped state of each axis at the last tick.
-    pub fn planned(&self) -> &[Setpoint] {
-        &self.planned
+    /// The planned, unshaped state at the last tick.
+    pub fn planned(&self) -> Setpoint {
+        self.planned
     }
 
     /// Whether a plan is in motion: a new one then begins with the sample after its first.
     pub fn is_moving(&self) -> bool {
-        let moves = |planned: &Setpoint| planned.velocity != 0.0 || planned.acceleration != 0.0;
-        self.planned.iter().any(moves)
+        self.planned.velocity != 0.0 || self.planned.acceleration != 0.0
     }
 
     /// Control period, s.
     pub fn sample_time(&self) -> f64 {
-        self.sample_time
+        self.axis.settings.sample_time
     }
 
-    /// Whether the plan has ended and every command stands still.
+    /// Whether the plan has ended and the command stands still.
     pub fn is_settled(&self) -> bool {
-        let ended = self
-            .plan
-            .as_ref()
-            .is_none_or(|plan| self.cursor >= plan.samples());
-        ended && self.axes.iter().all(Axis::is_settled)
+        let plan = self.plan.as_ref();
+        plan.is_none_or(|plan| self.cursor >= plan.samples()) && self.axis.is_settled()
     }
 
     fn check(&self, plan: &SampledTrajectory) -> Result<(), LoadError> {
-        let (expected, found) = (self.axes.len(), plan.degrees_of_freedom());
-        if expected != found {
-            return Err(LoadError::Axes { expected, found });
+        if plan.degrees_of_freedom() != 1 {
+            return Err(LoadError::Axes(plan.degrees_of_freedom()));
         }
-        let (expected, found) = (self.sample_time, plan.period());
+        let (expected, found) = (self.sample_time(), plan.period());
         if expected != found {
             return Err(LoadError::Period { expected, found });
         }
-        for (axis, planned) in self.planned.iter().enumerate() {
-            check_start(axis, planned, plan)?;
-        }
-        Ok(())
+        check_start(&self.planned, plan)
     }
 }
 
-/// Gives every axis the trains of all.
-fn keep_path(axes: &mut [Axis], start: impl Fn(usize) -> f64) -> Result<(), ShaperError> {
-    let trains: Vec<_> = axes.iter().map(|axis| axis.next_train().clone()).collect();
-    let capacities: Vec<_> = axes.iter().map(|axis| axis.filter.capacity()).collect();
-    for (index, axis) in axes.iter_mut().enumerate() {
-        let lane = Lane::new(index, start(index), &trains, &capacities)?;
-        axis.enter(lane)?;
-    }
-    Ok(())
-}
-
-fn check_start(axis: usize, planned: &Setpoint, plan: &SampledTrajectory) -> Result<(), LoadError> {
-    let Some(first) = plan.state(axis, 0) else {
+fn check_start(planned: &Setpoint, plan: &SampledTrajectory) -> Result<(), LoadError> {
+    let Some(first) = plan.state(0, 0) else {
         return Ok(());
     };
     let (expected, found) = (planned.position, first.position);
     if (expected - found).abs() > START_TOLERANCE {
-        return Err(LoadError::Start {
-            axis,
-            expected,
-            found,
-        });
+        return Err(LoadError::Start { expected, found });
     }
     let motion = [
         ("velocity", planned.velocity, first.velocity),
@@ -293,7 +189,6 @@ fn check_start(axis: usize, planned: &Setpoint, plan: &SampledTrajectory) -> Res
     for (quantity, expected, found) in motion {
         if (expected - found).abs() > START_TOLERANCE * (1.0 + expected.abs()) {
             return Err(LoadError::Motion {
-                axis,
                 quantity,
                 expected,
                 found,

@@ -1,18 +1,62 @@
 //! Axes that keep a path in space: all run the trains of all.
 
+use core::borrow::BorrowMut;
+
 use quell_shapers::{GridTrain, Setpoint, ShaperError, ShapingFilter};
 
-/// What shaping does to the path of a move of several axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PathPolicy {
-    /// Each axis runs its own train: least delay, but the axes lag differently and the path in space
-    /// is left while they move.
-    Independent,
-    /// Every axis runs the trains of all axes, one after the other. All are then delayed alike, each
-    /// is the same function of the path parameter, and the path is kept to rounding; the added
-    /// delays add up. New trains take effect at rest, on all axes with the same tick, whatever the
-    /// axes' own [`super::RetunePolicy`] says.
-    Kept,
+use super::Controller;
+
+/// Keeps the path in space of axes that move together.
+///
+/// Axes that run their own trains have the least delay, but lag differently: they leave the path while
+/// they move. Here every axis runs the trains of all axes, one after the other. All are then delayed
+/// alike, each is the same function of the path parameter, and the path is kept to rounding; the added
+/// delays add up. New trains take effect at rest, on all axes with the same tick, whatever the
+/// axes' own [`super::RetunePolicy`] says.
+pub struct KeptPath {
+    /// Ticks for which every command has stood still.
+    rested: usize,
+}
+
+impl KeptPath {
+    /// From now on `axes`, all of them at rest, keep their path. Allocates what that takes.
+    ///
+    /// # Errors
+    /// [`ShaperError`] where the axes have different control periods.
+    pub fn new<C: BorrowMut<Controller>>(axes: &mut [C]) -> Result<Self, ShaperError> {
+        let each = || axes.iter().map(|controller| controller.borrow().axis());
+        let trains: Vec<_> = each().map(|axis| axis.next_train().clone()).collect();
+        let capacities: Vec<_> = each().map(|axis| axis.filter.capacity()).collect();
+        let lane = |(index, controller): (_, &C)| {
+            Lane::new(index, controller.borrow(), &trains, &capacities)
+        };
+        let lanes = axes.iter().enumerate().map(lane);
+        let lanes: Vec<_> = lanes.collect::<Result<_, _>>()?;
+        for (controller, lane) in axes.iter_mut().zip(lanes) {
+            controller.borrow_mut().axis.enter(lane)?;
+        }
+        Ok(Self { rested: 0 })
+    }
+
+    /// Before each tick of the same `axes`: puts trains that wait in force, on all axes with this tick.
+    /// No allocation.
+    pub fn exchange_trains<C: BorrowMut<Controller>>(&mut self, axes: &mut [C]) {
+        let settled = axes.iter().all(|axis| axis.borrow().is_settled());
+        self.rested = match settled {
+            true => self.rested.saturating_add(1),
+            false => 0,
+        };
+        for index in 0..axes.len() {
+            let lane = axes[index].borrow_mut().axis.lane.as_mut();
+            if let Some(train) = lane.and_then(|lane| lane.take_waiting(self.rested)) {
+                for axis in axes.iter_mut() {
+                    let lane = axis.borrow_mut().axis.lane.as_mut();
+                    lane.into_iter()
+                        .for_each(|lane| lane.install(index, &train));
+                }
+            }
+        }
+    }
 }
 
 /// The trains of all axes as one axis runs them, in the order of the axes.
@@ -24,17 +68,17 @@ pub(super) struct Lane {
 }
 
 impl Lane {
-    /// The lane of one axis at rest at `position`, for trains of up to `capacities` ticks.
-    pub fn new(
+    /// The lane of one axis at rest, for trains of up to `capacities` ticks.
+    fn new(
         axis: usize,
-        position: f64,
+        controller: &Controller,
         trains: &[GridTrain],
         capacities: &[usize],
     ) -> Result<Self, ShaperError> {
         let filter = |(train, &capacity): (&GridTrain, &usize)| {
-            let mut filter = ShapingFilter::new(train.sample_time(), capacity);
+            let mut filter = ShapingFilter::new(controller.sample_time(), capacity);
             filter.install(train)?;
-            filter.reset(position);
+            filter.reset(controller.planned().position);
             Ok(filter)
         };
         Ok(Self {

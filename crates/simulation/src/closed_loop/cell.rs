@@ -7,11 +7,9 @@ use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
 use quell_control::adaptation::AdaptationSettings;
-use quell_control::controller::{
-    AxisMeasurement, AxisSettings, Controller, PathPolicy, RetunePolicy, Setpoint, plan_shaped,
-};
+use quell_control::controller::{AxisSettings, Controller, RetunePolicy, Setpoint, plan_shaped};
 use quell_control::estimators::{EstimatorEntry, Settings};
-use quell_signal::{ArcRegistration, DeformationSensor, RestRule};
+use quell_signal::{ArcRegistration, DeformationSensor, Measurement, RestRule};
 
 /// The arm is watched for this many periods of the believed mode after its command has ended.
 const WATCHED_PERIODS: f64 = 12.0;
@@ -57,7 +55,7 @@ pub struct Cell {
     limits: Limits,
     registration: ArcRegistration,
     watch: f64,
-    inbox: Vec<AxisMeasurement>,
+    inbox: Vec<Measurement>,
 }
 
 impl Cell {
@@ -95,11 +93,7 @@ impl Cell {
             longest_move: LONGEST_MOVE,
         };
         Ok(Self {
-            controller: Controller::new(
-                vec![axis],
-                &[arm.true_motor_position()],
-                PathPolicy::Independent,
-            )?,
+            controller: Controller::new(axis, arm.true_motor_position())?,
             planner: Planner::new(1)?,
             limits: settings.limits,
             registration,
@@ -114,14 +108,9 @@ impl Cell {
         &self.arm
     }
 
-    /// The arm, to change its payload or pose between moves.
-    pub fn arm_mut(&mut self) -> &mut ArmSimulation {
-        &mut self.arm
-    }
-
     /// Where the command stands, rad.
     pub fn position(&self) -> f64 {
-        self.controller.planned()[0].position
+        self.controller.planned().position
     }
 
     /// Moves to `target` (rad) and watches the arm ring out.
@@ -130,7 +119,7 @@ impl Cell {
     /// [`ClosedLoopError::Plan`] where the move cannot be planned; [`ClosedLoopError::Limits`] where a
     /// train with negative impulses exceeds the limits however slow the move.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
-        let train = self.controller.axes()[0].next_train().clone();
+        let train = self.controller.axis().next_train().clone();
         let ends = [self.position(), target];
         let slowed = plan_shaped(&self.planner, ends, self.limits, &train)?;
         if slowed.peaks.worst() > 1.0 + ROUNDING {
@@ -142,11 +131,11 @@ impl Cell {
         let sampled = slowed.plan;
         let before_it = train.duration();
         let planned_end = (sampled.samples() - 1) as f64 * sampled.period();
-        let before = *self.controller.axes()[0].status();
+        let before = *self.controller.axis().status();
         self.controller.load(sampled).map_err(|(_, error)| error)?;
         let mut log = MeasurementLog::new();
         let ticks = self.run_until_quiet(&mut log);
-        let axis = &self.controller.axes()[0];
+        let axis = self.controller.axis();
         let after = axis.status();
         Ok(MoveTrace {
             period: self.controller.sample_time(),
@@ -173,7 +162,7 @@ impl Cell {
         let mut ticks: Vec<Tick> = Vec::new();
         let mut quiet = 0.0;
         while quiet < self.watch && ticks.len() as f64 * period < LONGEST_MOVE {
-            let setpoint = self.controller.tick(&self.inbox)[0];
+            let setpoint = self.controller.tick(&self.inbox);
             ticks.push(self.observe(ticks.len() as f64 * period, setpoint));
             self.move_arm(setpoint, period, log);
             quiet = if self.controller.is_settled() {
@@ -191,20 +180,16 @@ impl Cell {
             velocity: Some(setpoint.velocity),
         };
         self.inbox.clear();
-        for &measurement in log.step(&mut self.arm, command, period) {
-            self.inbox.push(AxisMeasurement {
-                axis: 0,
-                measurement,
-            });
-        }
+        self.inbox
+            .extend_from_slice(log.step(&mut self.arm, command, period));
     }
 
     fn observe(&self, time: f64, setpoint: Setpoint) -> Tick {
-        let status = self.controller.axes()[0].status();
+        let status = self.controller.axis().status();
         Tick {
             time,
-            planned: self.controller.planned()[0].position,
-            planned_acceleration: self.controller.planned()[0].acceleration,
+            planned: self.controller.planned().position,
+            planned_acceleration: self.controller.planned().acceleration,
             position: setpoint.position,
             velocity: setpoint.velocity,
             acceleration: setpoint.acceleration,

@@ -217,16 +217,6 @@ impl ArmSimulation {
         self.axis.set_modes(load.modes);
     }
 
-    /// Changes the pose of the other joints (rad); the moved joint's entry is left out of account.
-    ///
-    /// # Errors
-    /// [`SimulationError`] where the tip comes to lie on the joint's axis.
-    pub fn set_pose(&mut self, pose: &[f64]) -> Result<(), SimulationError> {
-        self.arc = self.robot.arc(pose, self.joint)?;
-        self.pose = pose.to_vec();
-        self.update_modes()
-    }
-
     /// Sets the deformation (rad) and its velocity (rad/s) of the first mode, as for a free decay.
     pub fn set_deformation(&mut self, deformation: f64, velocity: f64) {
         self.axis.set_deformation(deformation, velocity);
@@ -282,19 +272,9 @@ impl ArmSimulation {
         self.axis.motor()[0]
     }
 
-    /// Truth: motor velocity, rad/s.
-    pub fn true_motor_velocity(&self) -> f64 {
-        self.axis.motor()[1]
-    }
-
     /// Truth: deformation of the joint, rad.
     pub fn true_deformation(&self) -> f64 {
         self.axis.deformation()[0]
-    }
-
-    /// Truth: rate of deformation, rad/s.
-    pub fn true_deformation_velocity(&self) -> f64 {
-        self.axis.deformation()[1]
     }
 
     /// Truth: link position, rad.

@@ -10,9 +10,10 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use super::UdpSettings;
 use crate::service::clock::ServiceClock;
 use crate::service::contract::{LinkHealth, Measured};
+use crate::service::link::INBOX;
 use crate::service::link::datagram::{FromRobot, LONGEST};
 use crate::service::link::intake::{Counts, Intake, Received, count};
-use crate::service::link::{INBOX, Replay};
+use crate::service::signature::Replay;
 
 /// How long it waits at a time, so that it sees that it shall end.
 const WAIT: Timespec = Timespec {

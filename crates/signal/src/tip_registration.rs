@@ -1,0 +1,56 @@
+//! The ways to learn frame and clock of a tip sensor from a recorded move of one joint.
+
+use nalgebra::Point3;
+use quell_shapers::Mode;
+
+use super::{ArcRegistration, CubicSpline, JointArc, SignalError, register_arc, register_icp};
+
+/// How frame and clock of a tip sensor are learned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TipRegistration {
+    /// By the plane and the circle of the arc, and the motor side's motion: [`register_arc`].
+    Arc,
+    /// By iterated closest points: [`register_icp`].
+    Icp,
+}
+
+impl TipRegistration {
+    /// All of them, the best first.
+    pub const ALL: &[Self] = &[Self::Arc, Self::Icp];
+
+    /// Name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Arc => "arc",
+            Self::Icp => "icp",
+        }
+    }
+
+    /// What it does, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Arc => {
+                "plane and circle through the points, turned so that nothing deforms at rest"
+            }
+            Self::Icp => "iterated closest points: the path laid on that of the motor side",
+        }
+    }
+
+    /// Learns frame and clock.
+    ///
+    /// # Errors
+    /// As [`register_arc`] and [`register_icp`].
+    pub fn register(
+        self,
+        arc: &JointArc,
+        motor: &CubicSpline,
+        time: &[f64],
+        tip: &[Point3<f64>],
+        belief: Option<Mode>,
+    ) -> Result<ArcRegistration, SignalError> {
+        match self {
+            Self::Arc => register_arc(arc, motor, time, tip, belief),
+            Self::Icp => register_icp(arc, motor, time, tip, belief),
+        }
+    }
+}
