@@ -5,7 +5,8 @@ use libfuzzer_sys::fuzz_target;
 use quell::service::contract::Measured;
 use quell::service::guard::{Bounds, CommandedMotion, Guard};
 use quell::service::link::datagram::{FromRobot, LONGEST};
-use quell::service::link::{ClockOffset, Key, Order, Replay, Sequence};
+use quell::service::link::{ClockOffset, Order, Sequence};
+use quell::service::signature::{Key, Replay};
 use quell_trajectories::Limits;
 
 /// The largest magnitude that the reader lets through.
