@@ -1,10 +1,14 @@
 //! The diagnosis: on concealed cases of another simulator, on cases of the project's own generator, and
 //! its document.
 
+#[path = "absent/shared.rs"]
+mod shared;
+
 use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose, score};
 use quell::model::Model;
 use quell::proof::{FindingSummary, Judgement, Kind, read_cases, read_truths};
 use quell::recording::Recording;
+use shared::shared;
 use std::path::{Path, PathBuf};
 
 fn outcome(model: &Path, train: &Recording) -> Outcome {
@@ -13,17 +17,10 @@ fn outcome(model: &Path, train: &Recording) -> Outcome {
     diagnose(&model, train, &[], &Options::default(), &|_, _| {}).unwrap()
 }
 
-/// The concealed cases: in `QUELL_CONCEALED`, else in `../shared/concealed` beside the project.
+/// The concealed cases.
 fn concealed() -> Option<PathBuf> {
-    let folder = match std::env::var_os("QUELL_CONCEALED") {
-        Some(folder) => PathBuf::from(folder),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/concealed"),
-    };
-    let found = folder.join("truth.json").is_file();
-    if !found {
-        println!("skipped: no concealed cases in {}", folder.display());
-    }
-    found.then_some(folder)
+    let truth = shared("QUELL_CONCEALED", "concealed", "truth.json")?;
+    Some(truth.with_file_name(""))
 }
 
 fn summary(diagnosis: &Diagnosis) -> quell::proof::Verdict {

@@ -5,25 +5,19 @@ mod generator;
 
 use assert_cmd::Command;
 use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
+#[path = "absent/shared.rs"]
+mod shared;
+
 use quell::estimators::{ESTIMATORS, Sample};
 use quell::identification::{Identification, NominalModel, Prior, identify, prepare};
 use quell::recording::Recording;
 use quell::signal::TipRegistration;
 use quell_shapers::Mode;
+use shared::shared;
 use std::path::{Path, PathBuf};
 
-/// The folder of shared recordings, or a word that it is not there.
 fn recordings(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("QUELL_RECORDINGS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"),
-        PathBuf::from,
-    );
-    let file = folder.join(name);
-    if file.exists() {
-        return Some(file);
-    }
-    println!("skipped: {} is not there", file.display());
-    None
+    shared("QUELL_RECORDINGS", "recordings", name)
 }
 
 /// A recording of a CSV file and a manifest that says which columns are motor side and deformation.

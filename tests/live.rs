@@ -3,12 +3,16 @@
 //! which no busy machine can change; the same command makes two hundred, and judges what they leave. `tests/station`
 //! judges that on a simulated clock.
 
+#[path = "absent/skipped.rs"]
+mod skipped;
+
+use skipped::skipped;
 use std::process::Command;
 
 /// Runs the campaign; skipped, with a word, where there is no Python.
 fn campaign(options: &[&str]) {
     if Command::new("python3").arg("--version").output().is_err() {
-        println!("skipped: there is no python3");
+        skipped("there is no python3: the service is not tried with another robot");
         return;
     }
     let output = Command::new("python3")

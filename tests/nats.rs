@@ -3,6 +3,10 @@
 
 mod small;
 
+#[path = "absent/skipped.rs"]
+mod skipped;
+
+use skipped::skipped;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::net::TcpListener;
@@ -40,7 +44,7 @@ impl<'a> Server<'a> {
         let port = free.local_addr().expect("an address").port();
         drop(free);
         let Ok(process) = Self::run(folder, port) else {
-            println!("skipped: nats-server is not installed");
+            skipped("nats-server is not installed");
             return None;
         };
         let server = Self {

@@ -1,27 +1,21 @@
 //! The public recordings of `examples/`: that their manifests read as they say. The recordings are
 //! not part of the project; where they are absent, a test says so and returns.
 
+#[path = "absent/shared.rs"]
+mod shared;
+
 use quell::diagnosis::{Options, Outcome, Score, diagnose, predict, score};
 use quell::model::Model;
 use quell::recording::{Recording, Role};
-use std::path::{Path, PathBuf};
+use shared::shared;
+use std::path::Path;
 use tempfile::TempDir;
 
 /// A copy of an example's folder whose manifests point to the recordings of `QUELL_RECORDINGS`, else of
 /// `../shared/recordings` beside the project. Where those are absent, says so and gives nothing.
 fn example(name: &str, recordings: &str) -> Option<TempDir> {
+    let shared = shared("QUELL_RECORDINGS", "recordings", recordings)?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = match std::env::var_os("QUELL_RECORDINGS") {
-        Some(folder) => PathBuf::from(folder),
-        None => root.join("../shared/recordings"),
-    };
-    let Ok(shared) = shared.join(recordings).canonicalize() else {
-        println!(
-            "skipped: {name} needs {}",
-            shared.join(recordings).display()
-        );
-        return None;
-    };
     let folder = TempDir::new().unwrap();
     for file in std::fs::read_dir(root.join("examples").join(name)).unwrap() {
         let file = file.unwrap();

@@ -1,26 +1,20 @@
 //! Registration and rest detection on recordings made by others; skipped where they are absent.
 
+#[path = "absent/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::Point3;
 use quell::signal::{
     CubicSpline, End, JointArc, RestRule, free_decays, register_arc, tip_deformation,
 };
 
-fn recordings() -> PathBuf {
-    std::env::var_os("QUELL_RECORDINGS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/recordings"),
-        PathBuf::from,
-    )
-}
-
-/// Columns of a gzipped CSV file, or `None` with a line that says so where it is absent.
-fn columns(file: &Path) -> Option<Vec<Vec<f64>>> {
-    let Ok(bytes) = std::fs::File::open(file) else {
-        println!("skipped: {} is absent", file.display());
-        return None;
-    };
+/// Columns of a gzipped CSV file.
+fn columns(file: &Path) -> Vec<Vec<f64>> {
+    let bytes = std::fs::File::open(file).unwrap();
     let mut text = String::new();
     flate2::read::GzDecoder::new(bytes)
         .read_to_string(&mut text)
@@ -31,7 +25,7 @@ fn columns(file: &Path) -> Option<Vec<Vec<f64>>> {
             column.push(field.parse().unwrap());
         }
     }
-    Some(columns)
+    columns
 }
 
 /// An arm in a physics engine, tracker in an unknown frame on an unknown clock: out of plane and
@@ -39,21 +33,17 @@ fn columns(file: &Path) -> Option<Vec<Vec<f64>>> {
 /// hidden in the arm.
 #[test]
 fn frame_and_clock_come_out_of_one_recorded_move() {
-    let cases = recordings().join("../concealed");
-    let Ok(truth) = std::fs::read_to_string(cases.join("truth.json")) else {
-        println!("skipped: {} is absent", cases.display());
+    let Some(truth) = shared("QUELL_CONCEALED", "concealed", "truth.json") else {
         return;
     };
+    let cases = truth.with_file_name("");
+    let truth = std::fs::read_to_string(truth).unwrap();
     let truth: serde_json::Value = serde_json::from_str(&truth).unwrap();
     let arc = JointArc::from_lever_arm(1.8, 0.9).unwrap();
     for (case, truth) in truth.as_object().unwrap() {
         let folder = cases.join(case).join("train");
-        let Some(encoder) = columns(&folder.join("encoder.csv.gz")) else {
-            return;
-        };
-        let Some(tracker) = columns(&folder.join("tracker.csv.gz")) else {
-            return;
-        };
+        let encoder = columns(&folder.join("encoder.csv.gz"));
+        let tracker = columns(&folder.join("tracker.csv.gz"));
         let motor = CubicSpline::new(&encoder[0], &encoder[1], End::NotAKnot).unwrap();
         let tip: Vec<Point3<f64>> = (0..tracker[0].len())
             .map(|k| Point3::new(tracker[1][k], tracker[2][k], tracker[3][k]))
@@ -107,10 +97,11 @@ fn frame_and_clock_come_out_of_one_recorded_move() {
 /// afterwards, at less than 1 % of the move's speed.
 #[test]
 fn a_hub_that_creeps_under_feedback_is_at_rest() {
-    let file = recordings().join("quanser_2dsfl/lqg_step_20deg_run01.csv.gz");
-    let Some(columns) = columns(&file) else {
+    let file = "quanser_2dsfl/lqg_step_20deg_run01.csv.gz";
+    let Some(file) = shared("QUELL_RECORDINGS", "recordings", file) else {
         return;
     };
+    let columns = columns(&file);
     let rule = RestRule::from_values(&columns[2]);
     // 4096 lines of the encoder, in quadrature and behind a gear: 15.3 urad a step.
     assert!((rule.quantisation - 15.34e-6).abs() < 0.05e-6, "{rule:?}");
@@ -124,10 +115,11 @@ fn a_hub_that_creeps_under_feedback_is_at_rest() {
 /// rings freely between the turns, one each second.
 #[test]
 fn an_arm_that_runs_to_and_fro_decays_freely_between_the_turns() {
-    let file = recordings().join("flexarm_ist/square.csv.gz");
-    let Some(columns) = columns(&file) else {
+    let file = "flexarm_ist/square.csv.gz";
+    let Some(file) = shared("QUELL_RECORDINGS", "recordings", file) else {
         return;
     };
+    let columns = columns(&file);
     let hub: Vec<f64> = columns[4]
         .iter()
         .map(|degrees| degrees.to_radians())

@@ -2,6 +2,8 @@
 
 mod damage;
 mod peers;
+#[path = "../absent/skipped.rs"]
+mod skipped;
 
 use assert_cmd::Command;
 use quell::recording::{McapWriter, Recording, RecordingError, Role};

@@ -20,7 +20,7 @@ fn python(script: &str, argument: &Path) -> Option<Vec<u8>> {
         .unwrap();
     let words = String::from_utf8_lossy(&output.stderr);
     if output.status.code() == Some(77) {
-        println!("{words}");
+        super::skipped::skipped(words.trim());
         return None;
     }
     assert!(output.status.success(), "{words}");

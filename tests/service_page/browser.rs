@@ -41,7 +41,7 @@ impl Browser {
         command.args(["--remote-debugging-port=0", "about:blank"]);
         command.arg(format!("--user-data-dir={}", profile.display()));
         let Ok(process) = command.stderr(Stdio::piped()).spawn() else {
-            println!("skipped: there is no chromium on this machine");
+            super::skipped::skipped("there is no chromium: the page is not tried");
             return None;
         };
         let mut process = Process(process);

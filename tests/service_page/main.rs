@@ -6,6 +6,8 @@ mod disk;
 mod keys;
 mod process;
 mod radians;
+#[path = "../absent/skipped.rs"]
+mod skipped;
 
 use browser::{Browser, ENTER, ESCAPE};
 use process::service;

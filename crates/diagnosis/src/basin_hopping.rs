@@ -10,8 +10,8 @@
 use super::descent::Descent;
 use super::normal::{covariance, scales};
 use nalgebra::{Cholesky, DVector};
-use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha12Rng;
 use rand_distr::StandardNormal;
 
 /// Hops of each width.
@@ -25,7 +25,7 @@ const WIDTHS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 impl Descent<'_> {
     /// Hops around, the same each time, and stays where the cost is least.
     pub fn hop(&mut self) {
-        let mut random = StdRng::seed_from_u64(1);
+        let mut random = ChaCha12Rng::seed_from_u64(1);
         for width in WIDTHS.repeat(EACH) {
             let Some(step) = self.drawn(width, &mut random) else {
                 return;

@@ -1,6 +1,6 @@
 //! The shapers for a robot controller in C; `include/quell_shapers.h` is the documentation.
 //!
-//! A thin layer: it turns pointers into references ([`memory`], the only place that needs more than a
+//! A thin layer: it turns pointers into references (`memory`, the only place that needs more than a
 //! word of caution), numbers into what `quell-shapers` takes, and errors into codes. No std, no heap.
 #![no_std]
 
