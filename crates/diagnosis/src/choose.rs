@@ -79,9 +79,9 @@ impl Search<'_> {
         })
     }
 
-    /// What is told instead of a sensor of positions in space that sees another part of the deformation than
-    /// there is, unless the data lean against it: no such sensor does by itself. Where it sees too little, a lag,
-    /// by `(omega_n T)^2 / 2` beside its delay; else a further mode far above the motion (residual flexibility:
+    /// A sensor lag or a mode far above the motion in place of a gain of the deformation, where they fit about as
+    /// well: a position sensor cannot scale the deformation by itself. A sensor that sees too little has a lag, which
+    /// takes `(omega_n T)^2 / 2` beside its delay. One that sees too much shows a further mode (residual flexibility:
     /// Ewins, Modal Testing (2000), chapter 5).
     pub(super) fn flexibility<'t>(
         &self,

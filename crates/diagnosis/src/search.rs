@@ -119,10 +119,9 @@ impl Search<'_> {
         best
     }
 
-    /// Whether a further effect is more than compensation for an error of the first law's shape: what is left falls by more
-    /// than that shape could be wrong, or most of it goes, where it was fitted and where it was not. A law
-    /// that compensates another's shape has a part of the error in common with it; one that is there makes it. And
-    /// what is held out is predicted better as it was recorded, not only as it was whitened.
+    /// Whether a second effect is a mechanism of its own rather than compensation for an error of the first law's
+    /// shape. The residual must fall by more than that shape could be wrong, or by more than half, on the fitted and
+    /// on the held-out part. The held-out part must also be predicted better as it was recorded, not only whitened.
     fn worth(&self, baseline: &Explanation, best: &Explanation, next: &Explanation) -> bool {
         let (rows, held) = (self.judge.train_rows, self.judge.held_out_rows);
         let reach = SHAPE * (baseline.train - rows as f64);
