@@ -16,7 +16,6 @@ use num_traits::Float;
 const FADES: [f64; 3] = [1.0, 2.0, 0.0];
 
 /// What is known of the modes before a choice is made.
-#[derive(Clone, Debug)]
 pub(crate) struct Known {
     pub meters: Each<Meter>,
     /// What everything planned, and everything sent, has left of each.

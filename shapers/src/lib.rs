@@ -63,7 +63,6 @@ pub use recommend::{
     Candidate, Criterion, Reason, Recommendation, Requirements, Standing, recommend,
 };
 pub use residual::{Band, insensitivity, residual_curve, residual_vibration, same_instant_ratio};
-pub use retune::Replan;
 pub use retune_outcome::{Correction, Refusal, Retune, RetuneOutcome};
 pub use three_hump_ei::ThreeHumpEi;
 pub use two_hump_ei::TwoHumpEi;

@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) type Each<T> = ArrayVec<T, CORRECTED_MODES>;
 
 /// A correction that keeps the limits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct Plan {
     pub comb: Comb,
     pub amplitudes: [f64; CORRECTION_STEPS],
@@ -40,7 +40,7 @@ pub(crate) struct Plan {
 }
 
 /// How a command goes on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct Choice {
     /// None where nothing is to be corrected.
     pub plan: Option<Plan>,

@@ -9,14 +9,6 @@ use crate::vibration::{energy, largest};
 use crate::{Buffer, Correction, Refusal, Retune, RetuneOutcome, Setpoint};
 use num_traits::Float;
 
-/// How a correction goes on with another plan: [`AdaptiveFilter::replan`].
-#[derive(Clone, Debug)]
-pub struct Replan {
-    known: Known,
-    choice: Choice,
-    remaining: usize,
-}
-
 impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// Goes over to another train in motion, and takes away what the wrong one has left of the given modes.
     ///
@@ -63,18 +55,18 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
     }
 
-    /// The correction under way made anew for another plan, or kept where it leaves less vibration: with the
-    /// new plan the old one may leave some, or exceed the limits. Nothing changes until [`AdaptiveFilter::take`].
+    /// Makes the correction under way anew for another plan, or keeps it where it leaves less vibration: with the
+    /// new plan the old one may leave some, or exceed the limits.
     ///
     /// # Errors
     /// [`Refusal::Limits`] where the new plan keeps the limits with no correction, and what else
-    /// [`AdaptiveFilter::retune`] refuses.
+    /// [`AdaptiveFilter::retune`] refuses; nothing has changed then.
     pub fn replan(
         &mut self,
         request: &Retune<'_>,
         remaining: usize,
         planned: impl Fn(usize) -> Setpoint,
-    ) -> Result<Replan, Refusal> {
+    ) -> Result<(), Refusal> {
         let known = self.known(request)?;
         self.load(remaining, planned)?;
         let present = self.present(request, remaining, &known)?;
@@ -86,21 +78,12 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         let anew = self.best(request, remaining, &known, &present, true);
         let kept = self.best(request, remaining, &known, &present, false);
         let choice = if energy(&anew) < energy(&kept) {
-            anew?
+            anew
         } else {
-            kept?
+            kept
         };
-        Ok(Replan {
-            known,
-            choice,
-            remaining,
-        })
-    }
-
-    /// Goes on as [`AdaptiveFilter::replan`] found it in the same tick, for the same request.
-    pub fn take(&mut self, request: &Retune<'_>, replan: &Replan) {
-        // Only the simulation can fail, and it did not when this way was found.
-        let _ = self.apply(request, replan.remaining, &replan.known, &replan.choice);
+        self.apply(request, remaining, &known, &choice?)?;
+        Ok(())
     }
 
     fn try_retune(

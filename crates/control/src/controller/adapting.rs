@@ -161,25 +161,15 @@ impl Axis {
     }
 
     /// A correction was made for another plan: with the new one it could leave another vibration, and exceed the
-    /// limits. Looks for one that does not; nothing changes before [`Axis::take_new_plan`].
-    pub(super) fn prepare(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {
-        self.replan = None;
-        if self.filter.is_correcting() {
-            let (train, modes) = (self.next_train().clone(), [self.corrected]);
-            let request = self.request(&train, &modes);
-            let planned = |k: usize| ahead.setpoint(k - 1);
-            self.replan = Some(self.filter.replan(&request, ahead.remaining(), planned)?);
+    /// limits. Where none keeps them, nothing is changed.
+    pub(super) fn follow(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {
+        if !self.filter.is_correcting() {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// Goes over to the correction that was prepared.
-    pub(super) fn take_new_plan(&mut self) {
-        if let Some(replan) = self.replan.take() {
-            let (train, modes) = (self.next_train().clone(), [self.corrected]);
-            let request = self.request(&train, &modes);
-            self.filter.take(&request, &replan);
-        }
+        let (train, modes) = (self.next_train().clone(), [self.corrected]);
+        let request = self.request(&train, &modes);
+        let planned = |k: usize| ahead.setpoint(k - 1);
+        self.filter.replan(&request, ahead.remaining(), planned)
     }
 
     /// Whether the train is taken: it then takes over once the command stands still.

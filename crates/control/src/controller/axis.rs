@@ -1,7 +1,7 @@
 //! One axis at the tick: measurements to estimate, estimate to train, plan to setpoint.
 
 use quell_shapers::{
-    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Replan, Setpoint, Shaper, ShaperError,
+    AdaptiveFilter, Correction, GridTrain, ImpulseTrain, Setpoint, Shaper, ShaperError,
     UncertainMode,
 };
 
@@ -49,8 +49,6 @@ pub struct Axis {
     pub(super) last_considered: f64,
     /// The mode that the last correction was for, and how well it was known.
     pub(super) corrected: UncertainMode,
-    /// How the correction under way goes on with a plan that is being loaded.
-    pub(super) replan: Option<Replan>,
     pub(super) status: AxisStatus,
     fresh: bool,
 }
@@ -76,7 +74,6 @@ impl Axis {
             filter,
             lane: None,
             corrected: belief,
-            replan: None,
             time: 0.0,
             since_plan_end: f64::INFINITY,
             last_considered: f64::NEG_INFINITY,

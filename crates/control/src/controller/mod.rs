@@ -104,10 +104,9 @@ impl Controller {
         // From rest the first sample is sent too: the same position for a tick more.
         let cursor = usize::from(self.is_moving());
         let ahead = Ahead::new(Some(&plan), cursor, self.planned);
-        if let Err(reason) = self.axis.prepare(&ahead) {
+        if let Err(reason) = self.axis.follow(&ahead) {
             return Err((plan, LoadError::Correction(reason)));
         }
-        self.axis.take_new_plan();
         if self.is_settled() {
             self.axis.begin_move();
         }
