@@ -3,6 +3,7 @@
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::force_offset::FORCE_OFFSET;
 use super::grid::product;
+use super::shared_parameters::FRICTION;
 use super::{
     Effect, Friction, Law, Likeness, Parameter, ParameterRole, Part, Place, Property, Quantity,
 };
@@ -19,14 +20,7 @@ pub const ASYMMETRIC_FRICTION: Effect = Effect {
     remedy: "Look for a load or a preload that acts one way; compensate each direction by its own \
         friction.",
     parameters: &[
-        Parameter {
-            name: "friction",
-            role: ParameterRole::Size,
-            quantity: Quantity::FORCE,
-            bounds: |scales| (0.0, scales.force),
-            neutral: 0.0,
-            typical: |scales| 0.05 * scales.force,
-        },
+        FRICTION,
         Parameter {
             name: "asymmetry",
             role: ParameterRole::Shape,

@@ -1,6 +1,7 @@
 //! Cogging: a force of the drive that is periodic in position.
 
-use super::grid::{PHASES, order_bounds, orders, phase_bounds, product, resonant_order};
+use super::grid::{PHASES, orders, product};
+use super::shared_parameters::{ORDER, PHASE};
 use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
 
 struct Cogging {
@@ -35,22 +36,8 @@ pub const COGGING: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.05 * scales.force,
         },
-        Parameter {
-            name: "order",
-            role: ParameterRole::Order,
-            quantity: Quantity::new(0, -1, 0),
-            bounds: order_bounds,
-            neutral: 1.0,
-            typical: resonant_order,
-        },
-        Parameter {
-            name: "phase",
-            role: ParameterRole::Phase,
-            quantity: Quantity::NUMBER,
-            bounds: phase_bounds,
-            neutral: 0.0,
-            typical: |_| 1.0,
-        },
+        ORDER,
+        PHASE,
     ],
     properties: &[],
     law: |p| {

@@ -1,6 +1,7 @@
 //! Coulomb friction.
 
-use super::{Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
+use super::shared_parameters::FRICTION;
+use super::{Effect, Friction, Law, Likeness, Place, Property};
 
 /// Dry friction of one size, sticking and sliding.
 pub const COULOMB_FRICTION: Effect = Effect {
@@ -14,14 +15,7 @@ pub const COULOMB_FRICTION: Effect = Effect {
         Wit, Automatica 30 (1994).",
     remedy: "Check lubrication, preload and seals; compensate it with a term that changes sign with \
         the velocity.",
-    parameters: &[Parameter {
-        name: "friction",
-        role: ParameterRole::Size,
-        quantity: Quantity::FORCE,
-        bounds: |scales| (0.0, scales.force),
-        neutral: 0.0,
-        typical: |scales| 0.05 * scales.force,
-    }],
+    parameters: &[FRICTION],
     properties: &[Property::Alike(Likeness::LowSpeed)],
     law: |p| {
         Law::Friction(Friction {

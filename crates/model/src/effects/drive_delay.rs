@@ -2,7 +2,8 @@
 
 use super::cubic::{cubic_coefficients, with_slopes};
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
+use super::shared_parameters::DELAY;
+use super::{Drive, Effect, Law, Likeness, Place, Property};
 
 struct Delay {
     delay: f64,
@@ -49,14 +50,7 @@ pub const DRIVE_DELAY: Effect = Effect {
         (1997), chapter 3.",
     remedy: "Count the cycles between controller and amplifier; shift the command, or the model's \
         input, by the delay.",
-    parameters: &[Parameter {
-        name: "delay",
-        role: ParameterRole::Size,
-        quantity: Quantity::TIME,
-        bounds: |scales| (0.0, scales.period().max(20.0 * scales.sample_time)),
-        neutral: 0.0,
-        typical: |scales| 0.05 * scales.period(),
-    }],
+    parameters: &[DELAY],
     properties: &[Property::Alike(Likeness::ShiftInTime)],
     law: |p| Law::Drive(Box::new(Delay { delay: p[0] })),
     starts: |scales| sizes(scales.period(), [0.005, 0.02, 0.06, 0.15, 0.3, 0.5]),

@@ -1,6 +1,7 @@
 //! An impact from outside.
 
-use super::grid::{product, times, typical_time};
+use super::grid::{product, times};
+use super::shared_parameters::EVENT_TIME;
 use super::{Effect, Law, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// An impulse on the link: its velocity jumps at a time.
@@ -25,14 +26,7 @@ pub const EXTERNAL_DISTURBANCE: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.2 * scales.deformation_rate,
         },
-        Parameter {
-            name: "time",
-            role: ParameterRole::Time,
-            quantity: Quantity::TIME,
-            bounds: |scales| scales.span,
-            neutral: 0.0,
-            typical: typical_time,
-        },
+        EVENT_TIME,
     ],
     properties: &[Property::Recurs],
     law: |p| Law::Impulse {

@@ -1,7 +1,8 @@
 //! Weight of the link.
 
 use super::force_offset::FORCE_OFFSET;
-use super::grid::{PHASES, phase_bounds, product};
+use super::grid::{PHASES, product};
+use super::shared_parameters::PHASE;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
     Quantity,
@@ -38,14 +39,7 @@ pub const GRAVITY_LOAD: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.1 * scales.force,
         },
-        Parameter {
-            name: "phase",
-            role: ParameterRole::Phase,
-            quantity: Quantity::NUMBER,
-            bounds: phase_bounds,
-            neutral: 0.0,
-            typical: |_| 1.0,
-        },
+        PHASE,
     ],
     properties: &[
         // Where the axis turns by little.

@@ -1,6 +1,7 @@
 //! A sensor that is not on the axis.
 
-use super::grid::{PHASES, phase_bounds, product, reach};
+use super::grid::{PHASES, product, reach};
+use super::shared_parameters::PHASE;
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Reading, Sensor,
 };
@@ -35,14 +36,7 @@ pub const MISALIGNMENT: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.1 * scales.deformation,
         },
-        Parameter {
-            name: "phase",
-            role: ParameterRole::Phase,
-            quantity: Quantity::NUMBER,
-            bounds: phase_bounds,
-            neutral: 0.0,
-            typical: |_| 1.0,
-        },
+        PHASE,
     ],
     properties: &[Property::Alike(Likeness::Pose)],
     law: |p| {

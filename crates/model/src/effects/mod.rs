@@ -49,6 +49,7 @@ mod sensor_drift;
 mod sensor_gain;
 mod sensor_lag;
 mod sensor_lag_second_order;
+mod shared_parameters;
 mod stiction;
 mod stiffness_drift;
 mod stribeck_friction;

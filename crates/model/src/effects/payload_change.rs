@@ -1,6 +1,7 @@
 //! A payload that is taken or set down.
 
-use super::grid::{product, times, typical_time};
+use super::grid::{product, times};
+use super::shared_parameters::EVENT_TIME;
 use super::{Effect, Inertia, Law, Parameter, ParameterRole, Place, Quantity};
 
 struct Payload {
@@ -44,14 +45,7 @@ pub const PAYLOAD_CHANGE: Effect = Effect {
             neutral: 0.0,
             typical: |_| 0.2,
         },
-        Parameter {
-            name: "time",
-            role: ParameterRole::Time,
-            quantity: Quantity::TIME,
-            bounds: |scales| scales.span,
-            neutral: 0.0,
-            typical: typical_time,
-        },
+        EVENT_TIME,
     ],
     properties: &[],
     law: |p| {

@@ -2,6 +2,7 @@
 
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
+use super::shared_parameters::FRICTION;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
     Quantity,
@@ -49,14 +50,7 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
     remedy: "Expect lost motion at each reversal; approach a target from one side, or compensate \
         with a bristle model.",
     parameters: &[
-        Parameter {
-            name: "friction",
-            role: ParameterRole::Size,
-            quantity: Quantity::FORCE,
-            bounds: |scales| (0.0, scales.force),
-            neutral: 0.0,
-            typical: |scales| 0.05 * scales.force,
-        },
+        FRICTION,
         Parameter {
             name: "presliding_distance",
             role: ParameterRole::Shape,

@@ -1,7 +1,8 @@
 //! A sensor that shows the past.
 
 use super::grid::sizes;
-use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Sensor};
+use super::shared_parameters::DELAY;
+use super::{Effect, Law, Likeness, Place, Property, Sensor};
 
 struct Delay {
     delay: f64,
@@ -22,14 +23,7 @@ pub const SENSOR_DELAY: Effect = Effect {
         Where the sensor's clock has an unknown offset, the two are one. Source: Astrom and \
         Wittenmark, Computer-Controlled Systems (1997), chapter 3.",
     remedy: "Shift the sensor's stamps by the delay.",
-    parameters: &[Parameter {
-        name: "delay",
-        role: ParameterRole::Size,
-        quantity: Quantity::TIME,
-        bounds: |scales| (0.0, scales.period().max(20.0 * scales.sample_time)),
-        neutral: 0.0,
-        typical: |scales| 0.05 * scales.period(),
-    }],
+    parameters: &[DELAY],
     properties: &[
         Property::ShiftsStamps,
         Property::Alike(Likeness::ShiftInTime),

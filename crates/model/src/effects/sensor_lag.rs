@@ -2,7 +2,8 @@
 
 use super::cubic::cubic_coefficients;
 use super::deformation_gain::DEFORMATION_GAIN;
-use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Sensor};
+use super::shared_parameters::SENSOR_TIME_CONSTANT;
+use super::{Effect, Law, Likeness, Place, Property, Sensor};
 
 /// Steps shorter than this, in time constants, take a series.
 pub(super) const SHORT: f64 = 0.25;
@@ -76,14 +77,7 @@ pub const SENSOR_LAG: Effect = Effect {
         where that is slow, and smaller where it is fast, by 1 / sqrt(1 + (w T)^2). A clock offset makes \
         the same delay but leaves the size. Source: Bendat and Piersol, Random Data (2010), section 6.",
     remedy: "Lower the filtering in the sensor, or put its lag into the model.",
-    parameters: &[Parameter {
-        name: "time_constant",
-        role: ParameterRole::Size,
-        quantity: Quantity::TIME,
-        bounds: |scales| (0.0, 2.0 * scales.period()),
-        neutral: 0.0,
-        typical: |scales| 0.05 * scales.period(),
-    }],
+    parameters: &[SENSOR_TIME_CONSTANT],
     properties: &[
         Property::Lessens(&DEFORMATION_GAIN),
         Property::Alike(Likeness::ShiftInTime),

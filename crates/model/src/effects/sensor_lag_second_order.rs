@@ -4,6 +4,7 @@ use super::cubic::cubic_coefficients;
 use super::grid::product;
 use super::sensor_lag::SENSOR_LAG;
 use super::sensor_lag::{SHORT, TERMS};
+use super::shared_parameters::SENSOR_TIME_CONSTANT;
 use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Sensor};
 
 struct LowPass {
@@ -107,14 +108,7 @@ pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
     remedy: "Lower the filtering in the sensor, or put its lag into the model; if it rings, look at \
         how it is mounted.",
     parameters: &[
-        Parameter {
-            name: "time_constant",
-            role: ParameterRole::Size,
-            quantity: Quantity::TIME,
-            bounds: |scales| (0.0, 2.0 * scales.period()),
-            neutral: 0.0,
-            typical: |scales| 0.05 * scales.period(),
-        },
+        SENSOR_TIME_CONSTANT,
         Parameter {
             name: "damping_ratio",
             role: ParameterRole::Shape,

@@ -2,6 +2,7 @@
 
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
+use super::shared_parameters::FRICTION;
 use super::{Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// Dry friction that falls from its breakaway to its kinetic value as the slip gets faster.
@@ -17,14 +18,7 @@ pub const STRIBECK_FRICTION: Effect = Effect {
     remedy: "Check the lubricant at low speed; avoid creeping moves, or compensate breakaway and \
         sliding friction apart.",
     parameters: &[
-        Parameter {
-            name: "friction",
-            role: ParameterRole::Size,
-            quantity: Quantity::FORCE,
-            bounds: |scales| (0.0, scales.force),
-            neutral: 0.0,
-            typical: |scales| 0.05 * scales.force,
-        },
+        FRICTION,
         Parameter {
             name: "excess",
             role: ParameterRole::Shape,

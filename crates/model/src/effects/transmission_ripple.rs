@@ -1,6 +1,7 @@
 //! Kinematic error of the transmission.
 
-use super::grid::{PHASES, order_bounds, orders, phase_bounds, product, resonant_order};
+use super::grid::{PHASES, orders, product};
+use super::shared_parameters::{ORDER, PHASE};
 use super::{Effect, Law, Parameter, ParameterRole, Place, Quantity};
 
 /// The transmission passes on `u + A sin(N u + phase)` instead of `u`.
@@ -23,22 +24,8 @@ pub const TRANSMISSION_RIPPLE: Effect = Effect {
             neutral: 0.0,
             typical: |scales| 0.03 * scales.deformation,
         },
-        Parameter {
-            name: "order",
-            role: ParameterRole::Order,
-            quantity: Quantity::new(0, -1, 0),
-            bounds: order_bounds,
-            neutral: 1.0,
-            typical: resonant_order,
-        },
-        Parameter {
-            name: "phase",
-            role: ParameterRole::Phase,
-            quantity: Quantity::NUMBER,
-            bounds: phase_bounds,
-            neutral: 0.0,
-            typical: |_| 1.0,
-        },
+        ORDER,
+        PHASE,
     ],
     properties: &[],
     law: |p| {

@@ -1,20 +1,8 @@
 //! A damper from the link to the ground.
 
 use super::grid::sizes;
-use super::{
-    Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity,
-};
-
-struct Drag {
-    viscous: f64,
-}
-
-impl Force for Drag {
-    fn force(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> f64 {
-        self.viscous * v
-    }
-}
+use super::viscous_friction::Viscous;
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
 
 /// A force against the link in proportion to its speed: `F = c y'`.
 pub const VISCOUS_DRAG: Effect = Effect {
@@ -39,6 +27,6 @@ pub const VISCOUS_DRAG: Effect = Effect {
         Property::DampsToGround,
         Property::Alike(Likeness::ShiftInTime),
     ],
-    law: |p| Law::Force(Box::new(Drag { viscous: p[0] })),
+    law: |p| Law::Force(Box::new(Viscous { coefficient: p[0] })),
     starts: |scales| sizes(scales.force / scales.velocity, [0.02, 0.3]),
 };

@@ -6,13 +6,14 @@ use super::{
     Quantity,
 };
 
-struct Viscous {
-    viscous: f64,
+/// A force in proportion to a velocity.
+pub(super) struct Viscous {
+    pub coefficient: f64,
 }
 
 impl Force for Viscous {
     fn force(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> f64 {
-        self.viscous * v
+        self.coefficient * v
     }
 }
 
@@ -35,6 +36,6 @@ pub const VISCOUS_FRICTION: Effect = Effect {
         typical: |scales| 0.1 * scales.force / scales.velocity,
     }],
     properties: &[Property::Alike(Likeness::ShiftInTime)],
-    law: |p| Law::Force(Box::new(Viscous { viscous: p[0] })),
+    law: |p| Law::Force(Box::new(Viscous { coefficient: p[0] })),
     starts: |scales| sizes(scales.force / scales.velocity, [0.02, 0.3]),
 };

@@ -1,0 +1,64 @@
+//! Parameters that several effects have.
+
+use super::grid::{order_bounds, phase_bounds, resonant_order, typical_time};
+use super::{Parameter, ParameterRole, Quantity};
+
+/// Dry friction: the force against sliding.
+pub(super) const FRICTION: Parameter = Parameter {
+    name: "friction",
+    role: ParameterRole::Size,
+    quantity: Quantity::FORCE,
+    bounds: |scales| (0.0, scales.force),
+    neutral: 0.0,
+    typical: |scales| 0.05 * scales.force,
+};
+
+/// Phase of what is periodic, rad.
+pub(super) const PHASE: Parameter = Parameter {
+    name: "phase",
+    role: ParameterRole::Phase,
+    quantity: Quantity::NUMBER,
+    bounds: phase_bounds,
+    neutral: 0.0,
+    typical: |_| 1.0,
+};
+
+/// Radians of what is periodic for a unit of position.
+pub(super) const ORDER: Parameter = Parameter {
+    name: "order",
+    role: ParameterRole::Order,
+    quantity: Quantity::new(0, -1, 0),
+    bounds: order_bounds,
+    neutral: 1.0,
+    typical: resonant_order,
+};
+
+/// Instant of an event.
+pub(super) const EVENT_TIME: Parameter = Parameter {
+    name: "time",
+    role: ParameterRole::Time,
+    quantity: Quantity::TIME,
+    bounds: |scales| scales.span,
+    neutral: 0.0,
+    typical: typical_time,
+};
+
+/// Time by which something comes late, unchanged.
+pub(super) const DELAY: Parameter = Parameter {
+    name: "delay",
+    role: ParameterRole::Size,
+    quantity: Quantity::TIME,
+    bounds: |scales| (0.0, scales.period().max(20.0 * scales.sample_time)),
+    neutral: 0.0,
+    typical: |scales| 0.05 * scales.period(),
+};
+
+/// Time constant of a sensor's filter.
+pub(super) const SENSOR_TIME_CONSTANT: Parameter = Parameter {
+    name: "time_constant",
+    role: ParameterRole::Size,
+    quantity: Quantity::TIME,
+    bounds: |scales| (0.0, 2.0 * scales.period()),
+    neutral: 0.0,
+    typical: |scales| 0.05 * scales.period(),
+};
