@@ -117,15 +117,20 @@ fn finished(kind: MoveKind, trace: MoveTrace) -> Result<MoveTrace, CliError> {
         .with_help("a shorter --target, higher limits, or a --belief of a higher frequency"))
 }
 
-/// The three cells do not know each other: each runs on a thread of its own.
+/// The three cells do not know each other: they run side by side.
 fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
     let (unshaped, (wrong_belief, adaptive)) = rayon::join(
-        || scenario.unshaped(),
-        || rayon::join(|| scenario.wrong_belief(), || scenario.adaptive()),
+        || cell(scenario, Scenario::unshaped),
+        || {
+            rayon::join(
+                || cell(scenario, Scenario::wrong_belief),
+                || cell(scenario, Scenario::adaptive),
+            )
+        },
     );
-    let unshaped = finished(MoveKind::Unshaped, unshaped.map_err(refused)?)?;
-    let wrong_belief = finished(MoveKind::WrongBelief, wrong_belief.map_err(refused)?)?;
-    let (first, next, truth) = adaptive.map_err(refused)?;
+    let unshaped = finished(MoveKind::Unshaped, unshaped?)?;
+    let wrong_belief = finished(MoveKind::WrongBelief, wrong_belief?)?;
+    let (first, next, truth) = adaptive?;
     let first = finished(MoveKind::AdaptiveFirst, first)?;
     let next = finished(MoveKind::AdaptiveNext, next)?;
     Ok(Comparison::new(
@@ -133,6 +138,15 @@ fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
         wrong_belief,
         (first, next, truth),
     ))
+}
+
+/// One cell, named in the log by its shaper.
+fn cell<T>(
+    scenario: &Scenario,
+    run: fn(&Scenario) -> Result<T, ClosedLoopError>,
+) -> Result<T, CliError> {
+    let _span = tracing::info_span!("cell", shaper = scenario.shaper.name()).entered();
+    run(scenario).map_err(refused)
 }
 
 fn refused(error: ClosedLoopError) -> CliError {
