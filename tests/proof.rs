@@ -1,8 +1,9 @@
 //! The generator of concealed cases and the score: repeatable, whole, and counting rightly.
 
+use quell::proof::families::{OUTSIDE, family};
 use quell::proof::{
     Case, FindingSummary, HiddenEffect, Judged, Kind, ParameterSummary, Source, Truth, Verdict,
-    generate, our_name, read_cases, read_truths, run, write_cases,
+    generate, generate_kind, our_name, read_cases, read_truths, run, write_cases,
 };
 use quell::recording::{Recording, Role};
 use serde_json::json;
@@ -73,6 +74,61 @@ fn recordings_are_whole_and_the_true_machine_leaves_the_noise() {
         };
         assert!(floor > least && floor < 1.15, "case {index}: {floor}");
     }
+}
+
+/// Small cases of each kind: what is asked for is hidden, and shows.
+#[test]
+fn every_kind_hides_what_it_says() {
+    for kind in Kind::ALL {
+        for index in 0..if kind.effects() > 3 { 1 } else { 4 } {
+            let case = generate_kind(kind, SEED, index).unwrap();
+            let truth = &case.truth;
+            assert_eq!(
+                (Kind::of(truth), truth.effects.len()),
+                (kind, kind.effects())
+            );
+            let families: Vec<&str> = truth.effects.iter().map(|e| family(&e.effect)).collect();
+            let once = |name: &&str| families.iter().filter(|other| *other == name).count() == 1;
+            assert!(families.iter().all(once), "{}", truth.name());
+            // Outside the catalogue is outside all families, whatever the shape of a named law.
+            let outside = families.contains(&OUTSIDE);
+            assert_eq!(outside, kind == Kind::Outside, "{}", truth.name());
+            let shaped = truth.more.get("shape").is_some();
+            assert_eq!(shaped, kind == Kind::Shaped, "{}", truth.name());
+            // The residual that is left when nothing but the nominal structure is fitted.
+            let least = if kind == Kind::Clean { 0.95 } else { 1.05 };
+            let residual = truth.baseline_residual_over_noise;
+            assert!(
+                residual.is_none_or(|residual| residual >= least),
+                "{truth:?}"
+            );
+            let floor = case.oracle();
+            assert!(floor > 0.7 && floor < 1.15, "{kind:?} {index}: {floor}");
+        }
+    }
+}
+
+#[test]
+fn a_kind_and_a_seed_give_the_same_case() {
+    for kind in [Kind::Triple, Kind::Outside, Kind::Shaped] {
+        let [first, second] = [(); 2].map(|()| generate_kind(kind, SEED, 1).unwrap());
+        assert_eq!((first.train, first.test), (second.train, second.test));
+        assert_eq!(first.truth, second.truth);
+        let other = generate_kind(kind, SEED + 1, 1).unwrap();
+        assert_ne!(first.model, other.model);
+    }
+}
+
+#[test]
+fn kinds_are_known_by_their_names() {
+    for kind in Kind::ALL {
+        assert_eq!(kind.name().parse::<Kind>().unwrap(), kind);
+    }
+    let error = "quad".parse::<Kind>().unwrap_err().to_string();
+    assert!(
+        error.contains("\"quad\"") && error.contains("triple"),
+        "{error}"
+    );
 }
 
 /// The truth in words: the reader of JSON may miss a number's last bit.
@@ -253,7 +309,7 @@ fn the_score_is_told_as_text_json_and_page() {
     assert!(text.contains("backlash+sensor_lag"), "{text}");
     let value = score.to_json();
     assert_eq!(value["rates"]["false_alarms"]["percent"], json!(50.0));
-    assert_eq!(value["each"][2]["judgement"]["kind"], json!("one"));
+    assert_eq!(value["each"][2]["judgement"]["kind"], json!("single"));
     let html = score.page("10 cases, by hand").render();
     assert!(html.contains("What was taken for what") && html.contains("swinging_cable"));
     let empty = quell::proof::Score::default();
@@ -267,6 +323,7 @@ fn a_run_asks_the_diagnosis_and_then_breaks_the_seal() {
     let generated = Source::Generated {
         cases: 6,
         seed: SEED,
+        kinds: Vec::new(),
         keep: Some(keep.clone()),
     };
     let diagnose = |model: &Path, train: &Recording, test: &Recording| {

@@ -1,11 +1,12 @@
 //! `quell prove`: the diagnosis on recordings in which something was hidden.
 
 use super::out::{Force, Out, Stage};
-use super::{CliError, output};
+use super::{CliError, choices, output};
 use crate::diagnosis::{Diagnosis, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
-    FindingSummary, ParameterSummary, ProofError, Source, Verdict, read_cases, run as run_cases,
+    FindingSummary, Kind, ParameterSummary, ProofError, Source, Verdict, read_cases,
+    run as run_cases,
 };
 use crate::recording::{MANIFEST, Recording};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,10 +24,11 @@ const DOCUMENT: &str = "proof.json";
 Examples:
   quell prove                                60 cases of the generator
   quell prove --cases 500 --seed 1 --out out the full run, with a page
+  quell prove --kinds pair,triple --cases 40 20 cases with two effects, 20 with three
   quell prove --from DIR --json              cases of another generator
 
 Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no
-catalogue holds, recorded by sensors with noise. The diagnosis sees the nominal model and one
+catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal model and one
 recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml, case-00/train/,
 case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
 pub struct Args {
@@ -36,8 +38,11 @@ pub struct Args {
     /// The seed; the same seed makes the same cases.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// What the cases hide, in turn [default: drawn for each case, from clean, single, pair and outside].
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = choices::kinds())]
+    kinds: Vec<Kind>,
     /// A folder of cases, instead of making them.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["cases", "seed", "keep"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["cases", "seed", "kinds", "keep"])]
     from: Option<PathBuf>,
     /// Keeps the cases in this folder.
     #[arg(long, value_name = "DIR")]
@@ -104,9 +109,18 @@ fn source(args: &Args, keep: Option<&Stage>) -> Result<(Source, u64, String), Cl
         return Ok((Source::Folder(folder.clone()), count, line));
     }
     let &Args { cases, seed, .. } = args;
-    let line = format!("{cases} cases of seed {seed}");
-    let keep = keep.map(|stage| stage.path().into());
-    Ok((Source::Generated { cases, seed, keep }, cases, line))
+    let names: Vec<&str> = args.kinds.iter().map(|kind| kind.name()).collect();
+    let line = match names.as_slice() {
+        [] => format!("{cases} cases of seed {seed}"),
+        names => format!("{cases} cases of seed {seed}: {}", names.join(", ")),
+    };
+    let source = Source::Generated {
+        cases,
+        seed,
+        kinds: args.kinds.clone(),
+        keep: keep.map(|stage| stage.path().into()),
+    };
+    Ok((source, cases, line))
 }
 
 fn told(error: ProofError) -> CliError {

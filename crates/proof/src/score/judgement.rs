@@ -2,23 +2,10 @@
 
 use super::coverage::{Covered, covered};
 use crate::families::{NOTHING, family};
+use crate::kind::Kind;
 use crate::truth::Truth;
 use crate::verdict::Verdict;
 use serde::Serialize;
-
-/// What kind of case it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// Nothing is hidden.
-    Clean,
-    /// One effect of the catalogue.
-    One,
-    /// Two effects of the catalogue.
-    Two,
-    /// Something outside the catalogue.
-    Outside,
-}
 
 /// A diagnosis held against the truth.
 ///
@@ -59,17 +46,12 @@ pub struct Judgement {
 impl Judgement {
     /// Holds a verdict against the truth.
     pub fn new(truth: &Truth, verdict: &Verdict) -> Self {
-        let kind = match truth.effects.len() {
-            0 => Kind::Clean,
-            _ if !truth.in_catalogue => Kind::Outside,
-            1 => Kind::One,
-            _ => Kind::Two,
-        };
-        let known = matches!(kind, Kind::One | Kind::Two);
-        let heard = match kind {
+        let kind = Kind::of(truth);
+        let known = kind.is_one_name() || kind.is_several();
+        let heard = match kind.is_one_name() {
             // One effect, one name: what comes second cannot make good a wrong first name.
-            Kind::One => &verdict.findings[..verdict.findings.len().min(1)],
-            _ => &verdict.findings[..],
+            true => &verdict.findings[..verdict.findings.len().min(1)],
+            false => &verdict.findings[..],
         };
         let effects = || truth.effects.iter().map(|effect| effect.effect.as_str());
         let names: Vec<&str> = heard
@@ -78,7 +60,7 @@ impl Judgement {
             .collect();
         let families = names.iter().map(|name| family(name)).collect();
         let equal = |name: &&str| truth.equivalents.iter().any(|other| other == name);
-        let stands_for = kind == Kind::One && names.first().is_some_and(equal);
+        let stands_for = kind.is_one_name() && names.first().is_some_and(equal);
         let detected = verdict.detects();
         let in_set = |name| heard.iter().any(|finding| finding.set().contains(&name));
         Self {
@@ -100,8 +82,8 @@ impl Judgement {
     pub fn is_right(&self) -> bool {
         match self.kind {
             Kind::Clean => !self.false_alarm,
-            Kind::One | Kind::Two => self.family,
             Kind::Outside => self.flagged,
+            _ => self.family,
         }
     }
 }

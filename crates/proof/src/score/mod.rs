@@ -7,9 +7,10 @@ mod print;
 mod rate;
 
 pub use coverage::Covered;
-pub use judgement::{Judgement, Kind};
+pub use judgement::Judgement;
 pub use rate::{Rate, Spread};
 
+use super::kind::Kind;
 use super::truth::Truth;
 use super::verdict::Verdict;
 use serde_json::{Value, json};
@@ -85,11 +86,11 @@ impl Score {
 
     /// Effects of the catalogue.
     fn known_lines(&self) -> [Line; 6] {
-        const ONE: &[Kind] = &[Kind::One];
-        let known = [Kind::One, Kind::Two];
+        const ONE: &[Kind] = &[Kind::Single];
+        let known = [Kind::Single, Kind::Pair];
         let found = |right: fn(&Judgement) -> bool| self.rate(ONE, |j| j.detected, right);
         let detected = self.rate(&known, |_| true, |j| j.detected);
-        let families = self.rate(&[Kind::Two], |_| true, |j| j.family);
+        let families = self.rate(&[Kind::Pair], |_| true, |j| j.family);
         [
             line("detected", "detected", detected, ""),
             line(
@@ -153,7 +154,7 @@ impl Score {
         let single = self
             .cases
             .iter()
-            .filter(|case| case.judgement.kind == Kind::One);
+            .filter(|case| case.judgement.kind == Kind::Single);
         Spread::of(
             single
                 .filter_map(|case| case.judgement.set_size)
