@@ -5,7 +5,7 @@ use super::{CliError, choices, output};
 use crate::diagnosis::{Diagnosis, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
-    FindingSummary, Kind, ParameterSummary, ProofError, Source, Verdict, read_cases,
+    Claim, FindingSummary, Kind, ParameterSummary, ProofError, Source, Verdict, read_cases,
     run as run_cases,
 };
 use crate::recording::{MANIFEST, Recording};
@@ -163,9 +163,14 @@ fn summary(diagnosis: &Diagnosis) -> Verdict {
             })
             .collect(),
     };
+    let claim = |finding: &crate::diagnosis::Finding| Claim {
+        effect: finding.effect.clone(),
+        probability: finding.probability,
+    };
     Verdict {
         kind: diagnosis.verdict.name().into(),
         findings: diagnosis.findings.iter().map(finding).collect(),
+        claims: diagnosis.findings.iter().map(claim).collect(),
         before_over_noise: diagnosis.fit.before.held_out_over_noise,
         after_over_noise: diagnosis.fit.after.held_out_over_noise,
         ..Verdict::default()

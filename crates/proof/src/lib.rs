@@ -7,6 +7,7 @@ mod kind;
 
 mod run;
 mod score;
+pub mod slots;
 mod truth;
 mod verdict;
 
@@ -16,6 +17,6 @@ pub use folder::{
 pub use generator::{Case, SHARES, generate, generate_kind};
 pub use kind::{Kind, UnknownKind};
 pub use run::{Diagnose, ProofError, Source, run};
-pub use score::{Covered, Judged, Judgement, Line, Rate, Score, Spread};
+pub use score::{Bin, Covered, Judged, Judgement, KindScore, Line, Rate, Score, Spread};
 pub use truth::{HiddenEffect, Truth, our_name};
-pub use verdict::{FindingSummary, ParameterSummary, Verdict};
+pub use verdict::{Claim, FindingSummary, ParameterSummary, Verdict};

@@ -10,6 +10,9 @@ pub struct Verdict {
     pub kind: String,
     /// The best explanation, strongest first.
     pub findings: Vec<FindingSummary>,
+    /// What was said with a probability: findings, and alternatives where they have one.
+    #[serde(default)]
+    pub claims: Vec<Claim>,
     /// Rms over the noise on the part of the recording that was kept apart, before.
     pub before_over_noise: f64,
     /// The same with the findings in the model.
@@ -31,6 +34,15 @@ pub struct FindingSummary {
     pub alternatives: Vec<String>,
     /// Its parameters.
     pub parameters: Vec<ParameterSummary>,
+}
+
+/// An effect and how probable it is said to be.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// From 0 to 1.
+    pub probability: f64,
 }
 
 /// A parameter with its interval, SI.
