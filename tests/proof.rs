@@ -386,6 +386,37 @@ fn laws_outside_the_catalogue_have_slots() {
     assert!(!is_learned_in_slot_of("cogging", "detent"));
 }
 
+/// A campaign in shares: what is read back and joined counts as if it had been run at once.
+#[test]
+fn shares_that_are_joined_count_as_one_run() {
+    let whole: Vec<Judged> = hand_made().into_iter().chain(of_many_kinds()).collect();
+    let mut failed = judged(&["backlash"], true, Verdict::failed(0.1));
+    failed.oracle = None;
+    let shares = [hand_made(), of_many_kinds(), vec![failed.clone()]];
+    let read = shares.map(|cases| {
+        let text = quell::proof::Score { cases }.to_json().to_string();
+        quell::proof::Score::from_json(&text).unwrap()
+    });
+    let joined = quell::proof::Score::joined(read);
+    let cases = whole.into_iter().chain([failed]).collect();
+    let whole = quell::proof::Score { cases };
+    for key in ["rates", "figures", "kinds", "reliability", "confusion"] {
+        assert_eq!(joined.to_json()[key], whole.to_json()[key], "{key}");
+    }
+    assert_eq!(joined.cases[0].name, "1/case");
+    let error = |text| {
+        quell::proof::Score::from_json(text)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(error("{}").contains("each"), "{}", error("{}"));
+    let untold = error(
+        r#"{"each": [{"case": "a", "truth": {}, "verdict": {"kind": "named", "findings": [],
+        "before_over_noise": 1, "after_over_noise": 1, "test_rms_over_noise": null, "seconds": 0}}]}"#,
+    );
+    assert!(untold.contains("case a"), "{untold}");
+}
+
 fn claims(hidden: &[&str], said: &[(&str, f64)]) -> Judged {
     let claim = |(effect, probability): &(&str, f64)| Claim {
         effect: effect.to_string(),

@@ -5,7 +5,7 @@ use super::{CliError, choices, output};
 use crate::diagnosis::{Diagnosis, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
-    Claim, FindingSummary, Kind, ParameterSummary, ProofError, Source, Verdict, read_cases,
+    Claim, FindingSummary, Kind, ParameterSummary, ProofError, Score, Source, Verdict, read_cases,
     run as run_cases,
 };
 use crate::recording::{MANIFEST, Recording};
@@ -26,6 +26,9 @@ Examples:
   quell prove --cases 500 --seed 1 --out out the full run, with a page
   quell prove --kinds pair,triple --cases 40 20 cases with two effects, 20 with three
   quell prove --from DIR --json              cases of another generator
+  quell prove --seed 2 --out two             a share of a campaign
+  quell prove --join one/proof.json two/proof.json
+                                             shares together
 
 Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no
 catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal model and one
@@ -44,6 +47,9 @@ pub struct Args {
     /// A folder of cases, instead of making them.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["cases", "seed", "kinds", "keep"])]
     from: Option<PathBuf>,
+    /// Scores of shares, as --json or --out wrote them, instead of making and diagnosing cases.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["cases", "seed", "kinds", "from", "keep"])]
+    join: Vec<PathBuf>,
     /// Keeps the cases in this folder.
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
@@ -70,11 +76,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let keep = keep.map(|folder| Out::open(folder, verb, &[], kept(args.cases)));
     let keep = keep.transpose()?;
     let keep = keep.as_ref().map(Out::stage).transpose()?;
-    let (source, count, subtitle) = source(&args, keep.as_ref())?;
-    let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
-    let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
-    let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
-    progress.finish_and_clear();
+    let (score, subtitle) = match args.join.as_slice() {
+        [] => diagnosed(source(&args, keep.as_ref())?)?,
+        files => joined(files)?,
+    };
     if let Some(cases) = keep {
         cases.put()?;
     }
@@ -88,6 +93,30 @@ pub fn run(args: Args) -> Result<(), CliError> {
         return output::json(&score.to_json());
     }
     output::text(&format!("{subtitle}\n\n{}", score.to_text()))
+}
+
+/// Diagnoses all cases of a source.
+fn diagnosed(
+    (source, count, subtitle): (Source, u64, String),
+) -> Result<(Score, String), CliError> {
+    let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
+    let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
+    let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
+    progress.finish_and_clear();
+    Ok((score, subtitle))
+}
+
+/// One score of several, and a line that says so.
+fn joined(files: &[PathBuf]) -> Result<(Score, String), CliError> {
+    let read = |path: &PathBuf| {
+        let wrong = |reason: String| CliError::input(format!("{}: {reason}", path.display()));
+        let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        Score::from_json(&text).map_err(|error| wrong(error.to_string()))
+    };
+    let scores = files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let score = Score::joined(scores);
+    let line = format!("{} cases of {} shares", score.cases.len(), files.len());
+    Ok((score, line))
 }
 
 /// Files of so many cases, but for the channels of their recordings.

@@ -121,7 +121,7 @@ pub(super) fn is_true(effect: &str, truth: &Truth) -> bool {
     let own = family(effect);
     let mut hidden = truth.effects.iter().map(|hidden| hidden.effect.as_str());
     let met = |name: &str| family(name) == own && own != OUTSIDE;
-    truth.equivalents.iter().any(|name| met(name))
+    truth.equivalents.iter().any(|name| name == effect)
         || hidden.any(|name| met(name) || is_learned_in_slot_of(effect, name))
 }
 

@@ -6,12 +6,14 @@ mod kinds;
 mod page;
 mod print;
 mod rate;
+mod read;
 mod reliability;
 
 pub use coverage::Covered;
 pub use judgement::Judgement;
 pub use kinds::KindScore;
 pub use rate::{Rate, Spread};
+pub use read::ScoreError;
 pub use reliability::Bin;
 
 use super::kind::Kind;
