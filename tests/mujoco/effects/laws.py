@@ -25,7 +25,7 @@ class LocalDamper(Effect):
         def damp(t, dt, e, de, u, du, model):
             if not dof:
                 dof.append(model.joint("flex").dofadr[0])
-            # By the engine's own damping; not while the arm settles, which stops the clock.
+            # By the engine's own damping; not while the arm settles, when the clock stands.
             if t > dt:
                 model.dof_damping[dof[0]] = arm.damping + c * math.exp(-0.5 * ((u - self.at) / self.width) ** 2)
             return 0.0, 0.0
@@ -70,10 +70,11 @@ class PowerFriction(Effect):
         self.power = float(rng.choice([rng.uniform(0.4, 0.75), rng.uniform(1.3, 1.6)]))
 
     def parameters(self, size):
-        return {"c": size * self.setting.torque / self.setting.rate ** self.power, "power": self.power}
+        return {"c": size * self.setting.torque / self.setting.rate ** self.power, "power": self.power,
+                "linear_below_rad_s": 0.01 * self.setting.rate}
 
     def hook(self, size, arm, which):
-        c, n, small = self.parameters(size)["c"], self.power, 0.01 * self.setting.rate
+        c, n, small = self.parameters(size).values()
         return lambda t, dt, e, de, u, du, model: (-c * de * math.hypot(de, small) ** (n - 1), 0.0)
 
 

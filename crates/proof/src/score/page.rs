@@ -138,16 +138,13 @@ impl Score {
         let bins = self.reliability();
         let said: Vec<f64> = bins.iter().map(|bin| bin.said).collect();
         let so: Vec<f64> = bins.iter().map(|bin| bin.so.percent()).collect();
-        // An upright line a bin, each apart from the next.
-        let bars = |bin: &Bin| {
-            let [low, high] = bin.so.interval();
-            [[bin.said, low], [bin.said, high], [bin.said, f64::NAN]]
-        };
-        let (across, up): (Vec<f64>, Vec<f64>) =
-            bins.iter().flat_map(bars).map(|[x, y]| (x, y)).unzip();
+        let [low, high] = [0, 1].map(|edge| {
+            let edge = |bin: &Bin| bin.so.interval()[edge];
+            bins.iter().map(edge).collect::<Vec<_>>()
+        });
         Chart::lines("What was said, and what was so", "said", "%", "so", "%")
             .series("as it should be", &[0.0, 100.0], &[0.0, 100.0])
-            .series("95 % interval", &across, &up)
+            .band("so", "95 % interval", &said, &low, &high)
             .points("so", &said, &so)
             .x_range(0.0, 100.0)
             .y_range(0.0, 100.0)
