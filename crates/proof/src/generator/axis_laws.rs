@@ -1,4 +1,5 @@
-//! What a driven axis can hide beside the catalogue: laws of one coordinate, and named ones of another shape.
+//! What a driven axis can hide beside the catalogue: laws of one coordinate, and named ones of another shape, which
+//! have the share and the numbers of the textbook's.
 
 use super::axis::Axis;
 use super::axis_effects::{Entry, Forces, Parameters};
@@ -134,7 +135,7 @@ fn cogging_with_harmonics(
     share: f64,
     shape: [f64; 3],
 ) -> Parameters {
-    let (pitch, phase) = (0.03 + 0.05 * shape[0], TAU * shape[1]);
+    let (pitch, phase) = (0.02 + 0.06 * shape[0], TAU * shape[1]);
     let (amplitude, order) = (share * forces.rms * 2f64.sqrt(), TAU / pitch);
     let shares = [0.3 + 0.4 * shape[2], 0.15 + 0.3 * shape[1]];
     axis.cogging = [amplitude, order, phase];
