@@ -1,8 +1,8 @@
 //! A case of a driven axis.
 
 use super::axis::{Axis, Command, Driven};
-use super::axis_effects::{Forces, entries};
-use super::axis_laws::shape_of;
+use super::axis_effects::Forces;
+use super::axis_laws::{entries, shape_of};
 use super::axis_refit::{Hidden, Recorded};
 use super::integrate::{STATES, integrate};
 use super::plan::{Plan, Table};

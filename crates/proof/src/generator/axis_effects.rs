@@ -1,7 +1,6 @@
 //! What can be hidden in a driven axis.
 
 use super::axis::Axis;
-use super::axis_laws;
 use super::plan::Table;
 use super::surfaces::DryFriction;
 use std::f64::consts::TAU;
@@ -30,18 +29,10 @@ pub type Entry = (
     fn(&mut Axis, &Forces, f64, [f64; 3]) -> Parameters,
 );
 
-/// What can be hidden, of one table.
-pub fn entries(table: Table) -> impl Iterator<Item = &'static Entry> {
-    let within = move |entry: &&Entry| match table {
-        Table::Outside => [Table::Outside, Table::Strange].contains(&entry.1),
-        _ => entry.1 == table,
-    };
-    ENTRIES.iter().chain(axis_laws::ENTRIES).filter(within)
-}
-
 const KNOWN: Table = Table::Catalogue;
 
-const ENTRIES: &[Entry] = &[
+/// Effects as the textbook has them, and what the mixture has outside the catalogue.
+pub const ENTRIES: &[Entry] = &[
     ("coulomb_friction", KNOWN, |axis, forces, share, _| {
         let friction = share * forces.rms;
         axis.dry = Some(DryFriction::coulomb(friction));

@@ -2,13 +2,21 @@
 //! have the share and the numbers of the textbook's.
 
 use super::axis::Axis;
-use super::axis_effects::{Entry, Forces, Parameters};
+use super::axis_effects::{self, Entry, Forces, Parameters};
 use super::laws::{Bell, Detent, PowerFriction, SLIDERS, Slider};
 use super::plan::Table;
 use std::f64::consts::TAU;
 
-/// All of them.
-pub const ENTRIES: &[Entry] = &[
+/// What can be hidden in an axis, of one table.
+pub fn entries(table: Table) -> impl Iterator<Item = &'static Entry> {
+    let within = move |entry: &&Entry| match table {
+        Table::Outside => [Table::Outside, Table::Strange].contains(&entry.1),
+        _ => entry.1 == table,
+    };
+    axis_effects::ENTRIES.iter().chain(ENTRIES).filter(within)
+}
+
+const ENTRIES: &[Entry] = &[
     ("local_damper", Table::Outside, local_damper),
     ("detent", Table::Outside, detent),
     ("power_friction", Table::Outside, power_friction),
