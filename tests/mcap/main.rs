@@ -2,6 +2,8 @@
 
 mod damage;
 mod peers;
+#[path = "../absent/python.rs"]
+mod python;
 #[path = "../absent/skipped.rs"]
 mod skipped;
 
