@@ -119,7 +119,7 @@ pub fn headline(scenario: &Scenario) -> String {
 }
 
 /// Nothing where the unshaped move leaves nothing.
-fn percent(ratio: f64) -> String {
+pub fn percent(ratio: f64) -> String {
     match ratio.is_finite() {
         true => format!("{:.2} %", ratio * 100.0),
         false => "-".to_string(),
@@ -168,21 +168,25 @@ pub fn learned(comparison: &Comparison) -> String {
     )
 }
 
-/// What the user should know besides: slowed moves, refused corrections.
+/// Slowed moves and refused corrections.
 pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
+    let moves = comparison.moves.iter();
+    moves
+        .map(|(kind, trace)| remark(kind.name(), scenario.shaper.name(), trace))
+        .collect()
+}
+
+/// The lines on a move of this name that was slowed, or whose corrections were refused.
+pub fn remark(name: &str, shaper: &str, trace: &MoveTrace) -> String {
     let mut words = String::new();
-    for (kind, trace) in &comparison.moves {
-        if let Some(speed) = trace.slowed_to {
-            let slowed = shaping::slowed(scenario.shaper.name(), speed);
-            words.push_str(&format!("{}: {slowed}.\n", kind.name()));
-        }
-        if trace.refused > 0 {
-            words.push_str(&format!(
-                "{}: {} corrections refused, they would have exceeded the limits.\n",
-                kind.name(),
-                trace.refused
-            ));
-        }
+    if let Some(speed) = trace.slowed_to {
+        words.push_str(&format!("{name}: {}.\n", shaping::slowed(shaper, speed)));
+    }
+    if trace.refused > 0 {
+        words.push_str(&format!(
+            "{name}: {} corrections refused, they would have exceeded the limits.\n",
+            trace.refused
+        ));
     }
     words
 }

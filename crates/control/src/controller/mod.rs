@@ -17,7 +17,7 @@ pub use axis::{Axis, AxisStatus};
 pub use path::KeptPath;
 pub use quell_shapers::Setpoint;
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
-pub use slow_down::{SlowedPlan, plan_shaped};
+pub use slow_down::{SlowedPlan, plan_shaped, plan_shaped_by};
 
 use quell_shapers::{Refusal, ShaperError};
 use quell_trajectories::SampledTrajectory;
