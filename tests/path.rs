@@ -289,7 +289,7 @@ fn scenario(degrees: &[f64]) -> PathScenario {
     }
 }
 
-/// Whatever the displacements are to one another, and whatever the rule: every command is `from + s displacement` with
+/// A property of any displacements and any rule: every command is `from + s displacement` with
 /// the same `s`, the path parameter shaped by the trains of all.
 #[test]
 fn val_the_command_of_a_common_train_is_the_straight_line() {

@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// What a script of `tests/ros2` prints.
+/// The output of a script of `tests/ros2`.
 fn python(script: &str, argument: &Path) -> Option<Vec<u8>> {
     let script = [script.as_ref(), argument.as_os_str()];
     super::python::python("ros2", "requirements.txt", &script)

@@ -1,4 +1,4 @@
-//! What an earlier life of the service left unfinished.
+//! Recordings that an earlier life of the service left unfinished.
 
 use std::fs;
 use std::path::Path;

@@ -10,7 +10,7 @@ use crate::page::{columns, number};
 /// Distance from the target within which the tip counts as settled, m.
 pub const SETTLED: f64 = 0.05e-3;
 
-/// What the adaptive move learned, and when.
+/// The mode that the adaptive move learned, and when.
 pub struct Learned {
     /// The estimate at the end of the move.
     pub estimate: Estimate,
@@ -104,7 +104,7 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
     )
 }
 
-/// What is moved, and what is believed of it.
+/// A headline: the moved joint, and what is believed of it.
 pub fn headline(scenario: &Scenario) -> String {
     format!(
         "{}, joint {}, {} deg, {} shaper, {} estimator; believed {:.3} Hz, damping {:.3}.",
@@ -140,7 +140,7 @@ fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 8
     ]
 }
 
-/// What was learned, against the truth, in two lines.
+/// The learned mode beside the truth, in two lines.
 pub fn learned(comparison: &Comparison) -> String {
     let truth = format!(
         "The arm has {:.3} Hz, damping {:.4}.",

@@ -1,4 +1,4 @@
-//! What the arguments ask for.
+//! The scenario that the arguments ask for.
 
 use quell_shapers::Mode;
 use quell_trajectories::Limits;

@@ -40,7 +40,7 @@ pub struct Axis {
 pub struct Driven<'a> {
     /// The axis.
     pub axis: &'a Axis,
-    /// What it shall do.
+    /// Its commanded motion.
     pub programme: &'a Programme,
     /// Whether the impulse of the commanded force is shown, or the position.
     pub shows_impulse: bool,

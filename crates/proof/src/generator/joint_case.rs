@@ -220,7 +220,7 @@ fn instruments(draw: &mut Draw, arm: &Arm) -> Instruments {
     }
 }
 
-/// What is hidden. Each is sized in the arm without the other, so that neither is only seen by the
+/// The hidden effects. Each is sized in the arm without the other, so that neither is only seen by the
 /// other's light, and must show beside it.
 fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concealed> {
     let (count, in_catalogue) = plan.effects();
@@ -324,7 +324,7 @@ fn effect(concealed: &Concealed) -> HiddenEffect {
     }
 }
 
-/// What the engineer believes: up to 5 % off in frequency and 25 % in damping.
+/// The engineer's belief: up to 5 % off in frequency and 25 % in damping.
 fn model(draw: &mut Draw, arm: &Arm) -> String {
     let natural_frequency = (arm.joint.stiffness / arm.joint.inertia).sqrt();
     let damping_ratio = arm.joint.damping / (2.0 * arm.joint.inertia * natural_frequency);

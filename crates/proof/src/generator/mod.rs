@@ -4,7 +4,7 @@
 //! steps that end where something sticks, slips or touches. It shares no equation of motion with the
 //! models that are fitted to its recordings.
 //!
-//! What no fit can see is not hidden: an offset of the clocks and a delay of sensor or drive (each fit
+//! An effect that no fit can see is not hidden: an offset of the clocks and a delay of sensor or drive (each fit
 //! takes an offset of the clocks for granted), faults of the drive where the motor side is measured.
 //!
 //! The same seed and index give the same case, to the bit.
@@ -34,7 +34,7 @@ use quell_recording::Recording;
 use quell_trajectories::PlanError;
 use random::Draw;
 
-/// What is recorded beside the motor side.
+/// The channel beside the motor side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// A tip sensor in a frame and on a clock of its own.
@@ -54,12 +54,12 @@ pub struct Case {
     pub train: Recording,
     /// Other moves of the same machine.
     pub test: Recording,
-    /// What was hidden.
+    /// The truth.
     pub truth: Truth,
     oracle: Oracle,
 }
 
-/// What the true machine shows on the test's clock without noise.
+/// The readings of the true machine on the test's clock without noise.
 #[derive(Clone, Debug)]
 enum Oracle {
     Joint(Box<recorded::TrueTest>),
@@ -103,7 +103,7 @@ fn attempt(seed: u64, stream: u64) -> Result<Case, PlanError> {
     }
 }
 
-/// What a case hides, in numbers of effects.
+/// The plan of a case, in numbers of hidden effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plan {
     Nothing,

@@ -6,7 +6,7 @@ use crate::truth::Truth;
 use crate::verdict::Verdict;
 use serde::Serialize;
 
-/// What kind of case it is.
+/// The kind of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -32,7 +32,7 @@ pub enum Kind {
 ///   `ambiguous`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
-    /// What was hidden.
+    /// Its kind, by the truth.
     pub kind: Kind,
     /// Whether something hidden was noticed.
     pub detected: bool,

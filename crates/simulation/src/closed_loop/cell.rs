@@ -24,7 +24,7 @@ const FOLLOWED: f64 = 1e-6;
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
 
-/// What a cell is made of.
+/// The parts of a cell.
 #[derive(Clone)]
 pub struct CellSettings {
     /// The robot.

@@ -107,7 +107,7 @@ impl PathTrace {
         ends.fold(0.0, f64::max)
     }
 
-    /// What shaping and corrections added to the duration of the command, s.
+    /// The delay that shaping and corrections added to the command, s.
     pub fn added_delay(&self) -> f64 {
         let planned = self.joints.iter().map(|joint| joint.planned_end);
         self.command_end() - planned.fold(0.0, f64::max)

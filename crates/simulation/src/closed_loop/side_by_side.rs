@@ -11,7 +11,7 @@ use super::{Cell, CellSettings, ClosedLoopError, PathTrace};
 pub(super) struct Cells {
     cells: Vec<Cell>,
     planner: Planner,
-    /// What joins the axes; none where each runs a train of its own.
+    /// The joint path; none where each axis runs a train of its own.
     path: Option<KeptPath>,
 }
 

@@ -43,9 +43,10 @@ pub fn page(scenario: &PathScenario, comparison: &PathComparison) -> Page {
 /// Good where every joint that rings is calm after the move with the common train.
 fn verdict(scenario: &PathScenario, comparison: &PathComparison) -> Verdict {
     let ratio = |joint| comparison.ratio(PathKind::CommonTrainNext, joint);
-    match (0..scenario.joints.len()).all(|joint| !(ratio(joint) > CALM)) {
-        true => Verdict::Good,
-        false => Verdict::Bad,
+    // A stiff joint has no ratio.
+    match (0..scenario.joints.len()).any(|joint| ratio(joint) > CALM) {
+        true => Verdict::Bad,
+        false => Verdict::Good,
     }
 }
 
