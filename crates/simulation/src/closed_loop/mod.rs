@@ -6,6 +6,7 @@ mod commissioning;
 mod comparison;
 mod error;
 mod path;
+mod path_trace;
 mod side_by_side;
 mod trace;
 
@@ -13,5 +14,6 @@ pub use cell::{Cell, CellSettings};
 pub use commissioning::commission;
 pub use comparison::{Comparison, MoveKind, Scenario};
 pub use error::ClosedLoopError;
-pub use path::{PathComparison, PathJoint, PathKind, PathScenario, PathTrace};
+pub use path::{PathComparison, PathJoint, PathKind, PathScenario};
+pub use path_trace::PathTrace;
 pub use trace::{MoveTrace, Tick};
