@@ -23,7 +23,8 @@ const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 /// Writes commands and measurements into an MCAP file that other tools of ROS 2 read, chunk by chunk: a file
 /// that is cut in the middle lacks a quarter of a second.
 ///
-/// Times are s, values SI. The recorder's clock counts from a wall time that stands in the file; the stamp of a sample is of the sensor's own clock and may have any offset to it.
+/// Times are s, values SI. The recorder's clock counts from a wall time that stands in the file; the stamp of a
+/// sample is of the sensor's own clock and may have any offset to it.
 ///
 /// # Example
 /// ```
