@@ -18,7 +18,7 @@
 mod input_error;
 mod output_noise;
 
-use super::criteria::Search;
+use super::search::Search;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::normal::{deviations, solve};

@@ -4,7 +4,7 @@
 //! Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
 
 use super::candidate::Candidate;
-use super::criteria::Search;
+use super::search::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};

@@ -56,8 +56,7 @@ pub struct Finding {
     pub effect: String,
     /// Its place in the chain.
     pub place: String,
-    /// Probability among the explanations that were tried: their criteria `B` weigh as `exp(-B / 15)`, tempered
-    /// against `exp(-B / 2)`, since a law's shape is not nature's.
+    /// Probability that it is missing: of all explanations together that have it, by their marginal likelihoods.
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<FittedParameter>,
@@ -145,8 +144,10 @@ pub struct Candidate {
     pub effect: String,
     /// Place of the (last) effect.
     pub place: String,
-    /// Whitened difference of the Bayesian information criterion to the refitted model; negative is better.
-    pub delta_bic: f64,
+    /// Log of its marginal likelihood over that of the refitted model; positive is better.
+    pub log_evidence: f64,
+    /// Its probability among the explanations that were looked at.
+    pub probability: f64,
     /// Held-out chi-squared over that of the refitted model.
     pub held_out_ratio: f64,
 }

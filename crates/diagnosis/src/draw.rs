@@ -1,6 +1,6 @@
 //! The series that a report draws.
 
-use super::criteria::Search;
+use super::search::Search;
 use super::explanation::Explanation;
 use super::locate::Located;
 use super::traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

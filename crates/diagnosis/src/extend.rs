@@ -1,44 +1,51 @@
-//! Candidates on top of an explanation: screened, fitted by successive halving, and ranked.
+//! Candidates on top of an explanation: located in what it leaves, screened, and fitted by successive halving.
 
 use super::candidate::Candidate;
-use super::criteria::{Search, ratio, sort};
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::found::Trial;
 use super::point::{EffectAt, Point};
+use super::problem::Problem;
 use super::screen::{Start, screen};
+use super::search::Search;
 use super::successive_halving::Halving;
-use super::thresholds::{GATE, STRONG};
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
 /// Sizes of each candidate that a fit starts from: a law with a time or a length has a basin for each few of them.
 const SIZES: usize = 4;
-/// Predicted fall of the cost below which a candidate is not fitted.
-const HOPELESS: f64 = 6.0;
 
 impl Search<'_> {
-    /// Candidates on top of an explanation, fitted and judged against it; best first.
-    pub fn extend(&self, from: &Explanation) -> Vec<Trial> {
-        let (problem, projector) = (self.problem, self.projector);
-        let linear = (!self.known.alone).then(|| problem.linearise(&from.fitted.point, projector));
+    /// Candidates on top of an explanation, fitted and judged.
+    pub fn extend(&self, from: &Explanation, temperature: f64) -> Vec<Explanation> {
+        let located = Problem {
+            scales: self.problem.located_in(from),
+            ..self.problem.clone()
+        };
+        let search = Search {
+            problem: &located,
+            ..*self
+        };
+        let (problem, point) = (search.problem, &from.fitted.point);
+        let linear = (!self.known.alone).then(|| problem.linearise(point, self.projector));
         let mut found = Vec::new();
         if let Some(linear) = &linear {
-            found = self.screened(from, linear);
+            // What a further effect must gain to be worth its prior odds.
+            let fall = -2.0 * temperature * problem.log_prior_of_one();
+            found = search.screened(from, linear, fall);
         }
-        self.add_known(from, &mut found);
-        let mut halving = Halving::new(self, from, linear.as_ref());
+        search.add_known(from, &mut found);
+        let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
         halving.lead();
-        let continued = self.continued(from, &halving);
+        let continued = search.continued(from, &halving);
         halving.enter(continued);
-        let mut trials = halving.finish();
-        self.rank(from, &mut trials);
-        trials
+        let found = halving.finish();
+        found.iter().for_each(|own| self.log(own, from, temperature));
+        found
     }
 
     /// The best candidates of a screen.
-    fn screened(&self, from: &Explanation, linear: &Linearised) -> Vec<Candidate> {
+    fn screened(&self, from: &Explanation, linear: &Linearised, fall: f64) -> Vec<Candidate> {
         let (problem, point) = (self.problem, &from.fitted.point);
         // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
         let mut believed = point.clone();
@@ -56,7 +63,7 @@ impl Search<'_> {
                 far: Vec::new(),
             }
         };
-        chosen(starts).into_iter().map(candidate).collect()
+        chosen(starts, fall).into_iter().map(candidate).collect()
     }
 
     /// What is known with one effect more than the explanation has.
@@ -79,38 +86,21 @@ impl Search<'_> {
         }
     }
 
-    /// Judges fits against the explanation that they extend; best first.
-    pub(super) fn rank(&self, from: &Explanation, trials: &mut [Trial]) {
-        let unit = trials
-            .iter()
-            .map(|trial| self.unit(&trial.explanation))
-            .fold(self.unit(from), f64::min);
-        for trial in trials.iter_mut() {
-            let change = self.criterion(&trial.explanation) - self.criterion(from);
-            trial.delta_bic = change / unit;
-            trial.held_out_ratio = ratio(trial.explanation.held_out, from.held_out);
-            // As many sizes as were looked at, so many chances had noise (a Bonferroni bound on 2 ln L).
-            let looks = trial.explanation.looks(&self.problem.scales) as f64;
-            let certain = trial.delta_bic < -STRONG - 2.0 * looks.ln();
-            trial.passed = certain && trial.held_out_ratio < GATE;
-        }
-        sort(trials);
-        trials.iter().for_each(|trial| self.log(trial));
-    }
-
     /// For who wants to follow the search.
-    fn log(&self, trial: &Trial) {
-        let own = &trial.explanation;
+    fn log(&self, own: &Explanation, from: &Explanation, temperature: f64) {
         let over_noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
         let terms = own.fitted.point.terms.iter();
         let values: Vec<&[f64]> = terms.map(|term| &term.values[..]).collect();
+        let rise = |of: fn(&super::evidence::Evidence, f64) -> f64| {
+            of(&own.evidence, temperature) - of(&from.evidence, temperature)
+        };
         tracing::debug!(
-            effects = ?own.effects(),
+            effects = ?own.fitted.point.structure(),
             ?values,
             keys = ?own.fitted.point.keys,
-            delta_bic = trial.delta_bic,
-            held_out_ratio = trial.held_out_ratio,
-            passed = trial.passed,
+            fitted = rise(super::evidence::Evidence::of_fitted),
+            held_out = rise(super::evidence::Evidence::of_held_out),
+            temperature,
             fitted_over_noise = over_noise(own.train, self.judge.train_rows),
             held_out_over_noise = over_noise(own.held_out, self.judge.held_out_rows),
             "candidate"
@@ -133,11 +123,11 @@ fn add_far(found: &mut Vec<Candidate>, effect: EffectAt, mut far: Vec<Point>) {
     }
 }
 
-/// Starts of the best candidates, those of one effect and place together.
-fn chosen(starts: Vec<Start>) -> Vec<Vec<Start>> {
+/// Starts of the best candidates, those of one effect and place together, which promise that much.
+fn chosen(starts: Vec<Start>, fall: f64) -> Vec<Vec<Start>> {
     let mut groups: Vec<Vec<Start>> = Vec::new();
     for start in starts {
-        if start.score < HOPELESS {
+        if start.score < fall {
             break;
         }
         let same = |group: &&mut Vec<Start>| {

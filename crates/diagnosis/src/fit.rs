@@ -103,6 +103,26 @@ pub struct Linearised {
     pub cost: f64,
 }
 
+impl Linearised {
+    /// Derivatives over the rows of all experiments: shared unknowns first, then those of each experiment.
+    pub fn stacked(&self) -> DMatrix<f64> {
+        let shared = self.globals.len();
+        let rows: usize = self.jacobians.iter().map(|j| j.nrows()).sum();
+        let own: usize = self.jacobians.iter().map(|j| j.ncols() - shared).sum();
+        let mut all = DMatrix::zeros(rows, shared + own);
+        let (mut row, mut column) = (0, shared);
+        for jacobian in &self.jacobians {
+            let (n, m) = jacobian.shape();
+            all.view_mut((row, 0), (n, shared))
+                .copy_from(&jacobian.columns(0, shared));
+            all.view_mut((row, column), (n, m - shared))
+                .copy_from(&jacobian.columns(shared, m - shared));
+            (row, column) = (row + n, column + m - shared);
+        }
+        all
+    }
+}
+
 impl Problem<'_> {
     /// Residuals and cost at a point.
     pub fn evaluate(&self, point: &Point, projector: &Projector) -> Evaluated {

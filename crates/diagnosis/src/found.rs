@@ -1,37 +1,110 @@
-//! What a search found.
+//! What a search found: the explanation that is told, those that cannot be told from it, and how probable each
+//! effect is.
 
 use super::explanation::Explanation;
 use super::point::{EffectAt, Point};
+use super::pool::Pool;
+use super::search::Search;
 
-/// A candidate that was fitted, against the model without it.
-#[derive(Clone)]
-pub struct Trial {
-    /// The explanation.
-    pub explanation: Explanation,
-    /// Difference of the criterion to the baseline, in units of what noise leaves.
-    pub delta_bic: f64,
-    /// Held-out chi-squared over the baseline's.
-    pub held_out_ratio: f64,
-    /// Whether it passed both gates against the explanation that it extends.
-    pub passed: bool,
-}
+/// Share of the probability that the credible set holds.
+const CREDIBLE: f64 = 0.95;
+/// Log of the predictive density that chance takes from what was held out: odds that are not worth more than a bare
+/// mention (Kass and Raftery 1995).
+const BARE_MENTION: f64 = 1.0;
 
-/// What the search found.
+/// What a search found.
 pub struct Found {
     /// The refitted model.
     pub baseline: Explanation,
-    /// The best explanation; the baseline where nothing passed.
+    /// The explanation that is told; the baseline where none is.
     pub best: Explanation,
-    /// Explanations that are as good.
-    pub equals: Vec<Trial>,
-    /// All single effects that were fitted, best first.
-    pub trials: Vec<Trial>,
-    /// Chi-squared per row that the best one leaves, at least 1.
-    pub unit: f64,
+    /// Others of the credible set, the most probable first.
+    pub equals: Vec<Explanation>,
     /// The best one without each of its effects, refitted.
     pub ablated: Vec<Explanation>,
-    /// Where the explanations of several effects ended that passed.
-    pub further: Vec<Point>,
+    /// All that were looked at, the most probable first, with the share of probability.
+    pub ranked: Vec<(Explanation, f64)>,
+    /// Chi-squared a row of what is left, at least 1.
+    pub temperature: f64,
+}
+
+impl Search<'_> {
+    /// Tells what a pool says.
+    pub fn found(&self, mut pool: Pool) -> Found {
+        let (best, ablated) = self.told(&mut pool);
+        let temperature = pool.temperature(self.judge);
+        let ranked = pool.ranked(temperature);
+        let sound = |own: &Explanation| own.terms() == 0 || self.problem.is_meaningful(own, temperature);
+        let first = best.log_evidence(temperature);
+        let weigh = |(own, log): (&Explanation, f64)| {
+            let weight = if sound(own) { (log - first).min(0.0).exp() } else { 0.0 };
+            (own.clone(), weight)
+        };
+        let mut ranked: Vec<(Explanation, f64)> = ranked.into_iter().map(weigh).collect();
+        let all: f64 = ranked.iter().map(|own| own.1).sum();
+        ranked.iter_mut().for_each(|own| own.1 /= all);
+        Found {
+            equals: credible(&ranked, &best),
+            baseline: pool.baseline().clone(),
+            best,
+            ablated,
+            ranked,
+            temperature,
+        }
+    }
+
+    /// The most probable explanation whose parameters mean something, and of whose effects none makes the prediction
+    /// of what was held out worse; with it what is left without each of its effects.
+    fn told(&self, pool: &mut Pool) -> (Explanation, Vec<Explanation>) {
+        let temperature = pool.temperature(self.judge);
+        let ranked = pool.ranked(temperature).into_iter().map(|own| own.0.clone());
+        let ranked: Vec<Explanation> = ranked.collect();
+        for own in ranked {
+            if own.terms() == 0 {
+                break;
+            }
+            if !self.problem.is_meaningful(&own, temperature) {
+                continue;
+            }
+            let ablated = self.ablated(&own, pool);
+            let held = |own: &Explanation| own.evidence.of_held_out(temperature);
+            if ablated.iter().all(|without| held(without) < held(&own) + BARE_MENTION) {
+                return (own, ablated);
+            }
+        }
+        (pool.baseline().clone(), Vec::new())
+    }
+
+    /// An explanation without each of its effects, refitted.
+    fn ablated(&self, own: &Explanation, pool: &mut Pool) -> Vec<Explanation> {
+        let mut ablated = Vec::new();
+        for effect in own.effects() {
+            let point = own.fitted.point.without_effect(effect);
+            let known = pool.iter().find(|other| other.has_structure_of(&point)).cloned();
+            let known = known.unwrap_or_else(|| {
+                let next = self.refitted(&point);
+                pool.add(next.clone());
+                next
+            });
+            ablated.push(known);
+        }
+        ablated
+    }
+}
+
+/// The most probable explanations beside the one that is told that hold, with it, the share of the credible set.
+fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
+    let of_best = ranked.iter().find(|own| own.0.is_like(best)).map_or(0.0, |own| own.1);
+    let mut held = of_best;
+    let mut set = Vec::new();
+    for (own, weight) in ranked.iter().filter(|own| !own.0.is_like(best)) {
+        if held >= CREDIBLE {
+            break;
+        }
+        held += weight;
+        set.push(own.clone());
+    }
+    set
 }
 
 impl Found {
@@ -43,20 +116,23 @@ impl Found {
         ablated.unwrap_or(&self.baseline)
     }
 
-    /// The explanations that were looked at, one of each structure.
+    /// Probability that an effect is missing: of all explanations together that have it.
+    pub fn probability(&self, effect: EffectAt) -> f64 {
+        let with = self.ranked.iter().filter(|own| own.0.effects().contains(&effect));
+        with.map(|own| own.1).sum::<f64>().min(1.0)
+    }
+
+    /// Log of the evidence of an explanation against the refitted model.
+    pub fn log_evidence(&self, own: &Explanation) -> f64 {
+        own.log_evidence(self.temperature) - self.baseline.log_evidence(self.temperature)
+    }
+
+    /// Where the explanations ended that are worth another look, one of each structure.
     pub fn points(&self) -> Vec<Point> {
-        let trials = self.trials.iter().chain(&self.equals);
-        let trials = trials.map(|trial| &trial.explanation);
-        let mut each: Vec<&Explanation> = Vec::new();
-        for next in std::iter::once(&self.best)
-            .chain(trials)
-            .chain(&self.ablated)
-        {
-            if !each.iter().any(|own| own.is_like(next)) {
-                each.push(next);
-            }
-        }
-        let points = each.into_iter().map(|own| own.fitted.point.clone());
-        points.collect()
+        let points = self.ranked.iter().map(|own| own.0.fitted.point.clone());
+        points.take(WORTH_ANOTHER_LOOK).collect()
     }
 }
+
+/// Explanations that are taken over where the same recordings are looked at in another way.
+const WORTH_ANOTHER_LOOK: usize = 20;

@@ -1,6 +1,6 @@
 //! How well an explanation fits what it was fitted to, and what was held out.
 
-use super::criteria::Search;
+use super::search::Search;
 use super::document::{Fit, Quality};
 use super::explanation::Explanation;
 use super::point::Point;

@@ -3,14 +3,13 @@
 use super::baseline::{Data, problem, refit};
 use super::candidate::Known;
 use super::conclude::{better_model, conclude, reported};
-use super::criteria::{Search, ratio};
+use super::search::Search;
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::Untold;
 use super::explanation::{Explanation, Judge};
 use super::fit::{Fitted, Projector};
-use super::found::{Found, Trial};
-use super::locate::{Dynamics, Located, Residual, locate};
+use super::found::Found;
 use super::next_move::next_move;
 use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
@@ -18,11 +17,10 @@ use super::problem::Problem;
 use super::remarks::recorded;
 use super::settled::{search, settled};
 use super::start::ringing;
-use super::thresholds::{EQUAL, LONG};
+use super::thresholds::LONG;
 use super::weights::measure_noise;
-use quell_model::{Experiment, Model, simulate_windows};
-use quell_recording::{Recording, Role};
-use std::f64::consts::TAU;
+use quell_model::{Experiment, Model};
+use quell_recording::Recording;
 
 /// What experiments, and others held apart, say; and the explanations that were looked at.
 pub(super) fn attempt(
@@ -77,6 +75,9 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
 const INTERLEAVED_PERIODS: f64 = 3.0;
 /// Held-out chi-squared per row over the fitted part's, above which something changed with time.
 const SURPRISE: f64 = 2.0;
+/// Log of the odds by which an explanation of what was fitted is better, so that its failure on what was held out
+/// tells that something changed: 1000 to 1.
+const CERTAIN: f64 = 6.9;
 
 /// How an investigation ends.
 enum Ending {
@@ -105,10 +106,10 @@ fn investigate(
     options.stop.check()?;
     let judge = Judge::new(model, data, &problem, &fitted.point);
     let untold = Untold::of(model, &problem, &fitted.point, &judge);
-    let baseline: Explanation = judge.judge(&problem, fitted);
+    let baseline: Explanation = judge.judge(&problem, &projector, fitted);
     progress(0.1, "locating the mismatch");
-    let located = located(&problem, &baseline);
-    take_candidates(&mut problem, &located, &baseline);
+    let located = problem.locate(&baseline);
+    problem.scales = problem.located_in(&baseline);
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
@@ -142,49 +143,21 @@ fn investigate(
     Ok(Ending::Told(Box::new(outcome), points))
 }
 
-/// Tells the catalogue where to look.
-fn take_candidates(problem: &mut Problem, located: &Located, baseline: &Explanation) {
-    tracing::debug!(
-        times = ?located.candidate_events,
-        frequencies = ?located.candidate_frequencies,
-        orders = ?located.candidate_orders,
-        "candidate events"
-    );
-    let scales = &mut problem.scales;
-    scales
-        .candidate_events
-        .clone_from(&located.candidate_events);
-    scales
-        .candidate_frequencies
-        .clone_from(&located.candidate_frequencies);
-    scales
-        .candidate_orders
-        .clone_from(&located.candidate_orders);
-    scales.candidate_stops.clone_from(&located.candidate_stops);
-    if problem.scales.forced {
-        let residual = problem.explained(&baseline.fitted.point, 0);
-        let output = &problem.experiments[0].outputs[0];
-        problem.scales.candidate_frequencies = super::screen::peaks(&output.time, &residual[0]);
-    }
-}
-
 /// Whether what is held out is unlike what was fitted; or what explains the latter best, by far, fails on
 /// the former, as a law of time does that ends or levels off.
 fn surprised(search: &Search, found: &Found) -> bool {
-    let judge = search.judge;
-    let criterion = |trial: &Trial| search.criterion(&trial.explanation);
-    let passed = found.trials.iter().filter(|trial| trial.passed);
-    let believed = passed
-        .map(criterion)
-        .fold(search.criterion(&found.baseline), f64::min);
-    let failed = found.trials.first().map_or(f64::INFINITY, criterion);
-    if failed < believed - EQUAL * found.unit && !search.explains(&found.baseline, &found.best) {
-        return judge.held_out_rows > 0;
+    let (judge, temperature) = (search.judge, found.temperature);
+    if judge.held_out_rows == 0 || search.leaves_noise(&found.best) {
+        return false;
+    }
+    let fitted = |own: &Explanation| own.evidence.of_fitted(temperature);
+    let all = found.ranked.iter().map(|own| fitted(&own.0));
+    if all.fold(f64::NEG_INFINITY, f64::max) > fitted(&found.best) + CERTAIN {
+        return true;
     }
     let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
-    let held = per_row(found.best.held_out, judge.held_out_rows);
-    let fitted = per_row(found.best.train, judge.train_rows);
-    judge.held_out_rows > 0 && ratio(held, fitted.max(1.0)) > SURPRISE
+    let held = per_row(found.best.evidence.held_out_beyond_fit(), judge.held_out_rows);
+    held > SURPRISE * per_row(found.best.train, judge.train_rows).max(1.0)
 }
 
 /// The given model, refitted, with the noise that it leaves measured.
@@ -203,46 +176,3 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     (problem.fit(&first.point, &projector, LONG), projector)
 }
 
-/// Where the residual of the first output sits.
-fn located(problem: &Problem, baseline: &Explanation) -> Located {
-    let point = &baseline.fitted.point;
-    let residual = problem.explained(point, 0);
-    let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
-    let simulated = simulate_windows(
-        problem.kind,
-        &problem.keys(point, 0),
-        &point.terms,
-        experiment,
-        &local.departures,
-    );
-    let output = &experiment.outputs[0];
-    let (mut motor, mut link) = simulated.kinematics(&output.time, local.clocks[0]);
-    if output.role == Role::MotorPosition {
-        // Where a law of position acts is where the axis was, not where an error of the force has carried the
-        // simulation.
-        for (k, error) in residual[0].iter().enumerate() {
-            motor[k][0] += error;
-            link[k][0] += error;
-        }
-    }
-    let mode = problem
-        .kind
-        .mode
-        .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
-    let (natural_frequency, damping_ratio) = mode.unwrap_or((0.0, 0.0));
-    let windows = experiment.windows.iter();
-    let restarts: Vec<f64> = windows.map(|w| w.time + local.clocks[0]).collect();
-    locate(&Residual {
-        time: &output.time,
-        residual: &residual[0],
-        noise_std: problem.whitening[0][0].deviation,
-        motor: &motor,
-        link: &link,
-        dynamics: Dynamics {
-            natural_frequency,
-            damping_ratio,
-        },
-        restarts: &restarts,
-        sensor_only: false,
-    })
-}

@@ -77,7 +77,7 @@ pub fn screen(
     projector: &Projector,
     each: usize,
 ) -> Vec<Start> {
-    let directions = directions(linear);
+    let directions = linear.stacked();
     let screen = Screen {
         problem,
         point,
@@ -87,7 +87,10 @@ pub fn screen(
         basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
-    let there = |effect: EffectAt| point.terms.iter().any(|term| term.identity() == effect);
+    let there = |effect: EffectAt| {
+        let once = point.terms.iter().any(|term| term.identity() == effect);
+        once && !effect.0.may_repeat()
+    };
     let tried: Vec<Vec<Start>> = candidates(problem)
         .into_par_iter()
         .filter(|effect| !there(*effect))
@@ -193,24 +196,6 @@ struct Promise {
 fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     let all = rows.iter().flat_map(|part| part.iter().copied());
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
-}
-
-/// All directions that the model has, over the stacked rows of all experiments.
-fn directions(linear: &Linearised) -> DMatrix<f64> {
-    let shared = linear.globals.len();
-    let rows: usize = linear.jacobians.iter().map(|j| j.nrows()).sum();
-    let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
-    let mut all = DMatrix::zeros(rows, shared + own);
-    let (mut row, mut column) = (0, shared);
-    for jacobian in &linear.jacobians {
-        let (n, m) = jacobian.shape();
-        all.view_mut((row, 0), (n, shared))
-            .copy_from(&jacobian.columns(0, shared));
-        all.view_mut((row, column), (n, m - shared))
-            .copy_from(&jacobian.columns(shared, m - shared));
-        (row, column) = (row + n, column + m - shared);
-    }
-    all
 }
 
 /// The pseudo-inverse of the directions, by their normal equations.

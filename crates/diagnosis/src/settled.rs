@@ -2,13 +2,20 @@
 //! until the mismatch is explained.
 
 use super::candidate::Known;
-use super::criteria::Search;
+use super::descent::Descent;
 use super::explanation::{Explanation, Judge};
 use super::fit::Projector;
-use super::found::{Found, Trial};
+use super::found::Found;
 use super::outcome::Progress;
+use super::pool::Pool;
 use super::problem::Problem;
+use super::search::Search;
+use super::thresholds::LONG;
 use super::weights::measured_again;
+use rayon::prelude::*;
+
+/// Times that the noise is measured again: with one effect in the model, and with all.
+const AGAIN: usize = 3;
 
 /// What a refitted model lacks.
 pub fn settled(
@@ -18,58 +25,50 @@ pub fn settled(
     baseline: Explanation,
     told: (&Known, Progress),
 ) -> Found {
-    let (baseline, trials) = singles(problem, projector, judge, baseline, told);
-    let found = search(problem, projector, judge, told).run(baseline, trials);
-    with_noise_of_best(problem, projector, judge, found, told.1)
-}
-
-/// The refitted model and the single effects that it may lack, by the noise that the best of these leaves.
-fn singles(
-    problem: &mut Problem,
-    projector: &mut Projector,
-    judge: &Judge,
-    baseline: Explanation,
-    told: (&Known, Progress),
-) -> (Explanation, Vec<Trial>) {
     let first = search(problem, projector, judge, told);
-    let trials = first.extend(&baseline);
-    let best = first.simplest(&trials, &baseline);
-    let again = best.and_then(|best| measured_again(problem, &best.fitted.point));
-    let Some(again) = again else {
-        return (baseline, trials);
-    };
-    (problem.noise, problem.whitening) = again;
-    *projector = Projector::new(problem);
-    let search = search(problem, projector, judge, told);
-    let baseline = search.refitted(&baseline.fitted.point);
-    let trials = search.again(&baseline, trials);
-    (baseline, trials)
+    let mut pool = Pool::new(baseline);
+    for single in first.extend(pool.baseline(), pool.temperature(judge)) {
+        pool.add(single);
+    }
+    for _ in 0..AGAIN {
+        pool = with_noise_of_best(problem, projector, judge, pool, told);
+        search(problem, projector, judge, told).run(&mut pool);
+        let best = pool.ranked(pool.temperature(judge))[0].0;
+        if measured_again(problem, &best.fitted.point).is_none() {
+            break;
+        }
+    }
+    search(problem, projector, judge, told).found(pool)
 }
 
-/// What was found, looked at again where several effects together leave another noise than one of them.
+/// The explanations, fitted again where the best one tells another noise.
 fn with_noise_of_best(
     problem: &mut Problem,
     projector: &mut Projector,
     judge: &Judge,
-    found: Found,
-    progress: Progress,
-) -> Found {
-    let best = &found.best;
-    let several = best.effects().len() > 1;
-    let again = several.then(|| measured_again(problem, &best.fitted.point));
-    let Some(again) = again.flatten() else {
-        return found;
+    pool: Pool,
+    told: (&Known, Progress),
+) -> Pool {
+    let best = pool.ranked(pool.temperature(judge))[0].0;
+    let Some(again) = measured_again(problem, &best.fitted.point) else {
+        return pool;
     };
     (problem.noise, problem.whitening) = again;
     *projector = Projector::new(problem);
-    let known = Known {
-        points: found.further,
-        alone: true,
+    let search = search(problem, projector, judge, told);
+    let refit = |own: &Explanation| {
+        let mut descent = Descent::new(search.problem, search.projector, &own.fitted.point, None);
+        descent.run(LONG);
+        if descent.winds() {
+            descent.hop();
+        }
+        judge.judge(search.problem, search.projector, descent.end())
     };
-    let search = search(problem, projector, judge, (&known, progress));
-    let baseline = search.refitted(&found.baseline.fitted.point);
-    let trials = search.again(&baseline, found.trials);
-    search.run(baseline, trials)
+    let mut again = Pool::new(refit(pool.baseline()));
+    let others: Vec<&Explanation> = pool.iter().skip(1).collect();
+    let others: Vec<Explanation> = others.into_par_iter().map(refit).collect();
+    others.into_iter().for_each(|own| again.add(own));
+    again
 }
 
 /// A search by the noise as it is known.

@@ -3,11 +3,10 @@
 //! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
 
 use super::candidate::Candidate;
-use super::criteria::Search;
+use super::search::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::found::Trial;
 use super::point::{EffectAt, Point};
 use super::thresholds::{LONG, LOST, SECOND, SHORT};
 use rayon::prelude::*;
@@ -23,7 +22,7 @@ pub(super) struct Halving<'a> {
     /// What is known there.
     linear: Option<&'a Linearised>,
     entrants: Vec<Entrant<'a>>,
-    leader: Option<Trial>,
+    leader: Option<Explanation>,
 }
 
 /// A candidate.
@@ -116,7 +115,7 @@ impl<'a> Halving<'a> {
     }
 
     /// Carries all to their ends, or to where they cannot win any more; judged.
-    pub fn finish(mut self) -> Vec<Trial> {
+    pub fn finish(mut self) -> Vec<Explanation> {
         let entrants = std::mem::take(&mut self.entrants);
         let winner = self.winner().unwrap_or(f64::INFINITY);
         let chosen: Vec<Descent> = entrants
@@ -125,22 +124,20 @@ impl<'a> Halving<'a> {
             .collect();
         let costs = chosen.iter().map(Descent::cost);
         let leader = self.leader.as_ref();
-        let ahead = costs.chain(leader.map(|trial| trial.explanation.fitted.cost));
+        let ahead = costs.chain(leader.map(|own| own.fitted.cost));
         let ahead = ahead.fold(f64::INFINITY, f64::min);
         let trials = chosen
             .into_par_iter()
             .map(|descent| self.carried(descent, ahead));
-        let mut trials: Vec<Trial> = trials.collect();
+        let mut trials: Vec<Explanation> = trials.collect();
         trials.extend(self.leader);
         trials
     }
 
     /// Cost of the one that went ahead where it leaves nothing but noise.
     fn winner(&self) -> Option<f64> {
-        let leader = &self.leader.as_ref()?.explanation;
-        self.search
-            .all_at_noise(leader)
-            .then_some(leader.fitted.cost)
+        let leader = self.leader.as_ref()?;
+        self.search.leaves_noise(leader).then_some(leader.fitted.cost)
     }
 
     /// The best of a candidate's starts, on its way to a rival.
@@ -156,7 +153,7 @@ impl<'a> Halving<'a> {
     }
 
     /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
-    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Trial {
+    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Explanation {
         let explained = |cost: f64| self.from.fitted.cost - cost;
         let near = |winner| explained(descent.cost()) > NEARER * explained(winner);
         let carries = self.winner().is_none_or(near);
@@ -166,15 +163,16 @@ impl<'a> Halving<'a> {
                 descent.hop();
             }
         }
-        let mut explanation = self.search.judge.judge(self.search.problem, descent.end());
-        if carries {
-            explanation = self.search.recurring(explanation);
-        }
-        Trial {
-            explanation,
-            delta_bic: 0.0,
-            held_out_ratio: 1.0,
-            passed: false,
+        let Search {
+            problem,
+            projector,
+            judge,
+            ..
+        } = self.search;
+        let explanation = judge.judge(problem, projector, descent.end());
+        match carries {
+            true => self.search.recurring(explanation),
+            false => explanation,
         }
     }
 }

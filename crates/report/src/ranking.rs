@@ -84,11 +84,11 @@ fn table(case: &Case) -> Table {
     let mut table = Table::new("The ranking")
         .text_column("explanation")
         .text_column("place")
-        .column("delta BIC", "")
+        .column("log evidence", "")
         .column("held-out ratio", "");
     for one in candidates.iter().take(LISTED) {
         let name = words::capital(&case.title(&one.effect));
-        let numbers = [one.delta_bic, one.held_out_ratio];
+        let numbers = [one.log_evidence, one.held_out_ratio];
         let [bic, ratio] = numbers.map(quell_page::Cell::from);
         table = table.row([name.into(), one.place.clone().into(), bic, ratio]);
         if words::in_set(case.diagnosis, &one.effect) {
@@ -101,7 +101,7 @@ fn table(case: &Case) -> Table {
         rest => format!(" {rest} more are in diagnosis.json."),
     };
     table.note(format!(
-        "Delta BIC: evidence against the model without the effect, below -10 is strong. Held-out \
+        "Log evidence: of the marginal likelihood, over that of the model without the effect; above 5 is strong. Held-out \
          ratio: chi-squared on moves not fitted to, over that without the effect.{more}"
     ))
 }

@@ -109,6 +109,14 @@ impl Effect {
         recurs.then(|| self.index(ParameterRole::Time)).flatten()
     }
 
+    /// Whether a machine may have it more than once: it has an instant, a place, a frequency or an order of its
+    /// own.
+    pub fn may_repeat(&self) -> bool {
+        use ParameterRole::{Frequency, Order, Position, Time};
+        let own = |parameter: &Parameter| matches!(parameter.role, Time | Position | Frequency | Order);
+        self.parameters.iter().any(own)
+    }
+
     /// Whether its sizes are to be walked through one by one, the smallest first.
     pub fn has_many_minima(&self) -> bool {
         self.is(|own| matches!(own, Property::ManyMinima))
