@@ -80,7 +80,7 @@ impl Search<'_> {
         let mut ablated = Vec::new();
         for effect in own.effects() {
             let point = own.fitted.point.without_effect(effect);
-            let known = pool.iter().find(|other| other.has_structure_of(&point)).cloned();
+            let known = pool.like(&point).cloned();
             let known = known.unwrap_or_else(|| {
                 let next = self.refitted(&point);
                 pool.add(next.clone());

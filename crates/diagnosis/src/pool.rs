@@ -1,52 +1,103 @@
 //! The explanations that were looked at, one of each structure, and what is believed of each.
 
 use super::explanation::{Explanation, Judge};
+use super::point::Point;
+use rayon::prelude::*;
+
+/// An explanation, and whether it was extended by further effects.
+struct Entry {
+    own: Explanation,
+    extended: bool,
+}
 
 /// Explanations, each with a structure of its own.
 pub struct Pool {
     /// In the order in which they were found; the first is the model as it was given, refitted.
-    all: Vec<Explanation>,
+    all: Vec<Entry>,
 }
 
 impl Pool {
     /// With the refitted model alone.
     pub fn new(baseline: Explanation) -> Self {
         Self {
-            all: vec![baseline],
+            all: vec![Entry {
+                own: baseline,
+                extended: false,
+            }],
         }
     }
 
     /// Adds an explanation, unless the same structure is there with a better fit.
     pub fn add(&mut self, next: Explanation) {
-        match self.all.iter_mut().find(|own| own.is_like(&next)) {
-            Some(own) if own.fitted.cost > next.fitted.cost => *own = next,
+        match self.all.iter_mut().find(|entry| entry.own.is_like(&next)) {
+            Some(entry) if entry.own.fitted.cost > next.fitted.cost => entry.own = next,
             Some(_) => {}
-            None => self.all.push(next),
+            None => self.all.push(Entry {
+                own: next,
+                extended: false,
+            }),
         }
+    }
+
+    /// The same structures, each fitted anew.
+    pub fn map(&self, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
+        let entry = |entry: &Entry| Entry {
+            own: refit(&entry.own),
+            extended: entry.extended,
+        };
+        Self {
+            all: self.all.par_iter().map(entry).collect(),
+        }
+    }
+
+    /// The explanation that has the structure of a point.
+    pub fn like(&self, point: &Point) -> Option<&Explanation> {
+        let mut all = self.all.iter().map(|entry| &entry.own);
+        all.find(|own| own.has_structure_of(point))
     }
 
     /// The model as it was given, refitted.
     pub fn baseline(&self) -> &Explanation {
-        &self.all[0]
+        &self.all[0].own
     }
 
-    /// All of them.
-    pub fn iter(&self) -> impl Iterator<Item = &Explanation> {
-        self.all.iter()
+    /// The most probable one.
+    pub fn best(&self, judge: &Judge) -> &Explanation {
+        self.ranked(self.temperature(judge))[0].0
+    }
+
+    /// Marks a structure as extended.
+    pub fn mark(&mut self, own: &Explanation) {
+        let like = |entry: &&mut Entry| entry.own.is_like(own);
+        self.all.iter_mut().filter(like).for_each(|entry| entry.extended = true);
+    }
+
+    /// Whether a structure was extended.
+    pub fn is_extended(&self, own: &Explanation) -> bool {
+        let mut extended = self.all.iter().filter(|entry| entry.extended);
+        extended.any(|entry| entry.own.is_like(own))
+    }
+
+    /// Number of structures that were extended.
+    pub fn extended(&self) -> usize {
+        self.all.iter().filter(|entry| entry.extended).count()
     }
 
     /// Chi-squared a row of what is left by the explanation that leaves least, at least 1: of what was fitted and
     /// of what was held out, there beyond the errors of the fit.
     pub fn temperature(&self, judge: &Judge) -> f64 {
         let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
-        let left = |own: &Explanation| (own.train + own.evidence.held_out_beyond_fit()) / rows;
+        let left = |entry: &Entry| {
+            (entry.own.train + entry.own.evidence.held_out_beyond_fit()) / rows
+        };
         self.all.iter().map(left).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
-    /// All of them by the logarithms of their posterior odds, the most probable first.
+    /// All of them with the logarithms of their marginal likelihoods, the most probable first.
     pub fn ranked(&self, temperature: f64) -> Vec<(&Explanation, f64)> {
-        let scored = |own| (own, Explanation::log_evidence(own, temperature));
-        let mut ranked: Vec<(&Explanation, f64)> = self.all.iter().map(scored).collect();
+        let scored = |entry: &'_ Entry| entry.own.log_evidence(temperature);
+        let mut ranked: Vec<(&Explanation, f64)> =
+            self.all.iter().map(|entry| (&entry.own, scored(entry))).collect();
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
         ranked
     }

@@ -37,25 +37,36 @@ impl Search<'_> {
 
     /// Extends structures of a pool, the best of each size, until nothing raises the evidence.
     pub fn run(&self, pool: &mut Pool) {
-        let mut extended: Vec<Explanation> = Vec::new();
         loop {
-            while let Some(next) = self.next(pool, &extended) {
-                (self.progress)(0.5, "looking for a further effect");
-                for child in self.extend(&next, pool.temperature(self.judge)) {
-                    pool.add(child);
-                }
-                extended.push(next);
-                self.thin_out(pool);
-            }
-            if !self.exchange(pool, &mut extended) {
+            while self.grow(pool) {}
+            if !self.exchange(pool) {
                 return;
             }
         }
     }
 
+    /// Extends the next structure of a pool, if there is one.
+    pub fn grow(&self, pool: &mut Pool) -> bool {
+        let Some(next) = self.next(pool) else {
+            return false;
+        };
+        (self.progress)(0.5, "looking for a further effect");
+        self.extend_in(pool, &next);
+        true
+    }
+
+    /// Extends a structure of a pool.
+    fn extend_in(&self, pool: &mut Pool, own: &Explanation) {
+        for child in self.extend(own, pool.temperature(self.judge)) {
+            pool.add(child);
+        }
+        pool.mark(own);
+        self.thin_out(pool);
+    }
+
     /// The next structure to extend: of the beam of each number of effects, as long as the best of so many is not
     /// worse than one with less.
-    fn next(&self, pool: &Pool, extended: &[Explanation]) -> Option<Explanation> {
+    fn next(&self, pool: &Pool) -> Option<Explanation> {
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature);
         let mut least = f64::NEG_INFINITY;
@@ -67,7 +78,7 @@ impl Search<'_> {
                 return None;
             }
             least = best;
-            let open = level.iter().find(|own| !extended.iter().any(|done| done.is_like(own.0)));
+            let open = level.iter().find(|own| !pool.is_extended(own.0));
             if let Some((next, _)) = open {
                 return Some((*next).clone());
             }
@@ -78,8 +89,7 @@ impl Search<'_> {
     /// Drops from the best explanation every term without which the evidence is no less.
     fn thin_out(&self, pool: &mut Pool) {
         loop {
-            let temperature = pool.temperature(self.judge);
-            let best = pool.ranked(temperature)[0].0.clone();
+            let best = pool.best(self.judge).clone();
             let point = &best.fitted.point;
             if best.terms() < 2 {
                 return;
@@ -88,36 +98,30 @@ impl Search<'_> {
             let without: Vec<Explanation> = terms
                 .into_par_iter()
                 .map(|term| point.without(term))
-                .filter(|point| pool.iter().all(|own| !own.has_structure_of(point)))
+                .filter(|point| pool.like(point).is_none())
                 .map(|point| self.refitted(&point))
                 .collect();
             without.into_iter().for_each(|next| pool.add(next));
-            if pool.ranked(temperature)[0].0.is_like(&best) {
+            if pool.best(self.judge).is_like(&best) {
                 return;
             }
         }
     }
 
     /// Chooses each effect of the best explanation anew beside the others. Whether there is a better one.
-    fn exchange(&self, pool: &mut Pool, extended: &mut Vec<Explanation>) -> bool {
-        let temperature = pool.temperature(self.judge);
-        let best = pool.ranked(temperature)[0].0.clone();
+    fn exchange(&self, pool: &mut Pool) -> bool {
+        let best = pool.best(self.judge).clone();
         let point = &best.fitted.point;
-        let terms = if best.terms() < 2 { 0..0 } else { point.given_terms..point.terms.len() };
+        let terms = match best.terms() {
+            0 | 1 => 0..0,
+            _ => point.given_terms..point.terms.len(),
+        };
         for term in terms {
-            let without = point.without(term);
-            let Some(kept) = pool.iter().find(|own| own.has_structure_of(&without)).cloned() else {
-                continue;
-            };
-            if extended.iter().any(|done| done.is_like(&kept)) {
-                continue;
+            let kept = pool.like(&point.without(term)).cloned();
+            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept)) {
+                self.extend_in(pool, &kept);
             }
-            for child in self.extend(&kept, temperature) {
-                pool.add(child);
-            }
-            extended.push(kept);
-            self.thin_out(pool);
         }
-        !pool.ranked(pool.temperature(self.judge))[0].0.is_like(&best)
+        !pool.best(self.judge).is_like(&best)
     }
 }

@@ -12,7 +12,6 @@ use super::problem::Problem;
 use super::search::Search;
 use super::thresholds::LONG;
 use super::weights::measured_again;
-use rayon::prelude::*;
 
 /// Times that the noise is measured again: with one effect in the model, and with all.
 const AGAIN: usize = 3;
@@ -25,16 +24,14 @@ pub fn settled(
     baseline: Explanation,
     told: (&Known, Progress),
 ) -> Found {
-    let first = search(problem, projector, judge, told);
     let mut pool = Pool::new(baseline);
-    for single in first.extend(pool.baseline(), pool.temperature(judge)) {
-        pool.add(single);
-    }
+    search(problem, projector, judge, told).grow(&mut pool);
     for _ in 0..AGAIN {
-        pool = with_noise_of_best(problem, projector, judge, pool, told);
+        let measured = with_noise_of_best(problem, projector, judge, &pool, told);
+        pool = measured.unwrap_or(pool);
+        let before = pool.extended();
         search(problem, projector, judge, told).run(&mut pool);
-        let best = pool.ranked(pool.temperature(judge))[0].0;
-        if measured_again(problem, &best.fitted.point).is_none() {
+        if pool.extended() == before {
             break;
         }
     }
@@ -46,29 +43,21 @@ fn with_noise_of_best(
     problem: &mut Problem,
     projector: &mut Projector,
     judge: &Judge,
-    pool: Pool,
+    pool: &Pool,
     told: (&Known, Progress),
-) -> Pool {
-    let best = pool.ranked(pool.temperature(judge))[0].0;
-    let Some(again) = measured_again(problem, &best.fitted.point) else {
-        return pool;
-    };
-    (problem.noise, problem.whitening) = again;
+) -> Option<Pool> {
+    let best = pool.best(judge);
+    (problem.noise, problem.whitening) = measured_again(problem, &best.fitted.point)?;
     *projector = Projector::new(problem);
     let search = search(problem, projector, judge, told);
-    let refit = |own: &Explanation| {
+    Some(pool.map(|own| {
         let mut descent = Descent::new(search.problem, search.projector, &own.fitted.point, None);
         descent.run(LONG);
         if descent.winds() {
             descent.hop();
         }
         judge.judge(search.problem, search.projector, descent.end())
-    };
-    let mut again = Pool::new(refit(pool.baseline()));
-    let others: Vec<&Explanation> = pool.iter().skip(1).collect();
-    let others: Vec<Explanation> = others.into_par_iter().map(refit).collect();
-    others.into_iter().for_each(|own| again.add(own));
-    again
+    }))
 }
 
 /// A search by the noise as it is known.
