@@ -3,7 +3,7 @@
 //! `cargo bench --bench simulation`: 13 s of moves at 250 Hz on a joint of 8 Hz, all at their typical
 //! sizes. Times are the least of many runs.
 
-use quell::effects::{EFFECTS, Law, Memory, Place, Scales};
+use quell::effects::{EFFECTS, Law, Memory, Place, Scales, Visited};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
 use quell::model::{Grid, Hold, Kick, Kind, Timed, integrate};
 use quell::recording::Role;
@@ -55,6 +55,7 @@ fn scales() -> Scales {
         forced: false,
         tracked: false,
         rigid: false,
+        visited: Visited::default(),
     }
 }
 

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use quell::effects::{
     Drive, EFFECTS, Effect, Force, Friction, Inertia, Law, Memory, Motion, ParameterRole, Place,
-    Property, Reading, Scales, Sensor, Units,
+    Property, Reading, Scales, Sensor, Units, Visited,
 };
 use std::collections::HashSet;
 use std::path::Path;
@@ -102,6 +102,7 @@ prop_compose! {
             forced: false,
             tracked: false,
             rigid: false,
+            visited: Visited::default(),
         }
     }
 }
@@ -251,7 +252,7 @@ proptest! {
         for effect in EFFECTS {
             let parameters = within(effect, &scales, &parts);
             match (effect.law)(&parameters) {
-                Law::Friction(Friction { kinetic, breakaway, stribeck_velocity }) => {
+                Law::Friction(Friction { kinetic, breakaway, stribeck_velocity, .. }) => {
                     prop_assert!(stribeck_velocity > 0.0);
                     prop_assert!((0..2).all(|k| 0.0 <= kinetic[k] && kinetic[k] <= breakaway[k]));
                 }
@@ -300,12 +301,7 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
                     0.0,
                     "force",
                 )?;
-                let state = force.advance(&motion, pair[0], pair[1], &memory);
-                memory = Memory {
-                    time,
-                    position: pair[0],
-                    state,
-                };
+                force.remember(&motion, pair[0], pair[1], &mut memory);
             }
         }
         Law::Friction(friction) => {
@@ -361,15 +357,11 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
 /// State of a law after a walk through these positions.
 fn walk(force: &dyn Force, start: Memory, positions: &[f64], duration: f64) -> Memory {
     let step = duration / positions.len() as f64;
-    positions.iter().fold(start, |memory, &position| {
+    positions.iter().fold(start, |mut memory, &position| {
         let time = memory.time + step;
         let motion = Motion { time, ..motion() };
-        let state = force.advance(&motion, position, 0.0, &memory);
-        Memory {
-            time,
-            position,
-            state,
-        }
+        force.remember(&motion, position, 0.0, &mut memory);
+        memory
     })
 }
 

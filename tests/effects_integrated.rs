@@ -1,6 +1,6 @@
 //! The laws of the catalogue in the chain: what the integration makes of them.
 
-use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
+use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales, Visited};
 use quell::model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide};
 use quell::model::{Grid, Hold, Kick, Timed, Trace, integrate};
 use std::f64::consts::TAU;
@@ -137,6 +137,7 @@ fn scales(base: &Trace) -> Scales {
         forced: false,
         tracked: false,
         rigid: false,
+        visited: Visited::default(),
     }
 }
 

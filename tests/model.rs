@@ -1,6 +1,6 @@
 //! The chain against closed forms: decay, friction, backlash, jumps, two masses, loops.
 
-use quell::effects::{EFFECTS, Effect, Friction, Law, Memory, Place, Scales};
+use quell::effects::{EFFECTS, Effect, Friction, Law, Memory, Place, Scales, Visited};
 use quell::model::chain::{
     Chain, ForceElement, FrictionElement, Linear, MotorSide, PositionLoop, State,
 };
@@ -41,6 +41,7 @@ fn coulomb(place: Place, kinetic: f64, breakaway: f64) -> FrictionElement {
             breakaway: [breakaway; 2],
             // Too small to be seen: the breakaway force acts at rest only.
             stribeck_velocity: 1e-9,
+            levels: None,
         },
         slides: 0.0,
     }
@@ -436,6 +437,7 @@ fn scales() -> Scales {
         forced: false,
         tracked: false,
         rigid: false,
+        visited: Visited::default(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Model files: what is read, what is written, what is refused and where.
 
-use quell::effects::{EFFECTS, Place};
+use quell::effects::{EFFECTS, Effect, LEARNED, ParameterRole, Place};
 use quell::model::{KINDS, Model, Value};
 use quell::recording::Role;
 
@@ -42,13 +42,17 @@ fn every_kind_with_every_effect_is_written_and_read_back_to_the_bit() {
             let mut inputs = kind.inputs.iter();
             inputs.any(|&input| (kind.places)(input).contains(&place))
         };
-        for effect in EFFECTS {
+        for effect in EFFECTS.iter().chain(LEARNED) {
             for place in effect.places.iter().filter(|place| has(**place)) {
                 text += &format!(
                     "[[effect]]\nname = \"{}\"\nplace = \"{}\"\n[effect.parameters]\n",
                     effect.name,
                     place.name()
                 );
+                if effect.is_learned() {
+                    text += &learned(effect);
+                    continue;
+                }
                 for parameter in effect.parameters {
                     text += &format!("{} = {{ value = 0.1, std = 1e-17 }}\n", parameter.name);
                 }
@@ -60,6 +64,42 @@ fn every_kind_with_every_effect_is_written_and_read_back_to_the_bit() {
         assert!(same(&model, &read(&written)), "{written}");
         assert_eq!(written, read(&written).to_toml());
     }
+}
+
+/// The parameters of a learned law.
+fn learned(effect: &Effect) -> String {
+    let ordinates = effect.parameters.iter();
+    let ordinates = ordinates.filter(|p| p.role == ParameterRole::Ordinate);
+    let value = |(k, _)| match k % 3 {
+        0 => format!("{:?}", 0.1 * k as f64),
+        1 => format!("{{ value = {:?}, std = 0.5 }}", (k as f64).sqrt()),
+        _ => "{ value = 1, fixed = true }".to_string(),
+    };
+    let values: Vec<String> = ordinates.enumerate().map(value).collect();
+    format!("from = 0.1\nto = 0.3\nvalues = [{}]\n", values.join(", "))
+}
+
+#[test]
+fn a_learned_law_is_a_table_of_its_values() {
+    let text = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8\ndamping_ratio = 0.05\n[[effect]]\n\
+                name = \"learned_spring\"\n[effect.parameters]\nfrom = -0.01\nto = 0.02\n\
+                values = [-3, -2, -1, -0.5, 0, 0, 0, 0.5, 1, 2, 3, 5e-1]\n";
+    let model = read(text);
+    let values: Vec<f64> = model.terms()[0].values.clone();
+    assert_eq!(values[..3], [-3.0, -2.0, -1.0]);
+    assert_eq!(values[11..], [0.5, -0.01, 0.02]);
+    // What was visited is no unknown.
+    let fixed = model.effects[0].parameters.iter().map(|p| p.fixed);
+    assert_eq!(fixed.filter(|fixed| *fixed).count(), 2);
+    let written = model.to_toml();
+    let line =
+        "values = [-3.0, -2.0, -1.0, -0.5, 0.0, 0.0, 0.0, 0.5, 1.0, 2.0, 3.0, 0.5]  # position\n";
+    assert!(written.contains(line), "{written}");
+    assert!(
+        written.contains("from = -0.01  # position\nto = 0.02"),
+        "{written}"
+    );
+    assert!(same(&model, &read(&written)));
 }
 
 #[test]
@@ -94,6 +134,13 @@ fn what_is_wrong_is_refused_with_file_line_and_key() {
     let joint = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8\ndamping_ratio = 0.05\n";
     let effect = "[[effect]]\nname = \"coulomb_friction\"\nplace = \"transmission\"\n";
     let friction = format!("{effect}[effect.parameters]\nfriction");
+    let law = |name: &str, from: &str, list: &str| {
+        format!(
+            "{joint}[[effect]]\nname = \"{name}\"\nplace = \"transmission\"\n[effect.parameters]\n\
+             from = {from}\nto = 1\nvalues = [{list}]"
+        )
+    };
+    let spring = |from: &str, list: &str| law("learned_spring", from, list);
     #[rustfmt::skip]
     let cases: &[(String, &[&str])] = &[
         ("kind = ".into(), &["m.toml:1:"]),
@@ -122,6 +169,14 @@ fn what_is_wrong_is_refused_with_file_line_and_key() {
         (joint.to_owned() + &effect.replace("transmission", "tansmission"), &["m.toml:6: place:", "\"transmission\"?"]),
         (format!("{joint}{friction} = -1"), &["m.toml:8: friction: -1.0 is not within 0.0"]),
         (format!("{joint}{friction} = inf"), &["m.toml:8: friction: inf is not within"]),
+        (spring("0", "1, 2"), &["m.toml:10: values: 2 values; learned_spring has 12"]),
+        (spring("1", "0,0,0,0,0,0,0,0,0,0,0,0"), &["m.toml:9: to: 1.0 is not above 1.0, where it begins"]),
+        (spring("-inf", "0,0,0,0,0,0,0,0,0,0,0,0"), &["m.toml:8: from: -inf is not within"]),
+        (spring("0", "0,0,0,0,0,0,0,0,0,0,0,nan"), &["m.toml:10: values: value 12, column 33: NaN is not within"]),
+        (spring("0", "0,0,0,0,0,0,0,0,0,0,0,\n \"x\""), &["m.toml:11: values: value 12, column 2: a number is wanted"]),
+        (spring("0", "0,0,0,0,0,0,0,0,0,0,0,0]\nstd = [3"), &["m.toml:11: std: is no key here"]),
+        (spring("0", "]\nvalue = [").replace("values", "walues"), &["m.toml:5: values: is missing"]),
+        (law("learned_friction", "-1", "0,0,0,0,0,0,0,0,0,0,0,-1"), &["value 12, column 33: -1.0 is not within 0.0"]),
         (format!("{joint}{friction}s = 1"), &["m.toml:5: friction: is missing"]),
     ];
     for (text, wanted) in cases {

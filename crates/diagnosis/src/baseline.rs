@@ -10,7 +10,7 @@ use super::stop::Stop;
 use super::thresholds::LONG;
 use super::whitening::Whitening;
 use quell_model::chain::MotorSide;
-use quell_model::effects::{Catalogue, Scales};
+use quell_model::effects::{Catalogue, Scales, Visited};
 use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Trace, see_motion};
 use quell_recording::Role;
 use std::f64::consts::TAU;
@@ -183,6 +183,17 @@ struct Extremes {
     velocity: f64,
     acceleration: f64,
     force: f64,
+    visited: Visited,
+}
+
+/// The range of nothing yet.
+const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// A range that holds a value, too; what is not finite does not count.
+fn widen(range: &mut (f64, f64), value: f64) {
+    if value.is_finite() {
+        *range = (range.0.min(value), range.1.max(value));
+    }
 }
 
 impl Default for Extremes {
@@ -191,10 +202,18 @@ impl Default for Extremes {
         Self {
             deformation: none,
             deformation_rate: none,
-            range: (f64::INFINITY, f64::NEG_INFINITY),
+            range: EMPTY,
             velocity: none,
             acceleration: none,
             force: none,
+            visited: Visited {
+                deformation: EMPTY,
+                deformation_rate: EMPTY,
+                motor_position: EMPTY,
+                motor_velocity: EMPTY,
+                input: EMPTY,
+                reading: EMPTY,
+            },
         }
     }
 }
@@ -211,9 +230,12 @@ impl Extremes {
             larger(&mut self.deformation_rate, link[1] - motor[1]);
             larger(&mut self.velocity, link[1]);
             larger(&mut self.acceleration, link[2]);
-            if link[0].is_finite() {
-                self.range = (self.range.0.min(link[0]), self.range.1.max(link[0]));
-            }
+            widen(&mut self.range, link[0]);
+            let visited = &mut self.visited;
+            widen(&mut visited.deformation, link[0] - motor[0]);
+            widen(&mut visited.deformation_rate, link[1] - motor[1]);
+            widen(&mut visited.motor_position, motor[0]);
+            widen(&mut visited.motor_velocity, motor[1]);
         }
         let forces = trace.force.iter();
         forces.for_each(|force| larger(&mut self.force, *force));
@@ -229,6 +251,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
     see_motion(kind, keys, &model.terms(), experiment, &start, |trace| {
         seen.take(trace)
     });
+    let visited = visited(&seen, experiments);
     let deformation = seen.deformation;
     let linear = (kind.linear)(keys, experiment.input);
     let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -285,7 +308,20 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         forced: linear.motor == MotorSide::Fixed && !linear.link_is_input,
         tracked: output.channel == Role::TipPosition,
         rigid: linear.link.is_none(),
+        visited,
     }
+}
+
+/// The ranges that a motion visits, and those of what was recorded.
+fn visited(seen: &Extremes, experiments: &[Experiment]) -> Visited {
+    let mut visited = seen.visited;
+    for experiment in experiments {
+        let inputs = experiment.input_values.iter();
+        inputs.for_each(|value| widen(&mut visited.input, *value));
+        let readings = experiment.outputs[0].values.iter();
+        readings.for_each(|value| widen(&mut visited.reading, *value));
+    }
+    visited
 }
 
 /// The best of several starts of the frequency, and whether the arm already rang at the start.

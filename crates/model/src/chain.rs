@@ -238,7 +238,7 @@ impl Chain {
                 sticks[attachment as usize] = true;
             } else {
                 let speed = coordinate(attachment, motion)[1].abs();
-                let force = sliding_force(&element.law, element.slides, speed);
+                let force = element.law.level(element.slides, speed);
                 bodies.resist(attachment, unit * element.slides * force, ratio);
             }
         }
@@ -342,14 +342,4 @@ pub(super) fn coordinate(attachment: Attachment, motion: &Motion) -> [f64; 2] {
         Attachment::Across => motion.deformation(),
         Attachment::Link => motion.link,
     }
-}
-
-/// `F_c + (F_s - F_c) exp(-(v / v_s)^2)` in the direction of `sign`.
-fn sliding_force(law: &Friction, sign: f64, speed: f64) -> f64 {
-    let side = usize::from(sign < 0.0);
-    let (kinetic, breakaway) = (law.kinetic[side], law.breakaway[side]);
-    if breakaway == kinetic || law.stribeck_velocity == 0.0 {
-        return kinetic;
-    }
-    kinetic + (breakaway - kinetic) * (-(speed / law.stribeck_velocity).powi(2)).exp()
 }

@@ -11,13 +11,24 @@
 //! place = "drive"
 //! [effect.parameters]
 //! friction = { value = 20.4, fixed = true }
+//!
+//! [[effect]]
+//! name = "learned_spring"       # a law whose shape is learned
+//! place = "transmission"
+//! [effect.parameters]
+//! from = -0.01                  # the range over which the knots lie
+//! to = 0.01
+//! values = [-3.1, -1.2, ...]    # the law at the knots
 //! ```
 
+mod learned;
+mod signs;
 mod source;
 mod write;
 
 use super::{Hold, KINDS, Kind, Model, ModelEffect, Value};
-use crate::effects::{EFFECTS, Effect, Parameter, Place, Scales};
+use crate::effects::{EFFECTS, Effect, LEARNED, Place};
+use signs::signs;
 use source::{Entry, Source, Table, list};
 use std::path::{Path, PathBuf};
 
@@ -220,14 +231,21 @@ fn effect(
     let entry = table.take("name").ok_or_else(|| table.missing("name"))?;
     table.anchor(&entry);
     let name = entry.text(source)?;
-    let effect = Effect::from_name(name)
-        .ok_or_else(|| entry.unknown(source, name, EFFECTS.iter().map(|effect| effect.name)))?;
+    let names = || EFFECTS.iter().chain(LEARNED).map(|effect| effect.name);
+    let effect = Effect::from_name(name).ok_or_else(|| entry.unknown(source, name, names()))?;
     let place = place(source, kind, effect, &mut table)?;
     let given = table.take("parameters");
     table.finish(["name", "place", "parameters"])?;
     let given = given.ok_or_else(|| table.missing("parameters"))?;
     let mut given_table = given.table(source)?;
     given_table.anchor(&entry);
+    if effect.is_learned() {
+        return Ok(ModelEffect {
+            effect,
+            place,
+            parameters: learned::parameters(source, effect, given_table)?,
+        });
+    }
     let mut parameters = Vec::new();
     for parameter in effect.parameters {
         parameters.push(match given_table.take(parameter.name) {
@@ -275,32 +293,4 @@ fn place(
         }
         None => Err(entry.unknown(source, name, names)),
     }
-}
-
-/// The signs that physics allows a parameter, whatever the motion's scales are.
-fn signs(parameter: &Parameter) -> (f64, f64) {
-    let (low, high) = (parameter.bounds)(&Scales {
-        deformation: 1.0,
-        deformation_rate: 1.0,
-        position: (-1.0, 1.0),
-        velocity: 1.0,
-        acceleration: 1.0,
-        force: 1.0,
-        input: 1.0,
-        natural_frequency: 1.0,
-        damping_ratio: 0.1,
-        span: (0.0, 1.0),
-        sample_time: 0.01,
-        candidate_events: Vec::new(),
-        candidate_frequencies: Vec::new(),
-        candidate_orders: Vec::new(),
-        candidate_stops: Vec::new(),
-        forced: false,
-        tracked: false,
-        rigid: false,
-    });
-    (
-        if low >= 0.0 { 0.0 } else { -f64::MAX },
-        if high <= 0.0 { 0.0 } else { f64::MAX },
-    )
 }

@@ -43,11 +43,21 @@ pub(super) struct Stepper<'a> {
     corners: Vec<(usize, f64)>,
     /// Breakaway force of an attachment in either direction, in the equation's unit, where it has friction.
     breakaway: [Option<[f64; 2]>; 3],
-    /// Least Stribeck velocity of an attachment, and the acceleration by which friction falls, where it does
-    /// so slowly enough to be followed.
-    stribeck: [Option<(f64, f64)>; 3],
+    /// How the friction of an attachment falls, where it does so slowly enough to be followed.
+    falls: [Option<Fall>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
     slides: [f64; 3],
+}
+
+/// Friction that falls with speed.
+#[derive(Clone, Copy)]
+struct Fall {
+    /// Speed within which it falls: the least Stribeck velocity, or the distance of knots.
+    velocity: f64,
+    /// Acceleration by which it falls.
+    drop: f64,
+    /// Speed beyond which it falls no more.
+    until: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -69,7 +79,7 @@ impl<'a> Stepper<'a> {
             let [x, v] = coordinate(attachment, &motion);
             let element = &mut chain.forces[index];
             (element.memory.time, element.memory.position) = (time, x);
-            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
+            element.law.remember(&motion, x, v, &mut element.memory);
             if let Some(value) = element.law.switch(&motion, x, v, &element.memory) {
                 corners.push((index, sign(value)));
             }
@@ -84,7 +94,7 @@ impl<'a> Stepper<'a> {
                 .map(|force| force * chain.linear.unit_force);
             breakaway[attachment] = Some([up + own[0], down + own[1]]);
         }
-        let stribeck = stribeck(chain, &constants, h);
+        let falls = falls(chain, &constants, h);
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
@@ -96,7 +106,7 @@ impl<'a> Stepper<'a> {
             whole,
             corners,
             breakaway,
-            stribeck,
+            falls,
             slides: [0.0; 3],
         }
     }
@@ -220,7 +230,7 @@ impl<'a> Stepper<'a> {
     fn longest(&self, start: &Instant, h: f64) -> f64 {
         let mut longest = h;
         for attachment in self.rough() {
-            let Some((velocity, drop)) = self.stribeck[attachment as usize] else {
+            let Some(fall) = self.falls[attachment as usize] else {
                 continue;
             };
             let slides = self.slides[attachment as usize];
@@ -229,12 +239,11 @@ impl<'a> Stepper<'a> {
             }
             let rate = slides * coordinate(attachment, &start.motion)[1];
             let change = slides * slip(start, attachment);
-            // Beyond three velocities the force is the kinetic one to 1e-4.
-            let above = rate - 3.0 * velocity;
+            let above = rate - fall.until;
             longest = match above > 0.0 {
                 true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
                 true => longest,
-                false => longest.min(0.5 * velocity / (change.abs() + drop)),
+                false => longest.min(0.5 * fall.velocity / (change.abs() + fall.drop)),
             };
         }
         longest
@@ -317,8 +326,7 @@ impl<'a> Stepper<'a> {
             let attachment = self.chain.attachment(self.chain.forces[index].place);
             let element = &mut self.chain.forces[index];
             let [x, v] = coordinate(attachment, &motion);
-            element.memory.state = element.law.advance(&motion, x, v, &element.memory);
-            (element.memory.position, element.memory.time) = (x, time);
+            element.law.remember(&motion, x, v, &mut element.memory);
         }
         for (force, side) in &mut self.corners {
             let element = &self.chain.forces[*force];
@@ -329,25 +337,38 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// Stribeck velocities that steps of length `h` can follow; smaller ones become 0: the breakaway force
-/// then acts at rest only.
-fn stribeck(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<(f64, f64)>; 3] {
-    let mut found = [None; 3];
+/// How friction falls at each attachment. Stribeck velocities that steps of length `h` cannot follow become 0:
+/// the breakaway force then acts at rest only.
+fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] {
+    let mut found: [Option<Fall>; 3] = [None; 3];
     for index in 0..chain.frictions.len() {
         let attachment = chain.attachment(chain.frictions[index].place);
         let law = &mut chain.frictions[index].law;
-        let sides = [0, 1].map(|side| law.breakaway[side] - law.kinetic[side]);
-        let unit = chain.linear.unit_force;
-        let drop = unit * constants.mobility(attachment) * sides[0].max(sides[1]);
+        let (velocity, force) = law.fall();
+        let drop = chain.linear.unit_force * constants.mobility(attachment) * force;
         if drop <= 0.0 {
             continue;
         }
-        if 0.5 * law.stribeck_velocity < drop * h / FINEST {
+        let curve = law.levels.is_some();
+        if !curve && 0.5 * velocity < drop * h / FINEST {
             law.stribeck_velocity = 0.0;
             continue;
         }
-        let (velocity, fall) = found[attachment as usize].unwrap_or((f64::INFINITY, 0.0));
-        found[attachment as usize] = Some((law.stribeck_velocity.min(velocity), drop + fall));
+        let other = found[attachment as usize].unwrap_or(Fall {
+            velocity: f64::INFINITY,
+            drop: 0.0,
+            until: 0.0,
+        });
+        let velocity = velocity.min(other.velocity);
+        found[attachment as usize] = Some(Fall {
+            velocity,
+            drop: drop + other.drop,
+            until: match curve || other.until == f64::INFINITY {
+                true => f64::INFINITY,
+                // Beyond three velocities the force is the kinetic one to 1e-4.
+                false => 3.0 * velocity,
+            },
+        });
     }
     found
 }

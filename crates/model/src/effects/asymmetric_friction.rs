@@ -6,6 +6,7 @@ use super::grid::product;
 use super::shared_parameters::FRICTION;
 use super::{
     Effect, Friction, Law, Likeness, Parameter, ParameterRole, Part, Place, Property, Quantity,
+    Slot,
 };
 
 /// Coulomb friction of different size in the two directions: `F (1 + a)` and `F (1 - a)`.
@@ -35,6 +36,7 @@ pub const ASYMMETRIC_FRICTION: Effect = Effect {
         Property::Contains(&COULOMB_FRICTION),
         Property::Parts(parts),
         Property::Alike(Likeness::LowSpeed),
+        Property::Slot(Slot::Friction),
     ],
     law: |p| {
         let friction = [p[0] * (1.0 + p[1]), p[0] * (1.0 - p[1])];
@@ -42,6 +44,7 @@ pub const ASYMMETRIC_FRICTION: Effect = Effect {
             kinetic: friction,
             breakaway: friction,
             stribeck_velocity: 1.0,
+            levels: None,
         })
     },
     starts: |scales| {

@@ -2,7 +2,7 @@
 
 use super::grid::product;
 use super::{
-    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity,
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
 };
 
 struct Backlash {
@@ -88,7 +88,11 @@ pub const BACKLASH: Effect = Effect {
             typical: |_| 1.0,
         },
     ],
-    properties: &[Property::ManyMinima, Property::Optional("damping_in_gap")],
+    properties: &[
+        Property::ManyMinima,
+        Property::Optional("damping_in_gap"),
+        Property::Slot(Slot::Spring),
+    ],
     law: |p| {
         Law::Force(Box::new(Backlash {
             half_gap: 0.5 * p[0],

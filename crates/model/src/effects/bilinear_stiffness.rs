@@ -1,7 +1,9 @@
 //! A spring of straight pieces.
 
 use super::grid::product;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 struct Bilinear {
     /// Relative change of stiffness beyond the knee, for positive and for negative deformation.
@@ -61,7 +63,7 @@ pub const BILINEAR_STIFFNESS: Effect = Effect {
             typical: |_| 0.2,
         },
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Spring)],
     law: |p| {
         Law::Force(Box::new(Bilinear {
             change: [p[0] * (1.0 + p[2]), p[0] * (1.0 - p[2])],

@@ -1,6 +1,6 @@
 //! A list of effects that is asked by names.
 
-use super::{EFFECTS, Effect, PLACES, Place};
+use super::{EFFECTS, Effect, LEARNED, PLACES, Place};
 
 /// Effects that may be missing from a model.
 ///
@@ -15,9 +15,10 @@ impl Default for Catalogue {
 }
 
 impl Catalogue {
-    /// The effect of this name.
+    /// The effect of this name; learned laws are known beside every catalogue.
     pub fn effect(self, name: &str) -> Option<&'static Effect> {
-        self.0.iter().copied().find(|effect| effect.name == name)
+        let mut known = self.0.iter().chain(LEARNED).copied();
+        known.find(|effect| effect.name == name)
     }
 
     /// The first effect of which this is true.

@@ -2,7 +2,9 @@
 
 use super::grid::{PHASES, orders, product};
 use super::shared_parameters::{ORDER, PHASE};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 struct Cogging {
     amplitude: f64,
@@ -39,7 +41,7 @@ pub const COGGING: Effect = Effect {
         ORDER,
         PHASE,
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::PositionForce)],
     law: |p| {
         Law::Force(Box::new(Cogging {
             amplitude: p[0],

@@ -1,7 +1,7 @@
 //! Coulomb friction.
 
 use super::shared_parameters::FRICTION;
-use super::{Effect, Friction, Law, Likeness, Place, Property};
+use super::{Effect, Friction, Law, Likeness, Place, Property, Slot};
 
 /// Dry friction of one size, sticking and sliding.
 pub const COULOMB_FRICTION: Effect = Effect {
@@ -16,12 +16,16 @@ pub const COULOMB_FRICTION: Effect = Effect {
     remedy: "Check lubrication, preload and seals; compensate it with a term that changes sign with \
         the velocity.",
     parameters: &[FRICTION],
-    properties: &[Property::Alike(Likeness::LowSpeed)],
+    properties: &[
+        Property::Alike(Likeness::LowSpeed),
+        Property::Slot(Slot::Friction),
+    ],
     law: |p| {
         Law::Friction(Friction {
             kinetic: [p[0]; 2],
             breakaway: [p[0]; 2],
             stribeck_velocity: 1.0,
+            levels: None,
         })
     },
     starts: |scales| {

@@ -1,6 +1,8 @@
 //! Cubic stiffness.
 
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 /// Part of the nominal stiffness at which softening ends.
 const SOFTEST: f64 = 0.1;
@@ -56,7 +58,7 @@ pub const CUBIC_STIFFNESS: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.2 * scales.deformation.powi(-2),
     }],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Spring)],
     law: |p| Law::Force(Box::new(Cubic::new(p[0]))),
     starts: |scales| {
         let unit = scales.deformation.powi(-2);

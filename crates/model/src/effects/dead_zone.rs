@@ -1,7 +1,7 @@
 //! A drive that does nothing while its input is small.
 
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Slot};
 
 struct DeadZone {
     half_width: f64,
@@ -34,7 +34,7 @@ pub const DEAD_ZONE: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.05 * scales.input,
     }],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Drive)],
     law: |p| Law::Drive(Box::new(DeadZone { half_width: p[0] })),
     starts: |scales| sizes(scales.input, [0.005, 0.015, 0.04, 0.1, 0.2, 0.4, 0.7]),
 };

@@ -1,7 +1,9 @@
 //! An end stop.
 
 use super::grid::{product, reach, typical_position};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 /// Instants at which the link may have met a stop that are looked at.
 const CANDIDATES: usize = 3;
@@ -96,7 +98,7 @@ pub const END_STOP: Effect = Effect {
             typical: |_| 1.0,
         },
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::PositionForce)],
     law: |p| {
         Law::Force(Box::new(EndStop {
             stiffness: p[0],

@@ -1,7 +1,9 @@
 //! A constant force on the drive.
 
 use super::grid::sizes;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 struct Offset {
     force: f64,
@@ -32,7 +34,7 @@ pub const FORCE_OFFSET: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.05 * scales.force,
     }],
-    properties: &[],
+    properties: &[Property::Slot(Slot::PositionForce)],
     law: |p| Law::Force(Box::new(Offset { force: p[0] })),
     starts: |scales| sizes(scales.force, [-0.05, 0.05]),
 };

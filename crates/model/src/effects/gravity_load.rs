@@ -5,7 +5,7 @@ use super::grid::{PHASES, product};
 use super::shared_parameters::PHASE;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity,
+    Quantity, Slot,
 };
 
 struct Gravity {
@@ -45,6 +45,7 @@ pub const GRAVITY_LOAD: Effect = Effect {
         // Where the axis turns by little.
         Property::Contains(&FORCE_OFFSET),
         Property::Alike(Likeness::Pose),
+        Property::Slot(Slot::PositionForce),
     ],
     law: |p| {
         Law::Force(Box::new(Gravity {

@@ -1,5 +1,7 @@
 //! Laws: the few ways in which physics enters the chain of an axis.
 
+use super::Spline;
+
 /// Motion of the chain at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
@@ -31,7 +33,12 @@ pub struct Memory {
     pub position: f64,
     /// The law's own state at the start of the step, such as a bristle's deflection.
     pub state: f64,
+    /// The states of a law that has several, such as the deflections of elements in parallel.
+    pub states: [f64; STATES],
 }
+
+/// Most states of a law beside its own.
+pub const STATES: usize = 8;
 
 /// A force that opposes the coordinate of its place: positive resists positive motion.
 ///
@@ -48,6 +55,12 @@ pub trait Force: Send + Sync {
         memory.state
     }
 
+    /// Brings the memory to the end of the step. A law of one state gives it with [`Force::advance`].
+    fn remember(&self, motion: &Motion, x: f64, v: f64, memory: &mut Memory) {
+        memory.state = self.advance(motion, x, v, memory);
+        (memory.position, memory.time) = (x, motion.time);
+    }
+
     /// A function whose change of sign is a corner of the force: the integrator ends a step there, on
     /// the far side. A force that jumps keeps its branch in its state, so that it is smooth within a
     /// step.
@@ -62,8 +75,8 @@ pub trait Force: Send + Sync {
 }
 
 /// Dry friction between two sides that stick until the force that holds them exceeds `breakaway`,
-/// and slide against `F_c + (F_s - F_c) exp(-(v / v_s)^2)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// and slide against `F_c + (F_s - F_c) exp(-(v / v_s)^2)`, or against a level that is a curve over the speed.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Kinetic friction `F_c` for positive and for negative slip velocity, force, at least 0.
     pub kinetic: [f64; 2],
@@ -71,6 +84,53 @@ pub struct Friction {
     pub breakaway: [f64; 2],
     /// Stribeck velocity `v_s`, above 0.
     pub stribeck_velocity: f64,
+    /// Levels over the speed for positive and for negative slip velocity, instead of the above; what is below 0
+    /// counts as 0.
+    pub levels: Option<Box<[Spline; 2]>>,
+}
+
+impl Friction {
+    /// Friction that slides against these levels over the speed, for positive and for negative slip velocity, and
+    /// sticks up to those at speed 0.
+    pub fn over_speed(levels: [Spline; 2]) -> Self {
+        let at_rest = [0, 1].map(|side: usize| levels[side].value(0.0).max(0.0));
+        Self {
+            kinetic: at_rest,
+            breakaway: at_rest,
+            stribeck_velocity: 1.0,
+            levels: Some(Box::new(levels)),
+        }
+    }
+
+    /// A speed within which the level falls, and how far it does; nowhere where it does not fall.
+    pub(crate) fn fall(&self) -> (f64, f64) {
+        match &self.levels {
+            Some(levels) => levels.iter().fold((f64::INFINITY, 0.0), |most, level| {
+                (
+                    most.0.min(level.spacing()),
+                    most.1.max(level.steepest_fall()),
+                )
+            }),
+            None => {
+                let [up, down] = [0, 1].map(|side| self.breakaway[side] - self.kinetic[side]);
+                (self.stribeck_velocity, up.max(down))
+            }
+        }
+    }
+
+    /// Its level at a slip speed in the direction of `sign`.
+    #[inline]
+    pub fn level(&self, sign: f64, speed: f64) -> f64 {
+        let side = usize::from(sign < 0.0);
+        let (kinetic, breakaway) = (self.kinetic[side], self.breakaway[side]);
+        if let Some(levels) = &self.levels {
+            return levels[side].value(speed).max(0.0);
+        }
+        if breakaway == kinetic || self.stribeck_velocity == 0.0 {
+            return kinetic;
+        }
+        kinetic + (breakaway - kinetic) * (-(speed / self.stribeck_velocity).powi(2)).exp()
+    }
 }
 
 /// What the drive makes of its input (a force, a current or a commanded position).

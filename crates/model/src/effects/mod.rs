@@ -4,6 +4,7 @@
 //! drive to sensor, what its parameters are, and gives the [`Law`] that the model integrates. A law
 //! with its size at its neutral value changes nothing, to the bit. All else that the program must know
 //! of it, it says in words and in [properties](Property); nobody else knows it by its name.
+//! [`LEARNED`] has the laws whose shape is learned: their parameters are their values at knots.
 //!
 //! Forces are in the unit of the model: N or N.m where an inertia is known; divided by the joint's
 //! stiffness, so in rad, where only its natural frequency is (`flexible_joint`, `oscillator`).
@@ -29,6 +30,10 @@ mod gravity_load;
 mod grid;
 mod hysteretic_stiffness;
 mod law;
+mod learned;
+mod learned_friction;
+mod learned_position_force;
+mod learned_spring;
 mod levelling;
 mod likeness;
 mod misalignment;
@@ -50,6 +55,8 @@ mod sensor_gain;
 mod sensor_lag;
 mod sensor_lag_second_order;
 mod shared_parameters;
+mod slot;
+mod spline;
 mod stiction;
 mod stiffness_drift;
 mod stribeck_friction;
@@ -60,11 +67,16 @@ mod viscous_drag;
 mod viscous_friction;
 
 pub use catalogue::{Catalogue, words};
-pub use law::{Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, Sensor};
+pub use law::{
+    Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, STATES, Sensor,
+};
+pub use learned::KNOTS;
 pub use likeness::{LIKENESSES, Likeness};
 pub use parameter::{Parameter, ParameterRole, Quantity, Units};
 pub use property::{Part, Property};
-pub use scales::Scales;
+pub use scales::{Scales, Visited};
+pub use slot::{Coordinate, Slot};
+pub use spline::Spline;
 
 use std::fmt;
 
@@ -177,8 +189,16 @@ pub const EFFECTS: &[&Effect] = &[
     &external_disturbance::EXTERNAL_DISTURBANCE,
 ];
 
+/// Laws whose shape is learned, one or more for each [`Slot`]: what a recording says where no law of the
+/// catalogue does.
+pub const LEARNED: &[&Effect] = &[
+    &learned_friction::LEARNED_FRICTION,
+    &learned_position_force::LEARNED_POSITION_FORCE,
+    &learned_spring::LEARNED_SPRING,
+];
+
 impl Effect {
-    /// The effect of this name.
+    /// The effect of this name, of the catalogue or learned.
     pub fn from_name(name: &str) -> Option<&'static Self> {
         Catalogue::default().effect(name)
     }
@@ -193,15 +213,18 @@ impl Effect {
         self.parameters.iter().position(|p| p.role == role)
     }
 
-    /// Index of its size.
+    /// Index of its size; of the first ordinate of a learned law.
     pub fn size(&self) -> usize {
         self.index(ParameterRole::Size).unwrap_or(0)
     }
 
     /// Whether it is not there, to the bit, for these values.
     pub fn vanishes(&self, values: &[f64]) -> bool {
-        let size = self.size();
-        values[size] == self.parameters[size].neutral
+        let gone = |(parameter, value): (&Parameter, &f64)| match parameter.role {
+            ParameterRole::Size | ParameterRole::Ordinate => *value == parameter.neutral,
+            _ => true,
+        };
+        self.parameters.iter().zip(values).all(gone)
     }
 
     /// A parameter's name in words; it writes proper names as the title does.

@@ -120,7 +120,7 @@ impl Quantity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRole {
     /// How large it is: the effect vanishes at the neutral value, whatever its other parameters are. Every
-    /// effect has one.
+    /// effect of the catalogue has one.
     Size,
     /// When it happens.
     Time,
@@ -134,6 +134,11 @@ pub enum ParameterRole {
     Phase,
     /// What its law looks like at a given size: a ratio, an exponent, a length, a time constant.
     Shape,
+    /// Value of a learned law at a knot; the effect vanishes where all of them are neutral.
+    Ordinate,
+    /// End of the range over which the knots of a learned law lie: what was visited when it was learned. It is
+    /// never fitted.
+    Range,
 }
 
 /// One number that describes an effect.
@@ -149,7 +154,7 @@ pub struct Parameter {
     pub bounds: fn(&Scales) -> (f64, f64),
     /// Value at which the effect vanishes, of its size; a harmless one of the others.
     pub neutral: f64,
-    /// Size that is met in practice, for a motion of these scales; never 0: it is the unit in which a
-    /// fit steps.
+    /// Size that is met in practice, for a motion of these scales; never 0 but for the end of a range: it is
+    /// the unit in which a fit steps.
     pub typical: fn(&Scales) -> f64,
 }

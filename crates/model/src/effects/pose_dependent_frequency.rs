@@ -1,7 +1,9 @@
 //! A link whose inertia depends on its pose.
 
 use super::grid::{product, reach, typical_position};
-use super::{Effect, Inertia, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
+use super::{
+    Effect, Inertia, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 /// Least factor on the inertia: it stays positive where the parabola does not.
 const LEAST: f64 = 0.1;
@@ -62,7 +64,10 @@ pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
             typical: typical_position,
         },
     ],
-    properties: &[Property::Alike(Likeness::Pose)],
+    properties: &[
+        Property::Alike(Likeness::Pose),
+        Property::Slot(Slot::Inertia),
+    ],
     law: |p| {
         Law::Inertia(Box::new(Parabola {
             curvature: p[0],

@@ -1,6 +1,6 @@
 //! What the rest of the program must know of an effect beside its law.
 
-use super::{Effect, Likeness, Parameter, ParameterRole};
+use super::{Effect, Likeness, Parameter, ParameterRole, Slot};
 
 /// A simpler effect, and the values of its parameters.
 pub type Part = (&'static Effect, Vec<f64>);
@@ -35,6 +35,8 @@ pub enum Property {
     OfDeformationOnly,
     /// It is a constant shift of the stamps, which the offset of a clock of the sensor's own is, too.
     ShiftsStamps,
+    /// It is a static law: a curve over the coordinate of this slot.
+    Slot(Slot),
     /// It is a wrong scale: a tracker that has it shows the same angles about the joint, and another
     /// radius.
     WrongScale,
@@ -120,6 +122,19 @@ impl Effect {
     /// Whether its sizes are to be walked through one by one, the smallest first.
     pub fn has_many_minima(&self) -> bool {
         self.is(|own| matches!(own, Property::ManyMinima))
+    }
+
+    /// Whether its shape is learned: its parameters are the law's values at knots.
+    pub fn is_learned(&self) -> bool {
+        self.index(ParameterRole::Ordinate).is_some()
+    }
+
+    /// Where its law lives, if it is a curve over one coordinate.
+    pub fn slot(&self) -> Option<Slot> {
+        self.properties.iter().find_map(|own| match own {
+            Property::Slot(slot) => Some(*slot),
+            _ => None,
+        })
     }
 
     /// Whether it is a damper between link and ground.

@@ -1,7 +1,9 @@
 //! Damping that grows with the square of the rate.
 
 use super::grid::sizes;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 struct Quadratic {
     coefficient: f64,
@@ -32,7 +34,7 @@ pub const QUADRATIC_DAMPING: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.1 * scales.force / scales.deformation_rate.powi(2),
     }],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Friction)],
     law: |p| Law::Force(Box::new(Quadratic { coefficient: p[0] })),
     starts: |scales| {
         let unit = scales.force / scales.deformation_rate.powi(2);

@@ -1,7 +1,9 @@
 //! Drag of a fluid on the link.
 
 use super::grid::sizes;
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 struct Drag {
     coefficient: f64,
@@ -30,7 +32,7 @@ pub const QUADRATIC_DRAG: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.1 * scales.force / scales.velocity.powi(2),
     }],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Friction)],
     law: |p| Law::Force(Box::new(Drag { coefficient: p[0] })),
     starts: |scales| sizes(scales.force / scales.velocity.powi(2), [0.02, 0.3]),
 };

@@ -1,7 +1,7 @@
 //! A drive that gives no more than its limit.
 
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Slot};
 
 struct Saturation {
     limit: f64,
@@ -34,7 +34,7 @@ pub const SATURATION: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.7 * scales.input,
     }],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Drive)],
     law: |p| Law::Drive(Box::new(Saturation { limit: p[0] })),
     starts: |scales| {
         sizes(

@@ -43,6 +43,26 @@ pub struct Scales {
     pub tracked: bool,
     /// Whether nothing bends: an axis without a spring.
     pub rigid: bool,
+    /// The ranges that are visited.
+    pub visited: Visited,
+}
+
+/// Least and greatest value of the coordinates on which static laws live. An empty range stands for one that
+/// is not known: the largest size in both directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Visited {
+    /// Deformation.
+    pub deformation: (f64, f64),
+    /// Rate of the deformation.
+    pub deformation_rate: (f64, f64),
+    /// Position of what the drive acts on.
+    pub motor_position: (f64, f64),
+    /// Its velocity.
+    pub motor_velocity: (f64, f64),
+    /// Input.
+    pub input: (f64, f64),
+    /// What the sensor shows.
+    pub reading: (f64, f64),
 }
 
 impl Scales {
@@ -60,4 +80,60 @@ impl Scales {
     pub fn travel(&self) -> f64 {
         self.position.1 - self.position.0
     }
+
+    /// Range of the deformation.
+    pub fn visited_deformation(&self) -> (f64, f64) {
+        known(self.visited.deformation, self.deformation)
+    }
+
+    /// Range of the rate of the deformation, as long in both directions.
+    pub fn visited_slip(&self) -> (f64, f64) {
+        both_ways(self.visited.deformation_rate, self.deformation_rate)
+    }
+
+    /// Range of the link's position.
+    pub fn visited_position(&self) -> (f64, f64) {
+        known(self.position, self.deformation)
+    }
+
+    /// Range of the position of what the drive acts on.
+    pub fn visited_motor_position(&self) -> (f64, f64) {
+        match self.visited.motor_position {
+            (from, to) if from < to => (from, to),
+            _ => self.visited_position(),
+        }
+    }
+
+    /// Range of its velocity, as long in both directions.
+    pub fn visited_motor_velocity(&self) -> (f64, f64) {
+        both_ways(self.visited.motor_velocity, self.velocity)
+    }
+
+    /// Range of the input.
+    pub fn visited_input(&self) -> (f64, f64) {
+        known(self.visited.input, self.input)
+    }
+
+    /// Range of what the sensor shows.
+    pub fn visited_reading(&self) -> (f64, f64) {
+        match self.visited.reading {
+            (from, to) if from < to => (from, to),
+            _ => self.visited_position(),
+        }
+    }
+}
+
+/// A range, or this size in both directions.
+fn known((from, to): (f64, f64), size: f64) -> (f64, f64) {
+    match from < to {
+        true => (from, to),
+        false => (-size, size),
+    }
+}
+
+/// The longer way of a range in both directions: friction has a curve for each, wherever the motion went.
+fn both_ways(range: (f64, f64), size: f64) -> (f64, f64) {
+    let (from, to) = known(range, size);
+    let most = to.max(-from);
+    (-most, most)
 }

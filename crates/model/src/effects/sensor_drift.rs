@@ -2,7 +2,9 @@
 
 use super::grid::{product, reach};
 use super::levelling::{SETTLING_RATE, levelling};
-use super::{Effect, Law, Parameter, ParameterRole, Place, Quantity, Reading, Sensor};
+use super::{
+    Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Reading, Sensor, Slot,
+};
 
 struct Drift {
     rate: f64,
@@ -51,7 +53,7 @@ pub const SENSOR_DRIFT: Effect = Effect {
         },
         SETTLING_RATE,
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::SensorDrift)],
     law: |p| {
         Law::Sensor(Box::new(Drift {
             rate: p[0],

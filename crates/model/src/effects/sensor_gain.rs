@@ -3,6 +3,7 @@
 use super::grid::{reach, sizes};
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Reading, Sensor,
+    Slot,
 };
 
 struct Gain {
@@ -32,7 +33,11 @@ pub const SENSOR_GAIN: Effect = Effect {
         neutral: 0.0,
         typical: |scales| (0.1 * scales.deformation / reach(scales)).min(0.1),
     }],
-    properties: &[Property::WrongScale, Property::Alike(Likeness::Pose)],
+    properties: &[
+        Property::WrongScale,
+        Property::Alike(Likeness::Pose),
+        Property::Slot(Slot::Sensor),
+    ],
     law: |p| Law::Sensor(Box::new(Gain { error: p[0] })),
     starts: |scales| {
         if scales.tracked {

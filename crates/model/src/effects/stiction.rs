@@ -2,7 +2,9 @@
 
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
-use super::{Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
+use super::{
+    Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 /// Slip velocity below which the breakaway force still acts: as good as none, in any unit.
 const AT_REST: f64 = 1e-9;
@@ -41,12 +43,14 @@ pub const STICTION: Effect = Effect {
     properties: &[
         Property::Contains(&COULOMB_FRICTION),
         Property::Alike(Likeness::LowSpeed),
+        Property::Slot(Slot::Friction),
     ],
     law: |p| {
         Law::Friction(Friction {
             kinetic: [p[0] * p[1]; 2],
             breakaway: [p[0]; 2],
             stribeck_velocity: AT_REST,
+            levels: None,
         })
     },
     starts: |scales| {

@@ -2,7 +2,9 @@
 
 use super::grid::product;
 use super::levelling::{SETTLING_RATE, levelling};
-use super::{Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Quantity};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 struct Drift {
     rate: f64,
@@ -40,7 +42,7 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
         },
         SETTLING_RATE,
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::StiffnessDrift)],
     law: |p| {
         Law::Force(Box::new(Drift {
             rate: p[0],

@@ -3,7 +3,9 @@
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
 use super::shared_parameters::FRICTION;
-use super::{Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
+use super::{
+    Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+};
 
 /// Dry friction that falls from its breakaway to its kinetic value as the slip gets faster.
 pub const STRIBECK_FRICTION: Effect = Effect {
@@ -43,12 +45,14 @@ pub const STRIBECK_FRICTION: Effect = Effect {
     properties: &[
         Property::Contains(&COULOMB_FRICTION),
         Property::Alike(Likeness::LowSpeed),
+        Property::Slot(Slot::Friction),
     ],
     law: |p| {
         Law::Friction(Friction {
             kinetic: [p[0]; 2],
             breakaway: [p[0] * (1.0 + p[1]); 2],
             stribeck_velocity: p[2],
+            levels: None,
         })
     },
     starts: |scales| {

@@ -1,7 +1,7 @@
 //! A drive that gives less for each ampere the more it is asked for.
 
 use super::grid::product;
-use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Slot};
 
 struct Droop {
     droop: f64,
@@ -50,7 +50,7 @@ pub const TORQUE_CONSTANT_NONLINEARITY: Effect = Effect {
             typical: |_| 1.0,
         },
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::Drive)],
     law: |p| {
         Law::Drive(Box::new(Droop {
             droop: p[0],

@@ -2,7 +2,7 @@
 
 use super::grid::sizes;
 use super::viscous_friction::Viscous;
-use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity};
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot};
 
 /// A force against the link in proportion to its speed: `F = c y'`.
 pub const VISCOUS_DRAG: Effect = Effect {
@@ -26,6 +26,7 @@ pub const VISCOUS_DRAG: Effect = Effect {
     properties: &[
         Property::DampsToGround,
         Property::Alike(Likeness::ShiftInTime),
+        Property::Slot(Slot::Friction),
     ],
     law: |p| Law::Force(Box::new(Viscous { coefficient: p[0] })),
     starts: |scales| sizes(scales.force / scales.velocity, [0.02, 0.3]),

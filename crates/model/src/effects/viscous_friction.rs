@@ -3,7 +3,7 @@
 use super::grid::sizes;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity,
+    Quantity, Slot,
 };
 
 /// A force in proportion to a velocity.
@@ -35,7 +35,10 @@ pub const VISCOUS_FRICTION: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.1 * scales.force / scales.velocity,
     }],
-    properties: &[Property::Alike(Likeness::ShiftInTime)],
+    properties: &[
+        Property::Alike(Likeness::ShiftInTime),
+        Property::Slot(Slot::Friction),
+    ],
     law: |p| Law::Force(Box::new(Viscous { coefficient: p[0] })),
     starts: |scales| sizes(scales.force / scales.velocity, [0.02, 0.3]),
 };

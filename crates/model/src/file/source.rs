@@ -20,6 +20,11 @@ impl<'a> Source<'a> {
         1 + before.iter().filter(|&&byte| byte == b'\n').count()
     }
 
+    fn column(&self, offset: usize) -> usize {
+        let before = self.text.get(..offset).unwrap_or_default();
+        1 + before.chars().rev().take_while(|c| *c != '\n').count()
+    }
+
     /// The text as TOML.
     pub fn document(&self) -> Result<DeTable<'a>, ModelError> {
         let parsed = DeTable::parse(self.text).map_err(|error| ModelError::Syntax {
@@ -53,6 +58,7 @@ impl<'s> Table<'s> {
     pub fn new(source: &'s Source<'s>, table: &'s DeTable<'s>) -> Self {
         let entry = |(key, value): (&'s Spanned<_>, &'s Spanned<_>)| Entry {
             key: AsRef::<str>::as_ref(key.get_ref()),
+            index: None,
             start: key.span().start,
             value,
         };
@@ -105,6 +111,8 @@ impl<'s> Table<'s> {
 #[derive(Clone, Copy)]
 pub struct Entry<'s> {
     key: &'s str,
+    /// Number in the array that the key holds, from 1.
+    index: Option<usize>,
     start: usize,
     value: &'s Spanned<DeValue<'s>>,
 }
@@ -112,7 +120,14 @@ pub struct Entry<'s> {
 impl<'s> Entry<'s> {
     /// An error at the entry.
     pub fn refuse(&self, source: &Source, reason: String) -> ModelError {
-        source.refuse(self.start, self.key, reason)
+        match self.index {
+            None => source.refuse(self.start, self.key, reason),
+            Some(index) => {
+                let column = source.column(self.start);
+                let reason = format!("value {index}, column {column}: {reason}");
+                source.refuse(self.start, self.key, reason)
+            }
+        }
     }
 
     /// A name that is none of the known ones.
@@ -162,6 +177,19 @@ impl<'s> Entry<'s> {
             (&[low, high], 2) => Ok((low, high)),
             _ => Err(wrong()),
         }
+    }
+
+    /// The entries of an array; each is told by the array's key and its number, from 1.
+    pub fn list(&self, source: &Source) -> Result<Vec<Entry<'s>>, ModelError> {
+        let wrong = || self.wrong(source, "an array of numbers");
+        let array = self.value.get_ref().as_array().ok_or_else(wrong)?;
+        let entry = |(index, value): (usize, &'s Spanned<DeValue<'s>>)| Entry {
+            key: self.key,
+            index: Some(index + 1),
+            start: value.span().start,
+            value,
+        };
+        Ok(array.iter().enumerate().map(entry).collect())
     }
 
     /// True or false.

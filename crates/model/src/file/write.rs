@@ -1,8 +1,9 @@
 //! A model as the text of its file.
 
-use super::super::{Model, Value};
+use super::super::{Model, ModelEffect, Value};
 use super::HOLDS;
-use crate::effects::{Quantity, Units};
+use super::learned::VALUES;
+use crate::effects::{ParameterRole, Quantity, Units};
 use std::fmt::Write;
 
 impl Model {
@@ -40,12 +41,36 @@ impl Model {
                 None,
             );
             text.push_str("[effect.parameters]\n");
+            if effect.effect.is_learned() {
+                self.write_learned(&mut text, effect);
+                continue;
+            }
             for (parameter, value) in effect.effect.parameters.iter().zip(&effect.parameters) {
                 let unit = self.unit(parameter.quantity);
                 line(&mut text, parameter.name, &inline(value), unit);
             }
         }
         text
+    }
+
+    /// A learned law: its range, and its values at the knots as one list.
+    fn write_learned(&self, text: &mut String, effect: &ModelEffect) {
+        let (mut values, mut unit) = (Vec::new(), None);
+        for (parameter, value) in effect.effect.parameters.iter().zip(&effect.parameters) {
+            if parameter.role != ParameterRole::Range {
+                values.push(inline(value));
+                unit = self.unit(parameter.quantity);
+                continue;
+            }
+            // The end of a range is never fitted: it need not be said.
+            let value = Value {
+                fixed: false,
+                ..*value
+            };
+            let unit = self.unit(parameter.quantity);
+            line(text, parameter.name, &inline(&value), unit);
+        }
+        line(text, VALUES, &format!("[{}]", values.join(", ")), unit);
     }
 
     /// A unit in terms of the recording's; forces divided by a stiffness are positions.

@@ -1,0 +1,89 @@
+//! What all learned laws have: ordinates at equally spaced knots, and the range over which these lie.
+
+use super::{Force, Memory, Motion, Parameter, ParameterRole, Quantity, Scales, Spline};
+
+/// Ordinates of a learned law.
+pub const KNOTS: usize = 12;
+
+/// Its parameters: the ordinates, in the order of their knots, and the two ends of the range.
+pub(super) const PARAMETERS: usize = KNOTS + 2;
+
+/// Names of ordinates in a table of parameters. A file writes them as one list.
+const NAMES: [&str; KNOTS] = [
+    "y0", "y1", "y2", "y3", "y4", "y5", "y6", "y7", "y8", "y9", "y10", "y11",
+];
+
+/// An ordinate of a law; [`parameters`] gives it its name.
+pub(super) const fn ordinate(
+    quantity: Quantity,
+    bounds: fn(&Scales) -> (f64, f64),
+    typical: fn(&Scales) -> f64,
+) -> Parameter {
+    Parameter {
+        name: NAMES[0],
+        role: ParameterRole::Ordinate,
+        quantity,
+        bounds,
+        neutral: 0.0,
+        typical,
+    }
+}
+
+/// The ordinates, and the range of a coordinate that the motion visits.
+pub(super) const fn parameters<const PARAMETERS: usize>(
+    ordinate: Parameter,
+    coordinate: Quantity,
+    visited: [fn(&Scales) -> f64; 2],
+) -> [Parameter; PARAMETERS] {
+    let mut parameters = [ordinate; PARAMETERS];
+    let ordinates = PARAMETERS - 2;
+    let mut k = 0;
+    while k < ordinates {
+        parameters[k].name = NAMES[k];
+        k += 1;
+    }
+    parameters[ordinates] = end("from", coordinate, visited[0]);
+    parameters[ordinates + 1] = end("to", coordinate, visited[1]);
+    parameters
+}
+
+const fn end(name: &'static str, quantity: Quantity, typical: fn(&Scales) -> f64) -> Parameter {
+    Parameter {
+        name,
+        role: ParameterRole::Range,
+        quantity,
+        bounds: |_| (f64::MIN, f64::MAX),
+        neutral: 0.0,
+        typical,
+    }
+}
+
+/// The neutral law over a range.
+pub(super) fn start<const PARAMETERS: usize>((from, to): (f64, f64)) -> Vec<f64> {
+    let mut values = vec![0.0; PARAMETERS];
+    values[PARAMETERS - 2..].copy_from_slice(&[from, to]);
+    values
+}
+
+/// Ordinates, and where they begin and end.
+pub(super) fn split(values: &[f64]) -> (&[f64], f64, f64) {
+    match values {
+        [ordinates @ .., from, to] => (ordinates, *from, *to),
+        _ => (&[], 0.0, 0.0),
+    }
+}
+
+/// The law through the ordinates among the values of the parameters.
+pub(super) fn spline(values: &[f64]) -> Spline {
+    let (ordinates, from, to) = split(values);
+    Spline::new(from, to, ordinates)
+}
+
+/// A force over the position of its place.
+pub(super) struct OverPosition(pub Spline);
+
+impl Force for OverPosition {
+    fn force(&self, _motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
+        self.0.value(x)
+    }
+}

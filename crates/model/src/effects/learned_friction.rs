@@ -1,0 +1,49 @@
+//! Dry friction of any shape.
+
+use super::learned::{PARAMETERS, ordinate, parameters, split, start};
+use super::{Effect, Friction, Law, Place, Property, Quantity, Slot, Spline};
+
+/// Dry friction whose level depends on the slip speed in any way, in each direction in its own: it sticks up to
+/// the level at speed 0 and slides against the level at its speed.
+///
+/// The first half of the ordinates are the levels of negative slip velocity, from the fastest to 0, the second
+/// half those of positive velocity, from 0 to the fastest.
+pub const LEARNED_FRICTION: Effect = Effect {
+    name: "learned_friction",
+    title: "learned friction",
+    places: &[Place::Drive, Place::Transmission],
+    physics: "Two surfaces stick until the force between them exceeds the level of friction at rest, and slide \
+        against a level that depends on the slip velocity: a curve for each direction, which is learned, with a \
+        jump where the velocity changes its sign. Each is a cubic spline through levels at equally spaced speeds, \
+        of constant slope beyond the fastest that was visited; no level is below 0, so that friction never \
+        drives. Source: Karnopp, ASME J. Dynamic Systems, Measurement and Control 107 (1985); Armstrong-Helouvry, \
+        Dupont, Canudas de Wit, Automatica 30 (1994).",
+    remedy: "Look at the curve; compensate it by a table over the velocity.",
+    parameters: &parameters::<PARAMETERS>(
+        ordinate(
+            Quantity::FORCE,
+            |scales| (0.0, scales.force),
+            |scales| 0.05 * scales.force,
+        ),
+        Quantity::VELOCITY,
+        [
+            |scales| scales.visited_slip().0,
+            |scales| scales.visited_slip().1,
+        ],
+    ),
+    properties: &[Property::Slot(Slot::Friction)],
+    law: |p| {
+        let (ordinates, from, to) = split(p);
+        let (backward, forward) = ordinates.split_at(ordinates.len() / 2);
+        let backward: Vec<f64> = backward.iter().rev().copied().collect();
+        Law::Friction(Friction::over_speed([
+            Spline::new(0.0, to, forward),
+            Spline::new(0.0, -from, &backward),
+        ]))
+    },
+    starts: |scales| {
+        [scales.visited_motor_velocity(), scales.visited_slip()]
+            .map(start::<PARAMETERS>)
+            .to_vec()
+    },
+};

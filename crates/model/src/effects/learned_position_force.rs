@@ -1,0 +1,36 @@
+//! A force of any shape over the position.
+
+use super::learned::{OverPosition, PARAMETERS, ordinate, parameters, spline, start};
+use super::{Effect, Law, Place, Property, Quantity, Slot};
+
+/// A force that depends on where the axis is: `F = f(x)`.
+pub const LEARNED_POSITION_FORCE: Effect = Effect {
+    name: "learned_position_force",
+    title: "learned force over position",
+    places: &[Place::Drive, Place::Link],
+    physics: "A force f(x) resists positive motion at each position x, whatever the speed: weights, springs to \
+        ground, cables, a guide that is tight at one end. The curve is learned: a cubic spline through its values \
+        at equally spaced positions, of constant slope outside of what was visited. What changes faster over the \
+        position than the knots lie is cogging. Source: de Boor, A Practical Guide to Splines (1978); Eilers and \
+        Marx, Statistical Science 11 (1996).",
+    remedy: "Look at the curve, and for what pulls there; add it to the feedforward as a table over the position.",
+    parameters: &parameters::<PARAMETERS>(
+        ordinate(
+            Quantity::FORCE,
+            |scales| (-20.0 * scales.force, 20.0 * scales.force),
+            |scales| 0.05 * scales.force,
+        ),
+        Quantity::POSITION,
+        [
+            |scales| scales.visited_position().0,
+            |scales| scales.visited_position().1,
+        ],
+    ),
+    properties: &[Property::Slot(Slot::PositionForce)],
+    law: |p| Law::Force(Box::new(OverPosition(spline(p)))),
+    starts: |scales| {
+        [scales.visited_motor_position(), scales.visited_position()]
+            .map(start::<PARAMETERS>)
+            .to_vec()
+    },
+};

@@ -1,0 +1,104 @@
+//! A law that is given by its values at equally spaced knots.
+
+use quell_signal::{CubicSpline, End};
+
+/// The twice differentiable piecewise cubic through ordinates at equally spaced knots; beyond the first and
+/// the last knot it goes on with constant slope.
+///
+/// It is linear in its ordinates and holds every cubic polynomial (its ends are not-a-knot). Interpolation
+/// error of the order of `h^4 f''''`. The pieces are worked out once: a value costs an index and a cubic, and
+/// does not allocate.
+///
+/// Source: de Boor, A Practical Guide to Splines (1978), chapter IV.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spline {
+    from: f64,
+    /// Knots for a unit of the coordinate.
+    density: f64,
+    /// Coefficients in rising powers of the part of a spacing since the piece began: the straight line before
+    /// the first knot, which begins one spacing before it, the cubics, the straight line after the last.
+    pieces: Box<[[f64; 4]]>,
+}
+
+impl Spline {
+    /// Through these ordinates, the first at `from` and the last at `to`. One ordinate is a constant, and so
+    /// is the first of several where `from` is not below `to`. Where one is not finite all values are NaN.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_model::effects::Spline;
+    /// let cubic = |x: f64| x * x * x - x;
+    /// let spline = Spline::new(-1.0, 1.0, &[-1.0, -0.5, 0.0, 0.5, 1.0].map(cubic));
+    /// assert!((spline.value(0.3) - cubic(0.3)).abs() < 1e-15);
+    /// // Constant slope outside: x^3 - x has the slope 2 at 1.
+    /// assert!((spline.value(3.0) - 4.0).abs() < 1e-14);
+    /// ```
+    pub fn new(from: f64, to: f64, ordinates: &[f64]) -> Self {
+        let spaces = ordinates.len().saturating_sub(1) as f64;
+        let density = spaces / (to - from);
+        let (density, ordinates) = match density > 0.0 && density.is_finite() {
+            true => (density, ordinates),
+            false => (0.0, &ordinates[..ordinates.len().min(1)]),
+        };
+        Self {
+            from,
+            density,
+            pieces: pieces(ordinates).into(),
+        }
+    }
+
+    /// The law's value.
+    #[inline]
+    pub fn value(&self, x: f64) -> f64 {
+        let ([a, b, c, d], s) = self.piece(x);
+        a + s * (b + s * (c + s * d))
+    }
+
+    /// Its derivative.
+    #[inline]
+    pub fn slope(&self, x: f64) -> f64 {
+        let ([_, b, c, d], s) = self.piece(x);
+        self.density * (b + s * (2.0 * c + s * 3.0 * d))
+    }
+
+    /// Distance of the knots; infinite where it is a constant.
+    pub fn spacing(&self) -> f64 {
+        1.0 / self.density
+    }
+
+    /// How far it falls at most from a knot to the next.
+    pub(super) fn steepest_fall(&self) -> f64 {
+        let knots = self.pieces.iter().skip(1).map(|piece| piece[0]);
+        let falls = knots.clone().zip(knots.skip(1)).map(|(a, b)| a - b);
+        falls.fold(0.0, f64::max)
+    }
+
+    #[inline]
+    fn piece(&self, x: f64) -> ([f64; 4], f64) {
+        // Shifted by the line before the first knot; what is below 0 or no number becomes index 0.
+        let knots = (x - self.from) * self.density + 1.0;
+        let index = (knots as usize).min(self.pieces.len() - 1);
+        (self.pieces[index], knots - index as f64)
+    }
+}
+
+fn pieces(ordinates: &[f64]) -> Vec<[f64; 4]> {
+    let constant = |value| vec![[value, 0.0, 0.0, 0.0]];
+    let [first, .., last] = *ordinates else {
+        return constant(ordinates.first().copied().unwrap_or(0.0));
+    };
+    let knots: Vec<f64> = (0..ordinates.len()).map(|k| k as f64).collect();
+    let Ok(spline) = CubicSpline::new(&knots, ordinates, End::NotAKnot) else {
+        return constant(f64::NAN);
+    };
+    let slope = |k: usize| spline.derivative(knots[k]);
+    let end = ordinates.len() - 1;
+    let mut pieces = vec![[first - slope(0), slope(0), 0.0, 0.0]];
+    for k in 0..end {
+        let (before, after) = (spline.second(k), spline.second(k + 1));
+        let slope = ordinates[k + 1] - ordinates[k] - (2.0 * before + after) / 6.0;
+        pieces.push([ordinates[k], slope, before / 2.0, (after - before) / 6.0]);
+    }
+    pieces.push([last, slope(end), 0.0, 0.0]);
+    pieces
+}

@@ -1,0 +1,297 @@
+//! Laws whose shape is learned: conformance of the table, and the laws of the catalogue as curves.
+
+use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
+use quell_model::effects::{
+    Effect, KNOTS, LEARNED, Law, Memory, ParameterRole, Place, Scales, Visited,
+};
+use quell_model::{Grid, Hold, Timed, Trace, integrate};
+
+fn effect(name: &str) -> &'static Effect {
+    Effect::from_name(name).unwrap_or_else(|| panic!("no effect {name}"))
+}
+
+/// A smooth move from 0 to 1 while `s` goes from 0 to 1.
+fn rise(s: f64) -> f64 {
+    let s = s.clamp(0.0, 1.0);
+    s.powi(4) * (35.0 - 84.0 * s + 70.0 * s * s - 20.0 * s.powi(3))
+}
+
+/// A joint of 1 rad/s whose motor side is prescribed; forces are divided by its stiffness.
+const JOINT: Linear = Linear {
+    motor: MotorSide::Prescribed,
+    link: Some((1.0, 0.0)),
+    stiffness: 1.0,
+    damping: 0.1,
+    motor_gain: 0.0,
+    link_gain: 0.0,
+    position_loop: None,
+    link_is_input: false,
+    unit_force: 1.0,
+};
+
+/// A mass that a force pushes.
+const MASS: Linear = Linear {
+    motor: MotorSide::Free {
+        inertia: 1.0,
+        viscous: 0.1,
+    },
+    link: None,
+    stiffness: 0.0,
+    damping: 0.0,
+    motor_gain: 1.0,
+    link_gain: 0.0,
+    position_loop: None,
+    link_is_input: false,
+    unit_force: 1.0,
+};
+
+/// The input of a chain: moves of the motor side, or a force that pushes to and fro.
+fn grid(linear: Linear, step: f64) -> Grid {
+    let time: Vec<f64> = (0..=200).map(|k| f64::from(k) * 0.2).collect();
+    let input = |t: &f64| match linear == MASS {
+        true => 1.2 * (0.7 * t).sin() + 0.5 * (2.1 * t).cos(),
+        false => rise(t / 6.0) - 0.6 * rise((t - 12.0) / 5.0) + 0.4 * rise((t - 25.0) / 4.0),
+    };
+    let values: Vec<f64> = time.iter().map(input).collect();
+    Grid::new(&time, &values, Hold::Spline, step * (1.0 + 1e-9)).unwrap()
+}
+
+fn simulate(linear: Linear, law: Law, place: Place, step: f64) -> Trace {
+    let (mut chain, mut timed) = (Chain::new(linear), Timed::default());
+    match law {
+        Law::Force(law) => {
+            let memory = Memory::default();
+            chain.forces.push(ForceElement { place, law, memory });
+        }
+        Law::Friction(law) => chain.frictions.push(FrictionElement {
+            place,
+            law,
+            slides: 0.0,
+        }),
+        Law::Inertia(inertia) => {
+            timed.breaks.extend(inertia.breaks());
+            chain.inertias.push(inertia);
+        }
+        _ => {}
+    }
+    let state: State = [0.0; 8];
+    integrate(&mut chain, &grid(linear, step), state, &timed)
+}
+
+fn law_of(name: &str, values: &[f64]) -> Law {
+    (effect(name).law)(values)
+}
+
+/// Positions of the link at the knots of the input.
+fn at_knots(trace: &Trace) -> Vec<f64> {
+    let node = |k: u32| {
+        let time = f64::from(k) * 0.2 + 1e-9;
+        trace.time.partition_point(|t| *t < time) - 1
+    };
+    (0..=200).map(|k| trace.link[node(k)][0]).collect()
+}
+
+/// Largest difference of two motions, and the largest of the first from that of the bare chain.
+fn differences(linear: Linear, a: &Trace, b: &Trace) -> (f64, f64) {
+    let largest = |a: &Trace, b: &Trace| {
+        let pairs = at_knots(a).into_iter().zip(at_knots(b));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let bare = integrate(
+        &mut Chain::new(linear),
+        &grid(linear, 0.1),
+        [0.0; 8],
+        &Timed::default(),
+    );
+    (largest(a, b), largest(a, &bare))
+}
+
+/// Ordinates of a function at the knots of a range, with the range.
+fn sampled(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    let knot = |k: usize| from + (to - from) * k as f64 / (KNOTS - 1) as f64;
+    let mut values: Vec<f64> = (0..KNOTS).map(|k| f(knot(k))).collect();
+    values.extend([from, to]);
+    values
+}
+
+/// Levels of friction at the knots of both directions up to a speed.
+fn levels(fastest: f64, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    let half = KNOTS / 2;
+    let forward: Vec<f64> = (0..half)
+        .map(|k| f(fastest * k as f64 / (half - 1) as f64))
+        .collect();
+    let mut values: Vec<f64> = forward.iter().rev().chain(&forward).copied().collect();
+    values.extend([-fastest, fastest]);
+    values
+}
+
+fn scales() -> Scales {
+    Scales {
+        deformation: 0.05,
+        deformation_rate: 0.05,
+        position: (0.0, 1.0),
+        velocity: 0.3,
+        acceleration: 0.1,
+        force: 0.05,
+        input: 1.0,
+        natural_frequency: 1.0,
+        damping_ratio: 0.05,
+        span: (0.0, 40.0),
+        sample_time: 0.05,
+        candidate_events: vec![11.03],
+        candidate_frequencies: vec![2.5],
+        candidate_orders: vec![30.0],
+        candidate_stops: vec![[0.5, 1.0]],
+        forced: false,
+        tracked: false,
+        rigid: false,
+        visited: Visited {
+            deformation: (-0.3, 0.4),
+            motor_position: (-5.0, 5.0),
+            motor_velocity: (-2.0, 3.0),
+            deformation_rate: (-0.2, 0.3),
+            ..Visited::default()
+        },
+    }
+}
+
+#[test]
+fn every_learned_law_is_well_formed() {
+    for effect in LEARNED {
+        let name = effect.name;
+        assert!(effect.is_learned() && effect.slot().is_some(), "{name}");
+        assert_eq!(Effect::from_name(name), Some(*effect));
+        let ends = effect.parameters.iter().map(|p| (p.name, p.role));
+        let ends: Vec<_> = ends.rev().take(2).collect();
+        let range = ParameterRole::Range;
+        assert_eq!(ends, [("to", range), ("from", range)], "{name}");
+        // One start for each place, in their order, all of them neutral.
+        let starts = (effect.starts)(&scales());
+        assert_eq!(starts.len(), effect.places.len(), "{name}");
+        for start in &starts {
+            assert_eq!(start.len(), effect.parameters.len(), "{name}");
+            assert!(effect.vanishes(start), "{name}: {start:?}");
+            let [.., from, to] = start[..] else { panic!() };
+            assert!(from < to, "{name}: {start:?}");
+        }
+        for parameter in effect.parameters {
+            let (low, high) = (parameter.bounds)(&scales());
+            let typical = (parameter.typical)(&scales());
+            let what = format!("{name} {}: {low} .. {high}, {typical}", parameter.name);
+            assert!(low < high && low <= typical && typical <= high, "{what}");
+            let ordinate = parameter.role == ParameterRole::Ordinate;
+            assert!(
+                !ordinate || typical > 0.0 && low <= 0.0 && 0.0 <= high,
+                "{what}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_neutral_learned_law_is_the_baseline_to_the_bit() {
+    for effect in LEARNED {
+        for (&place, start) in effect.places.iter().zip((effect.starts)(&scales())) {
+            let linear = if place == Place::Drive { MASS } else { JOINT };
+            let law = (effect.law)(&start);
+            // Friction that holds nothing ends steps; a model leaves it out.
+            if !matches!(law, Law::Friction(_)) {
+                let found = simulate(linear, law, place, 0.1);
+                let grid = grid(linear, 0.1);
+                let bare = integrate(&mut Chain::new(linear), &grid, [0.0; 8], &Timed::default());
+                assert!(found.link == bare.link, "{} {}", effect.name, place.name());
+            }
+        }
+    }
+}
+
+/// A spline holds every cubic polynomial, so that nothing but rounding is left.
+#[test]
+fn val_a_learned_spring_of_a_cubic_is_the_cubic_stiffness() {
+    let named = simulate(
+        JOINT,
+        law_of("cubic_stiffness", &[2.0]),
+        Place::Transmission,
+        0.1,
+    );
+    let values = sampled(-0.6, 0.7, |x| 2.0 * x * x * x);
+    let learned = simulate(
+        JOINT,
+        law_of("learned_spring", &values),
+        Place::Transmission,
+        0.1,
+    );
+    let (off, seen) = differences(JOINT, &named, &learned);
+    assert!(seen > 1e-3 && off < 1e-14, "{off:e} of {seen:e}");
+}
+
+#[test]
+fn val_a_learned_friction_of_one_level_is_coulomb_friction_to_the_bit() {
+    for (linear, place) in [(MASS, Place::Drive), (JOINT, Place::Transmission)] {
+        let level = if linear == MASS { 0.9 } else { 0.01 };
+        let named = simulate(linear, law_of("coulomb_friction", &[level]), place, 0.1);
+        let learned = law_of("learned_friction", &levels(1.0, |_| level));
+        let learned = simulate(linear, learned, place, 0.1);
+        assert!(differences(linear, &named, &named).1 > 1e-3);
+        assert!(named == learned, "{}", place.name());
+        // It sticks and slides.
+        let still = named
+            .motor
+            .windows(2)
+            .filter(|w| w[0][1] == 0.0 && w[1][1] == 0.0);
+        assert!(linear == JOINT || still.count() > 3);
+    }
+}
+
+/// Knots a third of the Stribeck velocity apart: the spline errs by some thousandths of the excess.
+#[test]
+fn val_a_learned_friction_of_stribecks_levels_is_stribeck_friction() {
+    let (friction, excess, velocity) = (0.3, 0.5, 1.2);
+    let level = |v: f64| friction * (1.0 + excess * (-(v / velocity) * (v / velocity)).exp());
+    let named = law_of("stribeck_friction", &[friction, excess, velocity]);
+    let named = simulate(MASS, named, Place::Drive, 0.1);
+    let learned = law_of("learned_friction", &levels(2.0, level));
+    let learned = simulate(MASS, learned, Place::Drive, 0.1);
+    let (off, seen) = differences(MASS, &named, &learned);
+    let fastest = named.motor.iter().map(|m| m[1].abs()).fold(0.0, f64::max);
+    assert!(
+        seen > 0.1 && fastest < 2.0 && off < 5e-3 * seen,
+        "{off:e} of {seen:e}, {fastest}"
+    );
+}
+
+#[test]
+fn learned_laws_converge_as_steps_are_halved() {
+    for effect in LEARNED {
+        for (&place, mut values) in effect.places.iter().zip((effect.starts)(&scales())) {
+            // Any shape: ordinates that go up and down, of a size that matters.
+            for (k, parameter) in effect.parameters.iter().enumerate().take(values.len() - 2) {
+                let typical = 2.0 * (parameter.typical)(&scales());
+                values[k] = typical * (1.5 + (1.3 * k as f64).sin());
+            }
+            let linear = if place == Place::Drive { MASS } else { JOINT };
+            let run =
+                |parts: f64| at_knots(&simulate(linear, (effect.law)(&values), place, 0.2 / parts));
+            if matches!((effect.law)(&values), Law::Drive(_) | Law::Sensor(_)) {
+                continue;
+            }
+            let reference = run(64.0);
+            let size = if linear == MASS { 1.0 } else { 0.2 };
+            let error = |parts: f64| {
+                let off = run(parts)
+                    .into_iter()
+                    .zip(&reference)
+                    .map(|(a, b)| (a - b).abs());
+                off.fold(0.0, f64::max) / size
+            };
+            let errors = [2.0, 4.0, 8.0].map(error);
+            let told = errors.map(|error| format!("{error:.1e}")).join(" ");
+            println!("{:28} {:14} {told}", effect.name, place.name());
+            assert!(
+                errors[0] < 1e-3 && errors[0] / errors[2] > 16.0,
+                "{}: {told}",
+                effect.name
+            );
+        }
+    }
+}
