@@ -23,7 +23,7 @@ impl Search<'_> {
     /// that take part in the halving.
     pub(super) fn continued(&self, from: &Explanation, halving: &Halving) -> Vec<Candidate> {
         let own = from.effects();
-        let done = self.known.alone || halving.is_won();
+        let done = self.known.alone || halving.is_won() || self.leaves_noise(from);
         let winding = |effect: &EffectAt| {
             effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
         };

@@ -7,6 +7,8 @@ use super::point::{EffectAt, Point};
 use super::problem::{Problem, Rows};
 use super::split;
 use super::start::ringing;
+use super::thresholds::FLOOR;
+use super::views::Views;
 use nalgebra::DVector;
 use quell_model::{Model, StartComponent};
 
@@ -99,9 +101,13 @@ impl<'a> Judge<'a> {
 
     /// A fit with its figures.
     pub fn judge(&self, problem: &Problem, projector: &Projector, fitted: Fitted) -> Explanation {
-        let evidence = Evidence::new(self, problem, projector, &fitted);
+        let train = fitted.cost - problem.disbelief(&fitted.point);
+        let views = Views::new(self, problem, projector, &fitted.point);
+        // Where only noise is left, no other shape would leave less.
+        let shaped = train > self.train_rows as f64 * FLOOR;
+        let evidence = Evidence::new(problem, &views, &fitted, shaped);
         Explanation {
-            train: fitted.cost - problem.disbelief(&fitted.point),
+            train,
             held_out: evidence.held_out(),
             fitted,
             evidence,

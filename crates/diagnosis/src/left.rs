@@ -12,12 +12,12 @@ use quell_signal::noise_floor;
 const CERTAIN: f64 = 1.5;
 
 impl Search<'_> {
-    /// Whether what an explanation leaves is noise: of what was fitted, and of what was held out beyond the errors
-    /// of the fit and rounding at rest.
+    /// Whether what an explanation leaves, beyond what the shapes of its laws could be wrong by, is noise: of what was
+    /// fitted, and of what was held out beyond the errors of the fit and rounding at rest.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         let (fitted, held) = (self.judge.train_rows as f64, self.judge.held_out_rows as f64);
         let beyond = own.evidence.held_out_beyond_fit();
-        own.train <= FLOOR * fitted && beyond <= FLOOR * held + self.rounding()
+        own.evidence.left() <= FLOOR * fitted && beyond <= FLOOR * held + self.rounding()
     }
 
     /// Whether the refitted model leaves nothing that could be located: a little above the noise may be noise of

@@ -41,6 +41,7 @@ mod score;
 mod screen;
 mod search;
 mod settled;
+mod shape;
 mod split;
 mod start;
 mod stop;
@@ -51,6 +52,7 @@ mod thresholds;
 mod traces;
 mod tracker_scale;
 mod units;
+mod views;
 mod weights;
 mod whitening;
 

@@ -88,7 +88,7 @@ impl Pool {
     pub fn temperature(&self, judge: &Judge) -> f64 {
         let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
         let left = |entry: &Entry| {
-            (entry.own.train + entry.own.evidence.held_out_beyond_fit()) / rows
+            (entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()) / rows
         };
         self.all.iter().map(left).fold(f64::INFINITY, f64::min).max(1.0)
     }

@@ -4,7 +4,7 @@ use super::point::{Global, Local, Point};
 use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
-use quell_model::effects::{Catalogue, Law, Scales};
+use quell_model::effects::{Catalogue, Law, ParameterRole, Scales};
 use quell_model::{
     Departure, Experiment, Kind, Model, Output, Prediction, Simulated, StartComponent, Value,
     predict_windows, simulate_windows,
@@ -85,7 +85,11 @@ impl Problem<'_> {
     pub fn globals(&self, point: &Point) -> Vec<Global> {
         let keys = self.free.iter().map(|&key| Global::Key(key));
         let parameters = (0..point.terms.len()).flat_map(|term| {
+            let effect = point.terms[term].effect;
             let free = move |parameter: &usize| {
+                if effect.parameters[*parameter].role == ParameterRole::Range {
+                    return false;
+                }
                 let given = self
                     .given(term, *parameter)
                     .is_some_and(|value| !value.fixed);

@@ -69,10 +69,12 @@ impl Search<'_> {
     fn next(&self, pool: &Pool) -> Option<Explanation> {
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature);
+        // Nothing masks an effect where only noise is left.
+        let beam = if self.leaves_noise(ranked[0].0) { 1 } else { BEAM };
         let mut least = f64::NEG_INFINITY;
         for count in 0..MOST_EFFECTS {
             let level = ranked.iter().filter(|own| own.0.terms() == count);
-            let level: Vec<_> = level.take(BEAM).collect();
+            let level: Vec<_> = level.take(beam).collect();
             let best = level.first()?.1;
             if best < least {
                 return None;
