@@ -8,7 +8,7 @@ use super::search::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};
-use super::screen::candidates;
+use super::screen::{Table, candidates};
 use super::successive_halving::Halving;
 use super::thresholds::{LOST, SECOND, SHORT};
 
@@ -27,7 +27,11 @@ impl Search<'_> {
         let winding = |effect: &EffectAt| {
             effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
         };
-        let continued = candidates(self.problem).into_iter().filter(winding);
+        let all = match self.table {
+            Table::Named => candidates(self.problem, Table::Named),
+            Table::Learned => Vec::new(),
+        };
+        let continued = all.into_iter().filter(winding);
         let candidate = |effect: EffectAt| Candidate {
             effect,
             near: Vec::new(),

@@ -20,8 +20,9 @@
 //!
 //! Source: MacKay, Neural Computation 4 (1992); Kass and Raftery, J. American Statistical Association 90 (1995).
 
+use super::curves;
 use super::fit::Fitted;
-use super::point::Point;
+use super::point::{Global, Point};
 use super::problem::Problem;
 use super::shape::Corrections;
 use super::views::{Views, joined, local_sizes};
@@ -40,8 +41,8 @@ pub struct Evidence {
     exact: Marginal,
     /// With an uncertain shape, where there is a law that has one.
     shaped: Option<Marginal>,
-    /// Widths `W` of the priors.
-    widths: DVector<f64>,
+    /// Root `W W'` of the prior covariance of what was fitted.
+    scale: DMatrix<f64>,
     /// `|q|^2` of what was held out.
     held_out: f64,
     /// Log of the prior probability of the structure.
@@ -67,8 +68,7 @@ impl Evidence {
     pub fn new(problem: &Problem, views: &Views, fitted: &Fitted, shaped: bool) -> Self {
         let point = &fitted.point;
         let here = views.see(point);
-        let widths = widths(problem, point);
-        let scale = DMatrix::from_diagonal(&widths);
+        let (scale, curves) = scale(problem, point);
         let slopes = views.slopes(point, &here).map(|slopes| slopes * &scale);
         let exact = Marginal::new(fitted.cost, &here[1], &slopes);
         let shaped = shaped.then(|| Corrections::new(problem, views, point, &here));
@@ -76,9 +76,9 @@ impl Evidence {
         let shaped = shaped.map(|corrections| {
             let shapes = joined(&corrections.columns, &here);
             let both = [0, 1].map(|k| beside(&slopes[k], &shapes[k]));
-            let step = asked_for(&both[0], &here[0], widths.len());
-            let sizes = -step.rows_range(widths.len()..);
-            let own = step.rows(0, widths.len()).component_mul(&widths);
+            let step = asked_for(&both[0], &here[0], scale.ncols());
+            let sizes = -step.rows_range(scale.ncols()..);
+            let own = &scale * step.rows(0, scale.ncols());
             // What the corrections explain in truth, and not only to first order.
             let moved = problem.stepped(point, &fitted.globals, &own);
             let there = views.see(&corrections.applied(&moved, &sizes));
@@ -89,9 +89,9 @@ impl Evidence {
         Self {
             exact,
             shaped,
-            widths,
+            scale,
             held_out: here[1].norm_squared(),
-            prior: problem.log_prior(point),
+            prior: problem.log_prior(point) + curves,
             foresees: problem.experiments.iter().all(|e| e.windows.is_empty()),
         }
     }
@@ -130,8 +130,9 @@ impl Evidence {
     pub fn deviations(&self, temperature: f64) -> Vec<f64> {
         let information = &self.likelier(temperature).0.information;
         let covariance = inverse(&(information / temperature)).0;
-        let own = self.widths.iter().enumerate();
-        own.map(|(i, width)| width * covariance[(i, i)].sqrt()).collect()
+        let own = self.scale.nrows();
+        let whole = &self.scale * covariance.view((0, 0), (own, own)) * self.scale.transpose();
+        whole.diagonal().iter().map(|variance| variance.sqrt()).collect()
     }
 
     /// Sum of squares of the fitted rows beyond what the laws' shapes could be wrong by.
@@ -193,13 +194,25 @@ fn asked_for(slopes: &DMatrix<f64>, residual: &DVector<f64>, fitted: usize) -> D
     inverse(&slopes.tr_mul(slopes)).0 * gradient
 }
 
-/// Widths of the priors of all unknowns.
-fn widths(problem: &Problem, point: &Point) -> DVector<f64> {
+/// Root of the prior covariance of all unknowns, and the log of the prior density of learned curves over that of the
+/// Gaussian ones in it.
+fn scale(problem: &Problem, point: &Point) -> (DMatrix<f64>, f64) {
     let globals = problem.globals(point);
     let shared = globals.iter().map(|g| problem.prior_width(point, *g));
     let own = local_sizes(problem, point, &globals);
     let all = shared.chain(own.into_iter().map(|size| LOCAL * size));
-    DVector::from_vec(all.collect())
+    let mut scale = DMatrix::from_diagonal(&DVector::from_vec(all.collect()));
+    let mut whole = 0.0;
+    for (index, term) in point.terms.iter().enumerate().filter(|own| own.1.effect.is_learned()) {
+        let (root, density) = curves::effective(&problem.scales, term);
+        let first = Global::Parameter(index, curves::ordinates(term.effect)[0]);
+        if let Some(first) = globals.iter().position(|global| *global == first) {
+            let count = root.nrows();
+            scale.view_mut((first, first), (count, count)).copy_from(&root);
+            whole += density;
+        }
+    }
+    (scale, whole)
 }
 
 /// Covariance `(I + information)^-1` of the unknowns, and a root `R R'` of it.

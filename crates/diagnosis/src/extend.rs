@@ -5,12 +5,14 @@ use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
 use super::problem::Problem;
-use super::screen::{Start, screen};
+use super::screen::{Start, Table, screen};
 use super::search::Search;
 use super::successive_halving::Halving;
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
+/// Learned laws that are fitted after the screen, which tells of each the curve that is likeliest.
+const LEARNED: usize = 3;
 /// Sizes of each candidate that a fit starts from: a law with a time or a length has a basin for each few of them.
 const SIZES: usize = 4;
 
@@ -52,7 +54,7 @@ impl Search<'_> {
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
         }
-        let starts = screen(problem, point, linear, self.projector, SIZES);
+        let starts = screen(problem, point, linear, self.projector, (self.table, SIZES));
         let candidate = |starts: Vec<Start>| {
             let with = |from: &Point, s: &Start| from.with(s.effect, s.place, s.values.clone());
             let near = starts.iter().map(|start| with(point, start));
@@ -63,7 +65,11 @@ impl Search<'_> {
                 far: Vec::new(),
             }
         };
-        chosen(starts, fall).into_iter().map(candidate).collect()
+        let most = match self.table {
+            Table::Named => FITTED,
+            Table::Learned => LEARNED,
+        };
+        chosen(starts, fall, most).into_iter().map(candidate).collect()
     }
 
     /// What is known with one effect more than the explanation has.
@@ -124,7 +130,7 @@ fn add_far(found: &mut Vec<Candidate>, effect: EffectAt, mut far: Vec<Point>) {
 }
 
 /// Starts of the best candidates, those of one effect and place together, which promise that much.
-fn chosen(starts: Vec<Start>, fall: f64) -> Vec<Vec<Start>> {
+fn chosen(starts: Vec<Start>, fall: f64, most: usize) -> Vec<Vec<Start>> {
     let mut groups: Vec<Vec<Start>> = Vec::new();
     for start in starts {
         if start.score < fall {
@@ -133,7 +139,7 @@ fn chosen(starts: Vec<Start>, fall: f64) -> Vec<Vec<Start>> {
         let same = |group: &&mut Vec<Start>| {
             (group[0].effect, group[0].place) == (start.effect, start.place)
         };
-        let room = groups.len() < FITTED;
+        let room = groups.len() < most;
         match groups.iter_mut().find(same) {
             Some(group) => group.push(start),
             None if room => groups.push(vec![start]),

@@ -8,6 +8,7 @@ mod bounds;
 mod candidate;
 mod conclude;
 mod continuation;
+mod curves;
 mod descent;
 mod displacement;
 mod document;

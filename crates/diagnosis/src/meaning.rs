@@ -38,7 +38,7 @@ impl Problem<'_> {
             let end = |bound: f64| near(bound) && bound != parameter.neutral && !whole(bound);
             let wide = 2.0 * NORMAL_95 * deviation > high - low;
             match parameter.role {
-                ParameterRole::Phase => true,
+                ParameterRole::Phase | ParameterRole::Ordinate | ParameterRole::Range => true,
                 ParameterRole::Shape => !end(low) && !end(high),
                 _ => !end(low) && !end(high) && !wide,
             }

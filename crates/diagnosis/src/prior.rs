@@ -6,7 +6,7 @@
 
 use super::point::{EffectAt, Global, Point};
 use super::problem::Problem;
-use super::screen::candidates;
+use super::screen::{Table, candidates};
 use quell_model::effects::ParameterRole;
 use quell_recording::Role;
 use std::f64::consts::{PI, TAU};
@@ -49,6 +49,8 @@ impl Problem<'_> {
             ParameterRole::Time => self.scales.duration() / root,
             ParameterRole::Position => self.scales.travel().max(typical) / root,
             ParameterRole::Phase => TAU / root,
+            // Of the curve as a whole more is known.
+            ParameterRole::Ordinate | ParameterRole::Range => typical,
             ParameterRole::Frequency | ParameterRole::Order if low > 0.0 => decades(value),
             _ if low > 0.0 && high > 10.0 * low => decades(value),
             _ => (high - low) / root,
@@ -72,7 +74,8 @@ impl Problem<'_> {
 
     /// Log of the prior odds of one effect.
     pub fn log_prior_of_one(&self) -> f64 {
-        -(candidates(self).len().max(1) as f64).ln() + ONE_MORE
+        let count = [Table::Named, Table::Learned].map(|table| candidates(self, table).len());
+        -(count.iter().sum::<usize>().max(1) as f64).ln() + ONE_MORE
     }
 
     /// Whether no output is a deformation.

@@ -7,6 +7,7 @@ use super::fit::Projector;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
+use super::screen::Table;
 use super::thresholds::{LONG, MOST_EFFECTS};
 use rayon::prelude::*;
 
@@ -22,6 +23,8 @@ pub struct Search<'a> {
     pub projector: &'a Projector,
     /// Judges its fits.
     pub judge: &'a Judge<'a>,
+    /// Where candidates come from.
+    pub table: Table,
     /// Explanations that were looked at elsewhere.
     pub known: &'a Known,
     /// Told how far the work is, 0 to 1, and what is being done.
@@ -35,8 +38,28 @@ impl Search<'_> {
         self.judge.judge(self.problem, self.projector, fitted)
     }
 
-    /// Extends structures of a pool, the best of each size, until nothing raises the evidence.
+    /// Extends structures of a pool until nothing raises the evidence: by laws of the catalogue and, where these leave
+    /// more than noise, by laws whose shape is learned.
     pub fn run(&self, pool: &mut Pool) {
+        let learning = Search {
+            table: Table::Learned,
+            ..*self
+        };
+        loop {
+            self.by_own_table(pool);
+            let best = pool.best(self.judge).clone();
+            if self.known.alone || self.leaves_noise(&best) {
+                return;
+            }
+            learning.by_own_table(pool);
+            if pool.best(self.judge).is_like(&best) {
+                return;
+            }
+        }
+    }
+
+    /// Extends the best structures of each size until nothing raises the evidence.
+    fn by_own_table(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
             if !self.exchange(pool) {
@@ -60,7 +83,7 @@ impl Search<'_> {
         for child in self.extend(own, pool.temperature(self.judge)) {
             pool.add(child);
         }
-        pool.mark(own);
+        pool.mark(own, self.table);
         self.thin_out(pool);
     }
 
@@ -80,7 +103,7 @@ impl Search<'_> {
                 return None;
             }
             least = best;
-            let open = level.iter().find(|own| !pool.is_extended(own.0));
+            let open = level.iter().find(|own| !pool.is_extended(own.0, self.table));
             if let Some((next, _)) = open {
                 return Some((*next).clone());
             }
@@ -120,7 +143,7 @@ impl Search<'_> {
         };
         for term in terms {
             let kept = pool.like(&point.without(term)).cloned();
-            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept)) {
+            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept, self.table)) {
                 self.extend_in(pool, &kept);
             }
         }

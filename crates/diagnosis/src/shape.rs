@@ -8,21 +8,16 @@
 //! Source: Kennedy and O'Hagan, J. Royal Statistical Society B 63 (2001), on the discrepancy of a model; Rasmussen
 //! and Williams, Gaussian Processes for Machine Learning (2006), chapter 4, for the prior of the curve.
 
+use super::curves::{ordinates, root};
 use super::point::Point;
 use super::problem::Problem;
 use super::views::{Both, Views, joined};
-use nalgebra::{Cholesky, DMatrix, DVector};
-use quell_model::effects::{Effect, LEARNED, ParameterRole, Slot};
+use nalgebra::{DMatrix, DVector};
+use quell_model::effects::{Effect, LEARNED};
 use quell_model::Term;
 
 /// Amplitude of the correction over that of the law.
 const TENTH: f64 = 0.1;
-/// Distance over which the correction changes, in knots: what a law's shape lacks is rounder than noise.
-const SMOOTH: f64 = 2.5;
-/// Correlation of the two directions of a law of friction.
-const MIRRORED: f64 = 0.9;
-/// What keeps the covariance of near knots positive.
-const NUGGET: f64 = 1e-6;
 /// Share of an ordinate's typical size by which it is moved for a derivative.
 const STEP: f64 = 1e-2;
 
@@ -60,7 +55,7 @@ impl Corrections {
             };
             let mut own = Correction {
                 ordinates: ordinates(effect),
-                root: root_of_prior(effect),
+                root: root(effect),
                 neutral,
             };
             let columns = own.columns(problem, views, point, here);
@@ -127,29 +122,4 @@ fn share(views: &Views, point: &Point, here: &Both, (term, columns): (usize, &[B
     let energy = |both: &Both| both[0].norm_squared() + both[1].norm_squared();
     let expected: f64 = columns.iter().map(energy).sum();
     (energy(&law) / expected).sqrt()
-}
-
-/// Indices of the ordinates of a learned law.
-pub fn ordinates(effect: &Effect) -> Vec<usize> {
-    let all = effect.parameters.iter().enumerate();
-    let own = all.filter(|(_, parameter)| parameter.role == ParameterRole::Ordinate);
-    own.map(|(index, _)| index).collect()
-}
-
-/// Root `L L'` of the prior covariance of the ordinates of a learned law, for a deviation of 1: a smooth curve; of
-/// friction one in each direction, which are much alike.
-pub fn root_of_prior(effect: &Effect) -> DMatrix<f64> {
-    let count = ordinates(effect).len();
-    let near = |distance: f64| (-0.5 * (distance / SMOOTH).powi(2)).exp();
-    let covariance = match effect.slot() {
-        Some(Slot::Friction) => DMatrix::from_fn(count, count, |i, j| {
-            let (half, speed) = (count / 2, |k: usize| (k as f64 + 0.5 - count as f64 / 2.0).abs());
-            let same = (i < half) == (j < half);
-            near(speed(i) - speed(j)) * if same { 1.0 } else { MIRRORED }
-        }),
-        Some(Slot::Hysteresis) => DMatrix::identity(count, count),
-        _ => DMatrix::from_fn(count, count, |i, j| near(i as f64 - j as f64)),
-    };
-    let covariance = covariance + DMatrix::identity(count, count) * NUGGET;
-    Cholesky::new(covariance).map_or_else(|| DMatrix::identity(count, count), |root| root.l())
 }
