@@ -3,7 +3,7 @@
 //! `cargo bench --bench simulation`: 13 s of moves at 250 Hz on a joint of 8 Hz, all at their typical
 //! sizes. Times are the least of many runs.
 
-use quell::effects::{EFFECTS, Law, Memory, Place, Scales, Visited};
+use quell::effects::{EFFECTS, LEARNED, Law, Memory, Place, Scales, Visited};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
 use quell::model::{Grid, Hold, Kick, Kind, Timed, integrate};
 use quell::recording::Role;
@@ -116,7 +116,7 @@ fn main() {
         );
     };
     tell("linear", "", linear);
-    for effect in EFFECTS {
+    for effect in EFFECTS.iter().chain(LEARNED) {
         for &place in effect.places.iter().filter(|&&place| place != Place::Drive) {
             let scales = scales();
             let values = effect.parameters.iter().map(|p| (p.typical)(&scales));

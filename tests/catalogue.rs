@@ -3,7 +3,7 @@
 use quell::cli::diagnose::long_help;
 use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
 use quell::effects::{
-    Catalogue, EFFECTS, Effect, Force, Law, Likeness, Memory, Motion, PLACES, Parameter,
+    Catalogue, EFFECTS, Effect, Force, LEARNED, Law, Likeness, Memory, Motion, PLACES, Parameter,
     ParameterRole, Place, Property, Quantity,
 };
 use quell::model::{Departure, Experiment, Model, Term, simulate};
@@ -190,6 +190,8 @@ fn the_fuzzer_knows_the_words_of_a_model_file() {
         .iter()
         .map(|effect| effect.name)
         .chain(parameters.map(|parameter| parameter.name))
+        .chain(LEARNED.iter().map(|effect| effect.name))
+        .chain(["from", "to", "values"])
         .chain(PLACES.iter().map(|place| place.1))
         .map(|word| format!("\"{word}\""))
         .collect();

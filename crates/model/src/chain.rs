@@ -237,7 +237,8 @@ impl Chain {
             if element.slides == 0.0 {
                 sticks[attachment as usize] = true;
             } else {
-                let speed = coordinate(attachment, motion)[1].abs();
+                // Below 0 within a step that ends at a stop: the level goes on without a corner.
+                let speed = element.slides * coordinate(attachment, motion)[1];
                 let force = element.law.level(element.slides, speed);
                 bodies.resist(attachment, unit * element.slides * force, ratio);
             }

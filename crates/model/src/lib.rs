@@ -5,6 +5,7 @@ pub mod believed;
 mod bodies;
 pub mod chain;
 mod circle;
+pub mod curves;
 mod departure;
 pub mod effects;
 mod experiment;
@@ -42,7 +43,7 @@ pub use reading::Prediction;
 pub use tally::simulations;
 pub use trace::{Kinematics, Trace, hermite};
 
-use crate::effects::{Effect, Place};
+use crate::effects::{Effect, Motion, Place};
 use quell_recording::Role;
 use quell_signal::SignalError;
 
@@ -146,6 +147,16 @@ impl Model {
             mobility += 1.0 / inertia;
         }
         (linear.stiffness * mobility).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// The model at rest: what the laws of its effects see when nothing moves.
+    pub fn still(&self) -> Motion {
+        let linear = (self.kind.linear)(&self.keys(), self.kind.inputs[0]);
+        Motion {
+            stiffness: linear.stiffness / linear.unit_force,
+            damping: linear.damping / linear.unit_force,
+            ..Motion::default()
+        }
     }
 
     /// Whether a channel of this role can drive the model as it is.

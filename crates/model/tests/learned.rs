@@ -2,7 +2,7 @@
 
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
 use quell_model::effects::{
-    Effect, KNOTS, LEARNED, Law, Memory, ParameterRole, Place, Scales, Visited,
+    Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Visited,
 };
 use quell_model::{Grid, Hold, Timed, Trace, integrate};
 
@@ -129,7 +129,7 @@ fn scales() -> Scales {
     Scales {
         deformation: 0.05,
         deformation_rate: 0.05,
-        position: (0.0, 1.0),
+        position: (-0.5, 1.5),
         velocity: 0.3,
         acceleration: 0.1,
         force: 0.05,
@@ -291,6 +291,133 @@ fn learned_laws_converge_as_steps_are_halved() {
                 errors[0] < 1e-3 && errors[0] / errors[2] > 16.0,
                 "{}: {told}",
                 effect.name
+            );
+        }
+    }
+}
+
+/// Stiffnesses and slip distances of elements in parallel: 1 to 128 thousandths.
+const STIFFNESSES: [f64; 8] = [3.0, 0.0, 2.0, 0.5, 0.0, 1.0, 0.7, 0.2];
+
+fn maxwell_slip() -> Vec<f64> {
+    [&STIFFNESSES[..], &[1e-3, 128e-3]].concat()
+}
+
+/// What the elements make of a first way from rest: each its stiffness up to where it slips.
+fn virgin(x: f64) -> f64 {
+    let force = |(k, stiffness): (usize, f64)| {
+        let slip = 1e-3 * 2f64.powi(k as i32);
+        stiffness * x.clamp(-slip, slip)
+    };
+    STIFFNESSES.into_iter().enumerate().map(force).sum()
+}
+
+/// Masing's rule: after a turn at `a` the loop is the first way, twice as large. The closed area is
+/// `sum 4 k r (a - r)` over the elements that slip.
+#[test]
+fn val_the_loop_of_maxwell_slip_is_that_of_prandtl_and_ishlinskii() {
+    let Law::Force(law) = law_of("maxwell_slip", &maxwell_slip()) else {
+        panic!("no force");
+    };
+    let motion = Motion {
+        stiffness: 1.0,
+        ..Motion::default()
+    };
+    let a = 0.1;
+    let mut memory = Memory::default();
+    let mut walk = |from: f64, to: f64, expected: &dyn Fn(f64) -> f64| {
+        let (mut area, steps) = (0.0, 1000);
+        let mut before = law.force(&motion, from, 0.0, &memory);
+        for k in 1..=steps {
+            let x = from + (to - from) * f64::from(k) / f64::from(steps);
+            let force = law.force(&motion, x, to - from, &memory);
+            assert!(
+                (force - expected(x)).abs() < 1e-14,
+                "{x}: {force}, not {}",
+                expected(x)
+            );
+            law.remember(&motion, x, to - from, &mut memory);
+            area += 0.5 * (force + before) * (to - from) / f64::from(steps);
+            before = force;
+        }
+        area
+    };
+    walk(0.0, a, &virgin);
+    let down = walk(a, -a, &|x| virgin(a) - 2.0 * virgin(0.5 * (a - x)));
+    // A small loop on the way back closes, and the large one goes on as if it had not been.
+    let up = |x: f64| -virgin(a) + 2.0 * virgin(0.5 * (x + a));
+    let mut taken = down + walk(-a, 0.02, &up);
+    let turn = up(0.02);
+    let small = walk(0.02, -0.01, &|x| turn - 2.0 * virgin(0.5 * (0.02 - x)));
+    let low = turn - 2.0 * virgin(0.015);
+    let back = walk(-0.01, 0.02, &|x| low + 2.0 * virgin(0.5 * (x + 0.01)));
+    assert!(small + back > 0.0);
+    taken += walk(0.02, a, &up);
+    let loss = |(k, stiffness): (usize, f64)| {
+        let slip = 1e-3 * 2f64.powi(k as i32);
+        4.0 * stiffness * slip * (a - slip).max(0.0)
+    };
+    let expected: f64 = STIFFNESSES.into_iter().enumerate().map(loss).sum();
+    // Straight lines between 1000 points, corners between them.
+    assert!(
+        (taken - expected).abs() < 1e-3 * expected,
+        "{taken}, not {expected}"
+    );
+}
+
+/// Elements that slip take energy in every swing, until none does.
+#[test]
+fn free_vibration_dies_out_in_maxwell_slip() {
+    let law = law_of("maxwell_slip", &maxwell_slip());
+    let linear = Linear {
+        damping: 0.0,
+        ..JOINT
+    };
+    let mut chain = Chain::new(linear);
+    let Law::Force(law) = law else { panic!() };
+    chain.forces.push(ForceElement {
+        place: Place::Transmission,
+        law,
+        memory: Memory::default(),
+    });
+    let time: Vec<f64> = (0..=400).map(|k| 0.1 * f64::from(k)).collect();
+    let grid = Grid::new(&time, &vec![0.0; time.len()], Hold::Linear, 0.1).unwrap();
+    let mut start: State = [0.0; 8];
+    start[3] = 0.1;
+    let trace = integrate(&mut chain, &grid, start, &Timed::default());
+    let amplitudes: Vec<f64> = trace
+        .link
+        .windows(2)
+        .filter(|w| w[0][1] > 0.0 && w[1][1] <= 0.0)
+        .map(|w| w[0][0])
+        .collect();
+    let slips = amplitudes.iter().take_while(|a| **a > 1e-3).count();
+    let (large, small) = amplitudes.split_at(slips);
+    assert!(
+        slips > 3 && large.is_sorted_by(|a, b| a > b),
+        "{amplitudes:?}"
+    );
+    assert!(
+        small.len() > 5 && small.iter().all(|a| *a > 8e-4),
+        "{amplitudes:?}"
+    );
+}
+
+/// Outside of the range a law goes on with the slope that it has at the end.
+#[test]
+fn learned_laws_are_straight_outside_of_what_was_visited() {
+    let values = sampled(-1.0, 2.0, |x| (1.3 * x).sin() + x * x);
+    let Law::Force(law) = law_of("learned_spring", &values) else {
+        panic!("no force");
+    };
+    let at = |x: f64| law.force(&Motion::default(), x, 0.0, &Memory::default());
+    for (end, out) in [(-1.0, -1.0), (2.0, 1.0)] {
+        let slope = (at(end) - at(end - 1e-6 * out)) / (1e-6 * out);
+        for far in [0.5, 10.0] {
+            let expected = at(end) + slope * far * out;
+            assert!(
+                (at(end + far * out) - expected).abs() < 1e-4 * far,
+                "{end} {far}"
             );
         }
     }

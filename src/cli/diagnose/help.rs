@@ -1,6 +1,6 @@
 //! What the help says behind the options.
 
-use crate::effects::Catalogue;
+use crate::effects::{Catalogue, LEARNED};
 
 /// Columns of a line.
 const WIDTH: usize = 100;
@@ -35,17 +35,27 @@ model.toml with the physics in it, which `quell simulate` and `quell score` run.
 /// The same, and the effects of a catalogue at each place.
 pub fn long_help(catalogue: Catalogue) -> String {
     let mut help = format!("{HELP}\n\nThe catalogue:\n");
+    list(&mut help, catalogue);
+    help += "\nLaws of learned shape, which the model may have:\n";
+    list(&mut help, Catalogue(LEARNED));
+    help
+}
+
+/// Effects at each place.
+fn list(help: &mut String, catalogue: Catalogue) {
     for (place, names) in catalogue.by_place() {
+        if names.is_empty() {
+            continue;
+        }
         let mut line = format!("  {:13}", place.name());
         for (index, name) in names.iter().enumerate() {
             let end = if index + 1 == names.len() { "" } else { "," };
             if line.len() + 1 + name.len() + end.len() > WIDTH {
-                help += &format!("{line}\n");
+                *help += &format!("{line}\n");
                 line = " ".repeat(15);
             }
             line += &format!(" {name}{end}");
         }
-        help += &format!("{line}\n");
+        *help += &format!("{line}\n");
     }
-    help
 }

@@ -3,7 +3,7 @@
 use super::grid::product;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity,
+    Quantity, Slot,
 };
 
 struct BoucWen {
@@ -145,7 +145,10 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
             typical: |_| 0.5,
         },
     ],
-    properties: &[Property::Alike(Likeness::LowSpeed)],
+    properties: &[
+        Property::Alike(Likeness::LowSpeed),
+        Property::Slot(Slot::Hysteresis),
+    ],
     law: |p| {
         let rate = 1.0 / p[1].max(SMALLEST);
         let (linear, quadratic) = (rate * (1.0 - p[3]), rate * rate * p[3]);

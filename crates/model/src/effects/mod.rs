@@ -19,6 +19,7 @@ mod cogging;
 mod coulomb_friction;
 mod cubic;
 mod cubic_stiffness;
+mod curve;
 mod dead_zone;
 mod deformation_gain;
 mod drive_delay;
@@ -31,11 +32,18 @@ mod grid;
 mod hysteretic_stiffness;
 mod law;
 mod learned;
+mod learned_damping;
+mod learned_drift;
+mod learned_drive;
+mod learned_frequency;
 mod learned_friction;
 mod learned_position_force;
+mod learned_sensor;
+mod learned_sensor_drift;
 mod learned_spring;
 mod levelling;
 mod likeness;
+mod maxwell_slip;
 mod misalignment;
 mod parameter;
 mod payload_change;
@@ -67,6 +75,7 @@ mod viscous_drag;
 mod viscous_friction;
 
 pub use catalogue::{Catalogue, words};
+pub use curve::curve;
 pub use law::{
     Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, STATES, Sensor,
 };
@@ -194,7 +203,14 @@ pub const EFFECTS: &[&Effect] = &[
 pub const LEARNED: &[&Effect] = &[
     &learned_friction::LEARNED_FRICTION,
     &learned_position_force::LEARNED_POSITION_FORCE,
+    &learned_drive::LEARNED_DRIVE,
     &learned_spring::LEARNED_SPRING,
+    &learned_damping::LEARNED_DAMPING,
+    &maxwell_slip::MAXWELL_SLIP,
+    &learned_drift::LEARNED_DRIFT,
+    &learned_frequency::LEARNED_FREQUENCY,
+    &learned_sensor::LEARNED_SENSOR,
+    &learned_sensor_drift::LEARNED_SENSOR_DRIFT,
 ];
 
 impl Effect {

@@ -5,7 +5,7 @@ use super::grid::product;
 use super::shared_parameters::FRICTION;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity,
+    Quantity, Slot,
 };
 
 struct Dahl {
@@ -64,6 +64,7 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
     properties: &[
         Property::Contains(&COULOMB_FRICTION),
         Property::Alike(Likeness::LowSpeed),
+        Property::Slot(Slot::Hysteresis),
     ],
     law: |p| {
         Law::Force(Box::new(Dahl {

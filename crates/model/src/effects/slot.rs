@@ -39,8 +39,8 @@ pub enum Slot {
     StiffnessDrift,
     /// What the sensor adds to a reading of 0, over time.
     SensorDrift,
-    /// Stiffness of elasto-plastic elements over the deformation at which they slip. It is no static law of the
-    /// deformation: it has a memory.
+    /// Force over the deformation on the first way out from rest. A hysteresis has a memory: this curve says what it
+    /// does after a turn, too, where it follows Masing's rules.
     Hysteresis,
 }
 

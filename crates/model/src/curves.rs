@@ -1,0 +1,180 @@
+//! Learned curves: what they look like, in words, and which named law is nearest.
+
+mod energy;
+mod estimate;
+mod nearest;
+mod sentence;
+mod shape;
+
+pub use estimate::Estimate;
+pub use nearest::{Nearest, nearest};
+pub use shape::{Growth, Shape, Trend};
+
+use crate::effects::{Effect, Motion, Parameter, ParameterRole, Quantity, Slot, curve};
+use nalgebra::{DMatrix, DVector};
+
+/// Quantile of the normal distribution that 2.5 % exceed: the half width of a 95 % band in standard deviations.
+pub(crate) const BAND: f64 = 1.959_963_985;
+
+/// A learned law as a curve, with how well it is known.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The effect that was learned.
+    pub effect: &'static Effect,
+    /// Where its law lives.
+    pub slot: Slot,
+    /// Values of its parameters.
+    pub parameters: Vec<f64>,
+    /// Covariance of its ordinates.
+    pub of_ordinates: DMatrix<f64>,
+    /// Points of the coordinate, in rising order.
+    pub points: Vec<f64>,
+    /// The law at the points.
+    pub values: DVector<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+    /// Their change with each ordinate.
+    parts: DMatrix<f64>,
+}
+
+/// Points at which a curve is looked at: several for each knot.
+const POINTS: usize = 120;
+
+/// A velocity that is 0 but for its direction, as a share of the fastest.
+const AT_REST: f64 = 1e-9;
+
+/// Change of an ordinate of 1 by which its part in the curve is found.
+const CHANGE: f64 = 0.25;
+
+impl Curve {
+    /// A learned effect with values of its parameters and the covariance of its ordinates. None where the effect
+    /// is not learned, or values or covariance are not of its size.
+    pub fn new(
+        effect: &'static Effect,
+        parameters: &[f64],
+        of_ordinates: &DMatrix<f64>,
+        at: &Motion,
+    ) -> Option<Self> {
+        let slot = effect.slot().filter(|_| effect.is_learned())?;
+        let ordinates = ordinates(effect);
+        let known = of_ordinates.shape() == (ordinates, ordinates);
+        if !known || parameters.len() != effect.parameters.len() {
+            return None;
+        }
+        let points = points(slot, parameters, POINTS);
+        let values = DVector::from_vec(curve(effect, parameters, at, &points)?);
+        let parts = parts(effect, parameters, at, &points)?;
+        let covariance = &parts * of_ordinates * parts.transpose();
+        Some(Self {
+            effect,
+            slot,
+            parameters: parameters.to_vec(),
+            of_ordinates: of_ordinates.clone(),
+            points,
+            values,
+            covariance,
+            parts,
+        })
+    }
+
+    /// Half width of the 95 % band at each point.
+    pub fn band(&self) -> Vec<f64> {
+        let variances = self.covariance.diagonal();
+        let half = |variance: &f64| BAND * variance.max(0.0).sqrt();
+        variances.iter().map(half).collect()
+    }
+
+    /// Coordinate of each ordinate.
+    pub fn knots(&self) -> Vec<f64> {
+        let count = ordinates(self.effect);
+        match self.slot {
+            Slot::Hysteresis => slips(&self.parameters),
+            slot => points(slot, &self.parameters, count),
+        }
+    }
+
+    /// Quantity of the coordinate and of the law.
+    pub fn quantities(&self) -> [Quantity; 2] {
+        let of = |role: ParameterRole| {
+            let own = self.effect.index(role).map(|k| &self.effect.parameters[k]);
+            own.map_or(Quantity::NUMBER, |parameter: &Parameter| parameter.quantity)
+        };
+        let law = match self.slot {
+            Slot::Hysteresis => Quantity::FORCE,
+            _ => of(ParameterRole::Ordinate),
+        };
+        [of(ParameterRole::Range), law]
+    }
+
+    /// A linear function of the curve, `sum w_i f(x_i)`.
+    fn estimate(&self, weights: &DVector<f64>) -> Estimate {
+        let variance = weights.dot(&(&self.covariance * weights));
+        Estimate {
+            value: weights.dot(&self.values),
+            std: variance.max(0.0).sqrt(),
+        }
+    }
+
+    /// The first point that is not below a coordinate.
+    fn index(&self, x: f64) -> usize {
+        let index = self.points.partition_point(|point| *point < x);
+        index.min(self.points.len() - 1)
+    }
+}
+
+/// How many ordinates a learned effect has.
+pub(crate) fn ordinates(effect: &Effect) -> usize {
+    let own = effect.parameters.iter();
+    own.filter(|p| p.role == ParameterRole::Ordinate).count()
+}
+
+/// Points over the range of a law, evenly spaced. A law over the velocity has half of them in each direction, the
+/// innermost at rest; a hysteresis begins at rest.
+fn points(slot: Slot, parameters: &[f64], count: usize) -> Vec<f64> {
+    let [.., from, to] = *parameters else {
+        return Vec::new();
+    };
+    let even = |from: f64, to: f64, count: usize| {
+        let step = (to - from) / (count - 1) as f64;
+        (0..count).map(move |k| from + step * k as f64)
+    };
+    match slot {
+        Slot::Friction => {
+            let backward = even(from, from * AT_REST, count / 2);
+            backward.chain(even(to * AT_REST, to, count / 2)).collect()
+        }
+        Slot::Hysteresis => even(0.0, to, count).collect(),
+        _ => even(from, to, count).collect(),
+    }
+}
+
+/// Slip distances of the elements of a hysteresis.
+fn slips(parameters: &[f64]) -> Vec<f64> {
+    let [ref elements @ .., from, to] = *parameters else {
+        return Vec::new();
+    };
+    let last = elements.len().max(2) - 1;
+    let part = |k: usize| k as f64 / last as f64;
+    (0..elements.len())
+        .map(|k| from * (to / from).powf(part(k)))
+        .collect()
+}
+
+/// Change of the curve with each ordinate: points in rows, ordinates in columns. A law is linear in its ordinates
+/// but for limits that physics sets it, such as a level of friction above 0; here they are far.
+fn parts(effect: &Effect, parameters: &[f64], at: &Motion, points: &[f64]) -> Option<DMatrix<f64>> {
+    let ordinates = ordinates(effect);
+    let mut inside = parameters.to_vec();
+    inside[..ordinates].fill(1.0);
+    let before = curve(effect, &inside, at, points)?;
+    let mut parts = DMatrix::zeros(points.len(), ordinates);
+    for ordinate in 0..ordinates {
+        let mut changed = inside.clone();
+        changed[ordinate] += CHANGE;
+        let after = curve(effect, &changed, at, points)?;
+        for (row, (after, before)) in after.iter().zip(&before).enumerate() {
+            parts[(row, ordinate)] = (after - before) / CHANGE;
+        }
+    }
+    Some(parts)
+}

@@ -1,0 +1,225 @@
+//! The named law that is nearest to a learned curve.
+
+use super::Curve;
+use crate::effects::{Catalogue, Effect, Motion, ParameterRole, Place, Scales, curve};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::f64::consts::TAU;
+
+/// A named law, fitted to a learned curve.
+#[derive(Clone, Debug)]
+pub struct Nearest {
+    /// The named law.
+    pub effect: &'static Effect,
+    /// Values of its parameters.
+    pub values: Vec<f64>,
+    /// Squared distance from the learned ordinates in their standard deviations, for each degree of freedom: about 1
+    /// where the law is the curve.
+    pub chi_squared: f64,
+    /// The law at the points of the curve.
+    pub at_points: Vec<f64>,
+    /// Ranges of the coordinate where it is outside of the 95 % band of the curve.
+    pub outside: Vec<(f64, f64)>,
+}
+
+/// Starts that are followed to their end, the best at first sight.
+const FOLLOWED: usize = 4;
+
+/// Steps of a descent: with at most four unknowns it ends far sooner.
+const STEPS: usize = 60;
+
+/// Change of a parameter for its derivative, as a share of its typical size.
+const CHANGE: f64 = 1e-5;
+
+/// Least standard deviation of an ordinate, as a share of the largest ordinate: what a curve is known to at best.
+const ROUNDING: f64 = 1e-9;
+
+/// The named laws of a catalogue that live in the slot of a learned curve at a place, fitted to its ordinates with
+/// their covariance; the nearest first. `at` is the motion that [`curve`] asks for.
+pub fn nearest(
+    learned: &Curve,
+    place: Place,
+    at: &Motion,
+    scales: &Scales,
+    catalogue: Catalogue,
+) -> Vec<Nearest> {
+    let Some(target) = Target::new(learned, at) else {
+        return Vec::new();
+    };
+    let named = catalogue.0.iter().copied().filter(|effect| {
+        !effect.is_learned()
+            && effect.slot() == Some(learned.slot)
+            && effect.places.contains(&place)
+    });
+    let mut found: Vec<Nearest> = named
+        .filter_map(|effect| target.fit(effect, learned, scales))
+        .collect();
+    found.sort_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared));
+    found
+}
+
+/// What a law is to meet.
+struct Target<'a> {
+    at: &'a Motion,
+    /// Coordinates, and the learned law there.
+    points: Vec<f64>,
+    values: DVector<f64>,
+    /// Change of the law there with each ordinate.
+    parts: DMatrix<f64>,
+    factor: Cholesky<f64, Dyn>,
+}
+
+impl<'a> Target<'a> {
+    fn new(learned: &Curve, at: &'a Motion) -> Option<Self> {
+        let points = learned.knots();
+        // What a law gives at its knots is not always an ordinate: a hysteresis, a force against negative velocity.
+        let parts = super::parts(learned.effect, &learned.parameters, at, &points)?;
+        let mut covariance = &parts * &learned.of_ordinates * parts.transpose();
+        let values = &parts * DVector::from_column_slice(&learned.parameters[..points.len()]);
+        let least = (ROUNDING * values.amax())
+            .max(f64::MIN_POSITIVE.sqrt())
+            .powi(2);
+        for k in 0..points.len() {
+            covariance[(k, k)] += least;
+        }
+        Some(Self {
+            at,
+            points,
+            values,
+            parts,
+            factor: covariance.cholesky()?,
+        })
+    }
+
+    /// What is left in standard deviations; None where the law has no finite value.
+    fn residual(&self, effect: &Effect, values: &[f64]) -> Option<DVector<f64>> {
+        let law = curve(effect, values, self.at, &self.points)?;
+        let left = DVector::from_vec(law) - &self.values;
+        let left = self.factor.l().solve_lower_triangular(&left)?;
+        left.iter().all(|r| r.is_finite()).then_some(left)
+    }
+
+    fn fit(&self, effect: &'static Effect, learned: &Curve, scales: &Scales) -> Option<Nearest> {
+        let sized = |values: Vec<f64>| {
+            let cost = self.residual(effect, &values)?.norm_squared();
+            Some((cost, values))
+        };
+        let mut starts: Vec<_> = (effect.starts)(scales)
+            .into_iter()
+            .filter_map(sized)
+            .collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts.truncate(FOLLOWED);
+        let ends = starts
+            .into_iter()
+            .map(|(_, values)| self.descend(effect, values, scales));
+        let (cost, values) = ends.flatten().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let values = wrapped(effect, values);
+        let freedom = self.points.len().saturating_sub(values.len()).max(1);
+        let at_points = curve(effect, &values, self.at, &learned.points)?;
+        Some(Nearest {
+            effect,
+            chi_squared: cost / freedom as f64,
+            outside: self.outside(learned, effect, &values)?,
+            values,
+            at_points,
+        })
+    }
+
+    /// Levenberg and Marquardt within the bounds of the parameters.
+    fn descend(
+        &self,
+        effect: &Effect,
+        mut values: Vec<f64>,
+        scales: &Scales,
+    ) -> Option<(f64, Vec<f64>)> {
+        let mut left = self.residual(effect, &values)?;
+        let mut damping = 1e-3;
+        for _ in 0..STEPS {
+            let jacobian = self.jacobian(effect, &values, &left, scales)?;
+            let mut normal = jacobian.transpose() * &jacobian;
+            let right = jacobian.transpose() * &left;
+            let largest = normal.diagonal().amax();
+            for k in 0..values.len() {
+                normal[(k, k)] += damping * normal[(k, k)] + f64::EPSILON * largest;
+            }
+            let step = normal.cholesky()?.solve(&right);
+            let moved = |(k, value): (usize, &f64)| {
+                let parameter = &effect.parameters[k];
+                let (low, high) = (parameter.bounds)(scales);
+                (value - step[k] * (parameter.typical)(scales)).clamp(low, high)
+            };
+            let next: Vec<f64> = values.iter().enumerate().map(moved).collect();
+            let then = self.residual(effect, &next);
+            match then.filter(|then| then.norm_squared() < left.norm_squared()) {
+                Some(then) => {
+                    let gain = left.norm_squared() - then.norm_squared();
+                    let done = gain <= 1e-10 * left.norm_squared();
+                    (values, left) = (next, then);
+                    damping = (0.2 * damping).max(1e-12);
+                    if done {
+                        break;
+                    }
+                }
+                None if damping > 1e8 => break,
+                None => damping *= 8.0,
+            }
+        }
+        Some((left.norm_squared(), values))
+    }
+
+    /// Change of the residual with each parameter, in its typical size.
+    fn jacobian(
+        &self,
+        effect: &Effect,
+        values: &[f64],
+        left: &DVector<f64>,
+        scales: &Scales,
+    ) -> Option<DMatrix<f64>> {
+        let mut jacobian = DMatrix::zeros(left.len(), values.len());
+        for (k, parameter) in effect.parameters.iter().enumerate() {
+            let (typical, (_, high)) = ((parameter.typical)(scales), (parameter.bounds)(scales));
+            // Inside the bounds.
+            let sign = if values[k] + CHANGE * typical.abs() > high {
+                -1.0
+            } else {
+                1.0
+            };
+            let change = sign * CHANGE * typical.abs() / typical;
+            let mut changed = values.to_vec();
+            changed[k] += change * typical;
+            let column = (self.residual(effect, &changed)? - left) / change;
+            jacobian.set_column(k, &column);
+        }
+        Some(jacobian)
+    }
+
+    /// Ranges of the coordinate where a law is outside of the band of the curve. What the ordinates cannot show
+    /// of it between their knots does not count.
+    fn outside(&self, learned: &Curve, effect: &Effect, values: &[f64]) -> Option<Vec<(f64, f64)>> {
+        let law = DVector::from_vec(curve(effect, values, self.at, &self.points)?);
+        let ordinates = self.parts.clone().lu().solve(&(law - &self.values))?;
+        let off = &learned.parts * ordinates;
+        let (band, least) = (learned.band(), ROUNDING * learned.values.amax());
+        let (mut ranges, mut inside): (Vec<(f64, f64)>, bool) = (Vec::new(), true);
+        for (k, &x) in learned.points.iter().enumerate() {
+            let out = off[k].abs() > band[k] + least;
+            match ranges.last_mut() {
+                Some(range) if out && !inside => range.1 = x,
+                _ if out => ranges.push((x, x)),
+                _ => {}
+            }
+            inside = !out;
+        }
+        Some(ranges)
+    }
+}
+
+/// A phase is told within half a turn of 0.
+fn wrapped(effect: &Effect, mut values: Vec<f64>) -> Vec<f64> {
+    for (parameter, value) in effect.parameters.iter().zip(&mut values) {
+        if parameter.role == ParameterRole::Phase {
+            *value -= TAU * (*value / TAU).round();
+        }
+    }
+    values
+}

@@ -1,0 +1,112 @@
+//! Hysteresis of any shape: elasto-plastic elements in parallel.
+
+use super::learned::{ordinate, parameters, split, start};
+use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, STATES, Scales, Slot};
+
+/// Elements, and the ends of the range of their slip distances.
+const PARAMETERS: usize = STATES + 2;
+
+/// Longest over shortest slip distance: a factor of 2 from each to the next.
+const RANGE: f64 = 128.0;
+
+/// What is left of a slip distance when an element is said to slip: rounding.
+const ROUNDING: f64 = 1e-12;
+
+struct MaxwellSlip {
+    stiffness: [f64; STATES],
+    /// Deflection at which each element slips.
+    slip: [f64; STATES],
+}
+
+impl MaxwellSlip {
+    fn new(values: &[f64]) -> Self {
+        let (ordinates, from, to) = split(values);
+        let mut law = Self {
+            stiffness: [0.0; STATES],
+            slip: [0.0; STATES],
+        };
+        let ratio = (to / from).powf(1.0 / (STATES - 1) as f64);
+        for (k, &stiffness) in ordinates.iter().take(STATES).enumerate() {
+            law.stiffness[k] = stiffness;
+            law.slip[k] = from.max(0.0) * ratio.powi(k as i32);
+        }
+        law
+    }
+
+    /// Deflection of an element after a way in one direction.
+    fn deflection(&self, k: usize, x: f64, memory: &Memory) -> f64 {
+        let slip = self.slip[k];
+        (memory.states[k] + (x - memory.position)).clamp(-slip, slip)
+    }
+}
+
+impl Force for MaxwellSlip {
+    fn force(&self, _motion: &Motion, x: f64, _v: f64, memory: &Memory) -> f64 {
+        let force = |k: usize| self.stiffness[k] * self.deflection(k, x, memory);
+        (0..STATES).map(force).sum()
+    }
+
+    /// Deflections in [`Memory::states`], exact for a step in one direction; [`Memory::state`] is that direction.
+    fn remember(&self, motion: &Motion, x: f64, v: f64, memory: &mut Memory) {
+        let before = *memory;
+        for k in 0..STATES {
+            memory.states[k] = self.deflection(k, x, &before);
+        }
+        if v != 0.0 {
+            memory.state = v.signum();
+        }
+        (memory.position, memory.time) = (x, motion.time);
+    }
+
+    /// Above 0 until the next element starts to slip, or what slips turns round.
+    fn switch(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
+        let (travel, sense) = (x - memory.position, memory.state);
+        let mut left: Option<f64> = None;
+        let mut note = |value: f64| left = Some(left.map_or(value, |left| left.min(value)));
+        for k in (0..STATES).filter(|&k| self.stiffness[k] != 0.0) {
+            for side in [1.0, -1.0] {
+                let room = self.slip[k] - side * memory.states[k];
+                match room > ROUNDING * self.slip[k] {
+                    true => note(room - side * travel),
+                    false if side == sense => note(sense * v),
+                    false => {}
+                }
+            }
+        }
+        left
+    }
+}
+
+/// Elasto-plastic elements in parallel: each is a spring `k_i` in series with dry friction that slips beyond a
+/// deflection `r_i`, so that the force is `sum k_i z_i`, `z_i` the deflection within `[-r_i, r_i]`.
+pub const MAXWELL_SLIP: Effect = Effect {
+    name: "maxwell_slip",
+    title: "Maxwell slip",
+    places: &[Place::Transmission],
+    physics: "Elements in parallel, each a spring that slips beyond a deflection r_i: the stop operators of Prandtl and \
+        Ishlinskii. The slip distances are fixed, each twice the one before, up to the largest deformation; the \
+        stiffness k_i of each is learned and not below 0, so that every loop takes energy away. Any hysteresis that \
+        follows Masing's rules, whatever the speed, is such a sum. Source: Prandtl, ZAMM 8 (1928); Ishlinskii, \
+        Izvestiya Akademii Nauk SSSR OTN 9 (1944); Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control \
+        50 (2005).",
+    remedy: "Expect the position to depend on the way it was reached; approach from one side, or model the loop.",
+    parameters: &parameters::<PARAMETERS>(
+        ordinate(
+            Quantity::new(1, -1, 0),
+            |scales| (0.0, 10.0 * scales.force / scales.deformation),
+            |scales| 0.05 * scales.force / scales.deformation,
+        ),
+        Quantity::POSITION,
+        [|scales| distances(scales).0, |scales| distances(scales).1],
+    ),
+    properties: &[Property::Slot(Slot::Hysteresis)],
+    law: |p| Law::Force(Box::new(MaxwellSlip::new(p))),
+    starts: |scales| vec![start::<PARAMETERS>(distances(scales))],
+};
+
+/// Shortest and longest slip distance: beyond the largest deformation nothing slips.
+fn distances(scales: &Scales) -> (f64, f64) {
+    let (from, to) = scales.visited_deformation();
+    let largest = to.max(-from);
+    (largest / RANGE, largest)
+}
