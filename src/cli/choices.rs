@@ -5,6 +5,7 @@ use quell_shapers::{SHAPERS, Shaper, shaper_by_name};
 
 use crate::estimators::{ESTIMATORS, EstimatorEntry, estimator};
 use crate::plant::Damping;
+use crate::proof::Kind;
 use crate::signal::TipRegistration;
 
 /// The table of shapers, with what each does.
@@ -29,6 +30,12 @@ pub fn registrations() -> impl TypedValueParser<Value = TipRegistration> {
         let found = ways.iter().find(|way| way.name() == name);
         found.copied().ok_or("there is no such registration")
     })
+}
+
+/// The kinds of concealed cases, with what each hides.
+pub fn kinds() -> impl TypedValueParser<Value = Kind> {
+    let choice = |kind: Kind| PossibleValue::new(kind.name()).help(kind.summary());
+    PossibleValuesParser::new(Kind::ALL.map(choice)).try_map(|name| name.parse::<Kind>())
 }
 
 /// Where a damper can sit.

@@ -1,11 +1,12 @@
 //! `quell prove`: the diagnosis on recordings in which something was hidden.
 
 use super::out::{Force, Out, Stage};
-use super::{CliError, output};
+use super::{CliError, choices, output};
 use crate::diagnosis::{Diagnosis, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
-    FindingSummary, ParameterSummary, ProofError, Source, Verdict, read_cases, run as run_cases,
+    Claim, FindingSummary, Kind, ParameterSummary, ProofError, Score, Source, Verdict, read_cases,
+    run as run_cases,
 };
 use crate::recording::{MANIFEST, Recording};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,10 +24,14 @@ const DOCUMENT: &str = "proof.json";
 Examples:
   quell prove                                60 cases of the generator
   quell prove --cases 500 --seed 1 --out out the full run, with a page
+  quell prove --kinds pair,triple --cases 40 20 cases with two effects, 20 with three
   quell prove --from DIR --json              cases of another generator
+  quell prove --seed 2 --out two             a share of a campaign
+  quell prove --join one/proof.json two/proof.json
+                                             shares together
 
 Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no
-catalogue holds, recorded by sensors with noise. The diagnosis sees the nominal model and one
+catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal model and one
 recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml, case-00/train/,
 case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
 pub struct Args {
@@ -36,9 +41,15 @@ pub struct Args {
     /// The seed; the same seed makes the same cases.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// What the cases hide, in turn [default: drawn for each case, from clean, single, pair and outside].
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = choices::kinds())]
+    kinds: Vec<Kind>,
     /// A folder of cases, instead of making them.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["cases", "seed", "keep"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["cases", "seed", "kinds", "keep"])]
     from: Option<PathBuf>,
+    /// Scores of shares, as --json or --out wrote them, instead of making and diagnosing cases.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["cases", "seed", "kinds", "from", "keep"])]
+    join: Vec<PathBuf>,
     /// Keeps the cases in this folder.
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
@@ -65,11 +76,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let keep = keep.map(|folder| Out::open(folder, verb, &[], kept(args.cases)));
     let keep = keep.transpose()?;
     let keep = keep.as_ref().map(Out::stage).transpose()?;
-    let (source, count, subtitle) = source(&args, keep.as_ref())?;
-    let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
-    let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
-    let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
-    progress.finish_and_clear();
+    let (score, subtitle) = match args.join.as_slice() {
+        [] => diagnosed(source(&args, keep.as_ref())?)?,
+        files => joined(files)?,
+    };
     if let Some(cases) = keep {
         cases.put()?;
     }
@@ -83,6 +93,30 @@ pub fn run(args: Args) -> Result<(), CliError> {
         return output::json(&score.to_json());
     }
     output::text(&format!("{subtitle}\n\n{}", score.to_text()))
+}
+
+/// Diagnoses all cases of a source.
+fn diagnosed(
+    (source, count, subtitle): (Source, u64, String),
+) -> Result<(Score, String), CliError> {
+    let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
+    let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
+    let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
+    progress.finish_and_clear();
+    Ok((score, subtitle))
+}
+
+/// One score of several, and a line that says so.
+fn joined(files: &[PathBuf]) -> Result<(Score, String), CliError> {
+    let read = |path: &PathBuf| {
+        let wrong = |reason: String| CliError::input(format!("{}: {reason}", path.display()));
+        let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        Score::from_json(&text).map_err(|error| wrong(error.to_string()))
+    };
+    let scores = files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let score = Score::joined(scores);
+    let line = format!("{} cases of {} shares", score.cases.len(), files.len());
+    Ok((score, line))
 }
 
 /// Files of so many cases, but for the channels of their recordings.
@@ -104,9 +138,18 @@ fn source(args: &Args, keep: Option<&Stage>) -> Result<(Source, u64, String), Cl
         return Ok((Source::Folder(folder.clone()), count, line));
     }
     let &Args { cases, seed, .. } = args;
-    let line = format!("{cases} cases of seed {seed}");
-    let keep = keep.map(|stage| stage.path().into());
-    Ok((Source::Generated { cases, seed, keep }, cases, line))
+    let names: Vec<&str> = args.kinds.iter().map(|kind| kind.name()).collect();
+    let line = match names.as_slice() {
+        [] => format!("{cases} cases of seed {seed}"),
+        names => format!("{cases} cases of seed {seed}: {}", names.join(", ")),
+    };
+    let source = Source::Generated {
+        cases,
+        seed,
+        kinds: args.kinds.clone(),
+        keep: keep.map(|stage| stage.path().into()),
+    };
+    Ok((source, cases, line))
 }
 
 fn told(error: ProofError) -> CliError {
@@ -149,9 +192,14 @@ fn summary(diagnosis: &Diagnosis) -> Verdict {
             })
             .collect(),
     };
+    let claim = |finding: &crate::diagnosis::Finding| Claim {
+        effect: finding.effect.clone(),
+        probability: finding.probability,
+    };
     Verdict {
         kind: diagnosis.verdict.name().into(),
         findings: diagnosis.findings.iter().map(finding).collect(),
+        claims: diagnosis.findings.iter().map(claim).collect(),
         before_over_noise: diagnosis.fit.before.held_out_over_noise,
         after_over_noise: diagnosis.fit.after.held_out_over_noise,
         ..Verdict::default()

@@ -9,6 +9,7 @@ from baseline import Baseline
 from effects import EFFECTS
 from effects.transmission import HYSTERETIC
 from effects.effect import Setting
+from kinds import visible
 from layout import OUTPUTS
 from motion import programme
 from sensors import random_chain, record
@@ -18,8 +19,12 @@ TARGET = (1.6, 12.0)       # residual over noise aimed at, logarithmically unifo
 ACCEPT = (1.5, 13.0)
 
 
+class Unseen(Exception):
+    """What should be found cannot be."""
+
+
 class Case:
-    """Draws a case of a kind ("none", "single", "outside", "pair") and simulates it at a given size."""
+    """Draws a case of a kind ("none", "single", "outside", "pair", or one that was chosen) and simulates it at a given size."""
 
     def __init__(self, rng, kind, wanted):
         self.rng, self.kind = rng, kind
@@ -98,9 +103,11 @@ class Case:
             size = float(guess if low < guess < high and turn < 4 else np.sqrt(low * high))
         return best[1]
 
-    def build(self):
-        """Sizes, both recordings and the line of truth."""
+    def build(self, chosen=False):
+        """Sizes, both recordings and the line of truth; `chosen` where the kind was asked for."""
         sizes = [self.size_one(i) for i in range(len(self.effects))]
+        if chosen and len(sizes) > 1 and not visible(self, sizes):
+            raise Unseen("one of several effects is hidden by the others")
         recordings = {which: self.recording(which, sizes) for which in ("train", "test")}
         ratio = self.ratio(recordings["train"])
         parameters, names = {}, [effect.name for effect in self.effects]
@@ -122,6 +129,10 @@ class Case:
             "output": self.chain.role, "noise_std": self.chain.noise_std, "noise_unit": OUTPUTS[self.chain.role][2],
             "noise": self.chain.noise_kind,
         }
+        if chosen:
+            truth["kind"] = self.kind
+            shapes = [effect.shape for effect in self.effects if effect.shape]
+            truth |= {"shape": "+".join(shapes)} if shapes else {}
         if self.chain.role == "tip_position":
             truth["tracker_noise_m"] = self.chain.noise_std
         return recordings, truth

@@ -13,8 +13,10 @@ from scipy.interpolate import CubicSpline
 
 from baseline import Baseline
 from case import Case
+from effects.laws import EvenSpring, LocalDamper, PeriodicForce, PowerFriction, SofteningSpring
 from effects.link import GravityTilt, QuadraticDrag, ViscousDrag
-from effects.transmission import CoulombFriction, CubicStiffness, TendonBacklash, TransmissionError
+from effects.shaped import FifthOrderStiffness, TransmissionHarmonics
+from effects.transmission import CoulombFriction, CubicStiffness, QuadraticDamping, TendonBacklash, TransmissionError
 from simulate import simulate
 
 # Torque across the joint and on the link, written down anew from the truth's parameters p and the arm a.
@@ -24,6 +26,19 @@ LAWS = {
         p["amp_rad"] * (a.stiffness * math.sin(p["cycles_per_rad"] * u + p["phase_rad"])
                         + a.damping * p["cycles_per_rad"] * du * math.cos(p["cycles_per_rad"] * u + p["phase_rad"])), 0.0),
     TendonBacklash: lambda p, a, e, u, du, dy: (a.stiffness * max(-0.5 * p["gap_rad"], min(0.5 * p["gap_rad"], e)), 0.0),
+    LocalDamper: lambda p, a, e, u, du, dy: (-p["c"] * (dy - du) * math.exp(-((u - p["at_rad"]) / p["width_rad"]) ** 2 / 2), 0.0),
+    EvenSpring: lambda p, a, e, u, du, dy: (-p["c"] * abs(e) ** p["power"], 0.0),
+    SofteningSpring: lambda p, a, e, u, du, dy: (a.stiffness * (e - p["bend_rad"] * math.atan2(e, p["bend_rad"])), 0.0),
+    PeriodicForce: lambda p, a, e, u, du, dy: (0.0, p["torque_nm"] * sum(
+        h * math.sin((k + 1) * p["cycles_per_rad"] * (u + e) + q) for k, (h, q) in enumerate(zip(p["heights"], p["phases_rad"])))),
+    TransmissionHarmonics: lambda p, a, e, u, du, dy: (p["amp_rad"] * sum(
+        h * (a.stiffness * math.sin((k + 1) * p["cycles_per_rad"] * u + q)
+             + a.damping * (k + 1) * p["cycles_per_rad"] * du * math.cos((k + 1) * p["cycles_per_rad"] * u + q))
+        for k, (h, q) in enumerate(zip(p["heights"], p["phases_rad"]))), 0.0),
+    FifthOrderStiffness: lambda p, a, e, u, du, dy: (-p["third_order"] * e ** 3 - p["fifth_order"] * e ** 5, 0.0),
+    PowerFriction: lambda p, a, e, u, du, dy: (
+        -p["c"] * (dy - du) * math.hypot(dy - du, p["linear_below_rad_s"]) ** (p["power"] - 1), 0.0),
+    QuadraticDamping: lambda p, a, e, u, du, dy: (-p["c2"] * (dy - du) * abs(dy - du), 0.0),
     ViscousDrag: lambda p, a, e, u, du, dy: (0.0, -p["c"] * dy),
     QuadraticDrag: lambda p, a, e, u, du, dy: (0.0, -p["c2"] * dy * abs(dy)),
     GravityTilt: lambda p, a, e, u, du, dy: (

@@ -78,6 +78,8 @@ pub const FAMILIES: &[Family] = &[
 
 /// The family of what no catalogue holds.
 pub const OUTSIDE: &str = "outside";
+/// What a law that was learned counts as.
+pub const LEARNED: &str = "learned law";
 /// The family of a clean case, and of a diagnosis that names nothing.
 pub const NOTHING: &str = "nothing";
 

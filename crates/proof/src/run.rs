@@ -1,7 +1,8 @@
 //! The run: each recording to the diagnosis, and only then the seal broken.
 
 use super::folder::{FolderError, read_cases, read_truths, write_case, write_truths};
-use super::generator::generate;
+use super::generator::{Case, generate, generate_kind};
+use super::kind::Kind;
 use super::score::{Judged, Score};
 use super::truth::Truth;
 use super::verdict::Verdict;
@@ -26,6 +27,8 @@ pub enum Source {
         cases: u64,
         /// The seed.
         seed: u64,
+        /// Kinds, in turn; the mixture where there are none.
+        kinds: Vec<Kind>,
         /// Folder that keeps them; else only the models are written, for a while.
         keep: Option<PathBuf>,
     },
@@ -70,12 +73,20 @@ pub fn run(
 ) -> Result<Score, ProofError> {
     let cases = match source {
         Source::Folder(folder) => from_folder(folder, diagnose, done)?,
-        Source::Generated { cases, seed, keep } => {
+        Source::Generated {
+            cases,
+            seed,
+            kinds,
+            keep,
+        } => {
             let passing = std::env::temp_dir();
             let passing = passing.join(format!("quell-prove-{}-{seed}", std::process::id()));
             let folder = keep.as_ref().unwrap_or(&passing);
             let one = |index| {
-                let judged = generated(folder, keep.is_some(), (*seed, index), diagnose);
+                let kind = kinds.get(index as usize % kinds.len().max(1)).copied();
+                let case = made(kind, *seed, index);
+                let judged = case
+                    .and_then(|case| generated(folder, keep.is_some(), (index, case), diagnose));
                 done();
                 judged
             };
@@ -97,18 +108,24 @@ pub fn run(
     Ok(Score { cases })
 }
 
-fn generated(
-    folder: &Path,
-    keep: bool,
-    (seed, index): (u64, u64),
-    diagnose: &Diagnose,
-) -> Result<Judged, ProofError> {
-    let plan = |source| ProofError::Plan {
+fn made(kind: Option<Kind>, seed: u64, index: u64) -> Result<Case, ProofError> {
+    let case = match kind {
+        Some(kind) => generate_kind(kind, seed, index),
+        None => generate(seed, index),
+    };
+    case.map_err(|source| ProofError::Plan {
         seed,
         index,
         source,
-    };
-    let case = generate(seed, index).map_err(plan)?;
+    })
+}
+
+fn generated(
+    folder: &Path,
+    keep: bool,
+    (index, case): (u64, Case),
+    diagnose: &Diagnose,
+) -> Result<Judged, ProofError> {
     let number = index as usize;
     let sealed = if keep {
         write_case(folder, number, &case)?

@@ -1,6 +1,6 @@
 //! What a diagnosis said about a case, as far as it is scored.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A diagnosis in a few words.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -10,11 +10,17 @@ pub struct Verdict {
     pub kind: String,
     /// The best explanation, strongest first.
     pub findings: Vec<FindingSummary>,
+    /// What was said with a probability: findings, and alternatives where they have one.
+    #[serde(default)]
+    pub claims: Vec<Claim>,
     /// Rms over the noise on the part of the recording that was kept apart, before.
+    #[serde(deserialize_with = "or_not_a_number")]
     pub before_over_noise: f64,
     /// The same with the findings in the model.
+    #[serde(deserialize_with = "or_not_a_number")]
     pub after_over_noise: f64,
     /// Rms over the noise of the model that came out on moves never shown.
+    #[serde(deserialize_with = "or_not_a_number")]
     pub test_rms_over_noise: f64,
     /// Time of the diagnosis, s.
     pub seconds: f64,
@@ -31,6 +37,15 @@ pub struct FindingSummary {
     pub alternatives: Vec<String>,
     /// Its parameters.
     pub parameters: Vec<ParameterSummary>,
+}
+
+/// An effect and how probable it is said to be.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// From 0 to 1.
+    pub probability: f64,
 }
 
 /// A parameter with its interval, SI.
@@ -71,6 +86,11 @@ impl Verdict {
     pub fn first_name(&self) -> Option<&str> {
         self.findings.first().map(|finding| finding.effect.as_str())
     }
+}
+
+/// JSON has no such numbers: `null` stands for one.
+fn or_not_a_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 impl FindingSummary {

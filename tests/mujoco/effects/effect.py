@@ -36,6 +36,7 @@ class Effect:
     name = ""
     place = ""                # transmission, link, base, sensor or environment
     catalogue = ()            # names in the catalogue of effects; empty for what no catalogue has
+    shape = ""                # what its law has beside the textbook's
     equivalents = ()          # names that no motion tells from this one
     roles = ALL_ROLES         # sensors that can see it
     start, low, high = 0.05, 1e-4, 0.5

@@ -1,6 +1,7 @@
 //! A driven axis: a carriage on rails under a position controller.
 
-use super::integrate::{Contact, Plant, State};
+use super::integrate::{Contact, Plant, STATES, State};
+use super::laws::Laws;
 use super::programme::Programme;
 use super::surfaces::DryFriction;
 
@@ -8,6 +9,8 @@ const POSITION: usize = 0;
 const VELOCITY: usize = 1;
 const DELIVERED: usize = 2;
 const IMPULSE: usize = 3;
+/// The first of the sliders.
+const SLIDER: usize = 4;
 
 /// The axis with what is hidden in it; absent or 0 where nothing is.
 #[derive(Clone, Debug, Default)]
@@ -34,23 +37,41 @@ pub struct Axis {
     pub loss: [f64; 2],
     /// Time constant, s, with which the force follows its command; 0 for none.
     pub lag: f64,
+    /// Laws that no textbook names.
+    pub laws: Laws,
+}
+
+/// Where the force comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum Command<'a> {
+    /// From a controller that keeps the axis on a programme.
+    Controller(&'a Programme),
+    /// From a record: the means over cycles of this length, s.
+    Told(&'a [f64], f64),
 }
 
 /// The axis on its way through a programme.
 pub struct Driven<'a> {
     /// The axis.
     pub axis: &'a Axis,
-    /// What it shall do.
-    pub programme: &'a Programme,
+    /// What drives it.
+    pub command: Command<'a>,
     /// Whether the impulse of the commanded force is shown, or the position.
     pub shows_impulse: bool,
 }
 
 impl Driven<'_> {
-    /// The controller's force: feedforward of the believed mass, and a spring and a damper.
+    /// The force of the record, or the controller's: feedforward of the believed mass, and a spring and a damper.
     pub fn commanded(&self, time: f64, state: &State) -> f64 {
         let axis = self.axis;
-        let [r, v, a] = self.programme.at(time);
+        let programme = match self.command {
+            Command::Controller(programme) => programme,
+            Command::Told(forces, cycle) => {
+                let index = (time / cycle) as usize;
+                return forces.get(index).or(forces.last()).copied().unwrap_or(0.0);
+            }
+        };
+        let [r, v, a] = programme.at(time);
         let w = axis.bandwidth;
         let back = w * w * (r - state[POSITION]) + 1.6 * w * (v - state[VELOCITY]);
         axis.believed_mass * (a + back)
@@ -82,7 +103,11 @@ impl Driven<'_> {
         };
         let [size, waves, phase] = axis.cogging;
         let cogging = size * (waves * state[POSITION] + phase).sin();
-        drive + axis.offset + cogging - axis.viscous * state[VELOCITY]
+        let laws = axis.laws.pull(state[POSITION])
+            - axis
+                .laws
+                .against(state[POSITION], state[VELOCITY], &state[SLIDER..]);
+        drive + axis.offset + cogging - axis.viscous * state[VELOCITY] + laws
     }
 }
 
@@ -96,7 +121,7 @@ impl Plant for Driven<'_> {
                 dry.sliding(sign, (sign * state[VELOCITY]).max(0.0), state[POSITION])
             }
         };
-        let mut rates = [0.0; 14];
+        let mut rates = [0.0; STATES];
         rates[POSITION] = state[VELOCITY];
         rates[VELOCITY] = (self.push(time, state) + friction) / axis.mass;
         if axis.lag > 0.0 {
@@ -104,6 +129,7 @@ impl Plant for Driven<'_> {
             rates[DELIVERED] = (command - state[DELIVERED]) / axis.lag;
         }
         rates[IMPULSE] = self.commanded(time, state);
+        axis.laws.slide(state[VELOCITY], state, SLIDER, &mut rates);
         rates
     }
 

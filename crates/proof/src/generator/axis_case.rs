@@ -1,15 +1,19 @@
 //! A case of a driven axis.
 
-use super::axis::{Axis, Driven};
-use super::axis_effects::{ENTRIES, Forces};
-use super::integrate::integrate;
+use super::axis::{Axis, Command, Driven};
+use super::axis_effects::{Forces, entries};
+use super::axis_laws::shape_of;
+use super::axis_refit::{Hidden, Recorded};
+use super::integrate::{STATES, integrate};
+use super::plan::{Plan, Table};
 use super::programme::{Programme, Style};
 use super::random::Draw;
 use super::recorded::rounded;
 use super::sensors::{Colour, Noise};
 use super::size::SHARES;
-use super::{Case, Oracle, Plan};
+use super::{Case, Oracle};
 use crate::families::family;
+use crate::kind::Kind;
 use crate::truth::{HiddenEffect, Truth};
 use quell_recording::{Channel, Recording, Role};
 use quell_trajectories::PlanError;
@@ -19,8 +23,9 @@ use std::f64::consts::TAU;
 /// Step of the integration, s.
 const STEP: f64 = 1e-4;
 
-pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
-    let plan = Plan::draw(draw);
+/// `None` where the axis does not show as many effects as the kind has.
+pub(super) fn generate(draw: &mut Draw, kind: Option<Kind>) -> Result<Option<Case>, PlanError> {
+    let plan = Plan::draw(draw, kind);
     let mut axis = axis(draw);
     let style = Style {
         natural_frequency: draw.uniform(20.0, 60.0),
@@ -35,7 +40,13 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     );
     let model = model(draw, &axis);
     let nominal = [axis.mass, axis.viscous];
-    let effects = conceal(draw, plan, &mut axis, &train);
+    let plain = axis.clone();
+    let forces = forces(&plain, &train);
+    let hidden = conceal(draw, plan);
+    let effects = put_in(&mut axis, &forces, &hidden);
+    if !plan.is_met_by(effects.len()) {
+        return Ok(None);
+    }
     let rate = draw.pick(&[500.0, 1000.0]).copied().unwrap_or(1000.0);
     let noise = Noise {
         std: draw.uniform(5e-6, 2e-5),
@@ -45,16 +56,28 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
             Colour::Quantised
         },
     };
-    let truth = truth(&noise, effects, nominal);
+    if kind.is_some() && !all_show([&plain, &axis], &forces, &train, &hidden, noise.std) {
+        return Ok(None);
+    }
+    let mut truth = truth(&noise, effects, nominal);
+    truth.in_catalogue = matches!(plan.table, Table::Catalogue | Table::Shaped);
+    if plan.table == Table::Shaped {
+        let shapes = hidden.iter().map(|one| shape_of(one.entry.0));
+        let shapes: Vec<&str> = shapes.collect();
+        truth.more.insert("shape".into(), shapes.join("+").into());
+    }
+    if let Some(kind) = kind {
+        truth.more.insert("kind".into(), kind.name().into());
+    }
     let (recorded, _) = record(draw, &axis, &train, (rate, &noise), "train");
     let (tested, predicted) = record(draw, &axis, &test, (rate, &noise), "test");
-    Ok(Case {
+    Ok(Some(Case {
         model,
         train: recorded,
         test: tested,
         truth,
         oracle: Oracle::Axis { predicted },
-    })
+    }))
 }
 
 fn axis(draw: &mut Draw) -> Axis {
@@ -68,51 +91,76 @@ fn axis(draw: &mut Draw) -> Axis {
     }
 }
 
-fn conceal(
-    draw: &mut Draw,
-    plan: Plan,
-    axis: &mut Axis,
-    programme: &Programme,
-) -> Vec<HiddenEffect> {
-    let forces = forces(axis, programme);
-    let (count, known) = plan.effects();
-    let mut hidden: Vec<HiddenEffect> = Vec::new();
-    while hidden.len() < count {
+fn conceal(draw: &mut Draw, plan: Plan) -> Vec<Hidden> {
+    let mut hidden: Vec<Hidden> = Vec::new();
+    while hidden.len() < plan.effects {
         let strange = |name: &str| {
-            hidden
-                .iter()
-                .all(|other| family(&other.effect) != family(name))
+            let other = |other: &Hidden| family(other.entry.0) != family(name);
+            hidden.iter().all(other)
         };
-        let suitable = ENTRIES
-            .iter()
-            .filter(|entry| entry.1 == known && strange(entry.0));
-        let Some(&&(name, _, hide)) = draw.pick(&suitable.collect::<Vec<_>>()) else {
+        let suitable = entries(plan.table).filter(|entry| strange(entry.0));
+        let Some(&entry) = draw.pick(&suitable.collect::<Vec<_>>()) else {
             break;
         };
         let share = draw.log_uniform(SHARES[0], SHARES[1]);
         let shape = [(); 3].map(|()| draw.uniform(0.0, 1.0));
-        let parameters = hide(axis, &forces, share, shape);
-        let named = parameters
-            .iter()
-            .map(|(name, value)| (name.to_string(), *value));
-        hidden.push(HiddenEffect {
-            effect: name.into(),
-            place: "drive".into(),
-            parameters: named.collect(),
+        hidden.push(Hidden {
+            entry,
+            share,
+            shape,
         });
     }
     hidden
 }
 
+/// Puts all of it into an axis.
+fn put_in(axis: &mut Axis, forces: &Forces, hidden: &[Hidden]) -> Vec<HiddenEffect> {
+    let effect = |one: &Hidden| {
+        let parameters = (one.entry.2)(axis, forces, one.share, one.shape);
+        let named = parameters.iter();
+        HiddenEffect {
+            effect: one.entry.0.into(),
+            place: "drive".into(),
+            parameters: named
+                .map(|(name, value)| (name.to_string(), *value))
+                .collect(),
+        }
+    };
+    hidden.iter().map(effect).collect()
+}
+
+/// Whether each of several shows beside the others in what is recorded.
+fn all_show(
+    [plain, hurt]: [&Axis; 2],
+    forces: &Forces,
+    programme: &Programme,
+    hidden: &[Hidden],
+    noise: f64,
+) -> bool {
+    let cycle = 2e-3;
+    let count = (programme.duration / cycle) as usize;
+    let told = told(hurt, programme, cycle, count);
+    let stamps: Vec<f64> = (1..count / 4).map(|k| 4.0 * k as f64 * cycle).collect();
+    let recorded = Recorded {
+        plain,
+        forces,
+        told: (&told, cycle),
+        stamps: &stamps,
+        positions: &run(hurt, programme, &stamps, false),
+        noise,
+    };
+    recorded.all_show(hidden)
+}
+
 fn run(axis: &Axis, programme: &Programme, times: &[f64], shows_impulse: bool) -> Vec<f64> {
     let driven = Driven {
         axis,
-        programme,
+        command: Command::Controller(programme),
         shows_impulse,
     };
     let mut breaks: Vec<f64> = programme.corners().collect();
     breaks.sort_by(f64::total_cmp);
-    integrate(&driven, [0.0; 14], STEP, &breaks, times)
+    integrate(&driven, [0.0; STATES], STEP, &breaks, times)
 }
 
 fn forces(axis: &Axis, programme: &Programme) -> Forces {
@@ -132,6 +180,7 @@ fn forces(axis: &Axis, programme: &Programme) -> Forces {
         most: greatest(&mut force.iter().copied()),
         rate: rms(&mut force.windows(2).map(|pair| (pair[1] - pair[0]) / spacing)) / level,
         speed: greatest(&mut times.iter().map(|&t| programme.at(t)[1])),
+        span: programme.span(),
     }
 }
 
@@ -182,11 +231,6 @@ fn told(axis: &Axis, programme: &Programme, cycle: f64, count: usize) -> Vec<f64
 }
 
 fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -> Truth {
-    let in_catalogue = effects.iter().all(|effect| {
-        ENTRIES
-            .iter()
-            .any(|entry| entry.0 == effect.effect && entry.1)
-    });
     let more = json!({
         "noise_colour": noise.colour.name(),
         "programme": "rich",
@@ -199,7 +243,6 @@ fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -
     Truth {
         effects,
         equivalents: equivalents.into_iter().collect(),
-        in_catalogue,
         noise: noise.std,
         noise_unit: "m".into(),
         more: more.as_object().cloned().unwrap_or_default(),

@@ -1,6 +1,8 @@
 //! What can be hidden in a driven axis.
 
 use super::axis::Axis;
+use super::axis_laws;
+use super::plan::Table;
 use super::surfaces::DryFriction;
 use std::f64::consts::TAU;
 
@@ -14,56 +16,81 @@ pub struct Forces {
     pub rate: f64,
     /// Greatest speed, m/s.
     pub speed: f64,
+    /// Least and greatest position, m.
+    pub span: [f64; 2],
 }
 
 /// Parameters by name.
 pub type Parameters = Vec<(&'static str, f64)>;
 
-/// An effect: name, whether it is in the catalogue, and how it enters for a share of the force and three
-/// numbers in [0, 1).
+/// An effect: name, table, and how it enters for a share of the force and three numbers in [0, 1).
 pub type Entry = (
     &'static str,
-    bool,
+    Table,
     fn(&mut Axis, &Forces, f64, [f64; 3]) -> Parameters,
 );
 
-/// All that can be hidden.
-pub const ENTRIES: &[Entry] = &[
-    ("coulomb_friction", true, |axis, forces, share, _| {
-        let friction = share * forces.rms;
-        axis.dry = Some(DryFriction::coulomb(friction));
-        vec![("friction", friction)]
-    }),
-    ("stribeck_friction", true, |axis, forces, share, shape| {
-        let friction = share * forces.rms;
-        let breakaway = 1.4 + 1.1 * shape[0];
-        let stribeck_velocity = forces.speed * (0.02 + 0.1 * shape[1]);
-        axis.dry = Some(DryFriction {
-            breakaway,
-            stribeck_velocity,
-            ..DryFriction::coulomb(friction)
-        });
-        vec![
-            ("excess", breakaway - 1.0),
-            ("friction", friction),
-            ("stribeck_velocity", stribeck_velocity),
-        ]
-    }),
-    ("asymmetric_friction", true, |axis, forces, share, shape| {
-        let uneven = (0.3 + 0.6 * shape[0]) * (shape[1] - 0.5).signum();
-        let sides = [1.0 + uneven, 1.0 - uneven].map(|side| side * share * forces.rms);
-        axis.dry = Some(DryFriction {
-            kinetic: sides,
-            ..DryFriction::coulomb(0.0)
-        });
-        vec![("asymmetry", uneven), ("friction", share * forces.rms)]
-    }),
-    ("force_offset", true, |axis, forces, share, shape| {
-        axis.offset = (shape[0] - 0.5).signum() * share * forces.rms;
-        // The catalogue counts a force against the motion.
-        vec![("force", -axis.offset)]
-    }),
-    ("cogging", true, |axis, forces, share, shape| {
+/// What can be hidden, of one table.
+pub fn entries(table: Table) -> impl Iterator<Item = &'static Entry> {
+    let within = move |entry: &&Entry| match table {
+        Table::Outside => [Table::Outside, Table::Strange].contains(&entry.1),
+        _ => entry.1 == table,
+    };
+    ENTRIES.iter().chain(axis_laws::ENTRIES).filter(within)
+}
+
+const ENTRIES: &[Entry] = &[
+    (
+        "coulomb_friction",
+        Table::Catalogue,
+        |axis, forces, share, _| {
+            let friction = share * forces.rms;
+            axis.dry = Some(DryFriction::coulomb(friction));
+            vec![("friction", friction)]
+        },
+    ),
+    (
+        "stribeck_friction",
+        Table::Catalogue,
+        |axis, forces, share, shape| {
+            let friction = share * forces.rms;
+            let breakaway = 1.4 + 1.1 * shape[0];
+            let stribeck_velocity = forces.speed * (0.02 + 0.1 * shape[1]);
+            axis.dry = Some(DryFriction {
+                breakaway,
+                stribeck_velocity,
+                ..DryFriction::coulomb(friction)
+            });
+            vec![
+                ("excess", breakaway - 1.0),
+                ("friction", friction),
+                ("stribeck_velocity", stribeck_velocity),
+            ]
+        },
+    ),
+    (
+        "asymmetric_friction",
+        Table::Catalogue,
+        |axis, forces, share, shape| {
+            let uneven = (0.3 + 0.6 * shape[0]) * (shape[1] - 0.5).signum();
+            let sides = [1.0 + uneven, 1.0 - uneven].map(|side| side * share * forces.rms);
+            axis.dry = Some(DryFriction {
+                kinetic: sides,
+                ..DryFriction::coulomb(0.0)
+            });
+            vec![("asymmetry", uneven), ("friction", share * forces.rms)]
+        },
+    ),
+    (
+        "force_offset",
+        Table::Catalogue,
+        |axis, forces, share, shape| {
+            axis.offset = (shape[0] - 0.5).signum() * share * forces.rms;
+            // The catalogue counts a force against the motion.
+            vec![("force", -axis.offset)]
+        },
+    ),
+    ("cogging", Table::Catalogue, |axis, forces, share, shape| {
         let pitch = 0.02 + 0.06 * shape[0];
         axis.cogging = [
             share * forces.rms * 2f64.sqrt(),
@@ -72,29 +99,29 @@ pub const ENTRIES: &[Entry] = &[
         ];
         vec![("amplitude", axis.cogging[0]), ("order", axis.cogging[1])]
     }),
-    ("dead_zone", true, |axis, forces, share, _| {
+    ("dead_zone", Table::Catalogue, |axis, forces, share, _| {
         axis.dead_zone = share * forces.rms;
         vec![("half_width", axis.dead_zone)]
     }),
-    ("saturation", true, |axis, forces, share, _| {
+    ("saturation", Table::Catalogue, |axis, forces, share, _| {
         axis.saturation = (1.0 - 1.5 * share) * forces.most;
         vec![("limit", axis.saturation)]
     }),
     (
         "torque_constant_nonlinearity",
-        true,
+        Table::Catalogue,
         |axis, forces, share, _| {
             axis.loss = [share, forces.most];
             vec![("loss", share), ("reference", forces.most)]
         },
     ),
-    ("drive_lag", true, |axis, forces, share, _| {
+    ("drive_lag", Table::Catalogue, |axis, forces, share, _| {
         axis.lag = share / forces.rate;
         vec![("time_constant", axis.lag)]
     }),
     (
         "position_dependent_friction",
-        false,
+        Table::Strange,
         |axis, forces, share, shape| {
             let waves = [0.7 + 0.3 * shape[0], TAU / (0.03 + 0.1 * shape[1])];
             let friction = share * forces.rms;

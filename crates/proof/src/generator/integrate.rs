@@ -1,7 +1,10 @@
 //! Fine fixed steps of Runge and Kutta that end where something sticks, slips or touches.
 
+/// States that a plant may have.
+pub const STATES: usize = 18;
+
 /// All states of a plant; which is which the plant knows.
-pub type State = [f64; 14];
+pub type State = [f64; STATES];
 
 /// What dry friction does at the moment.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! A flexible joint and all that may be wrong with it.
 
-use super::surfaces::{BoucWen, Bristles, DryFriction, Gap, Knock, Stop};
+use super::laws::Laws;
+use super::surfaces::{BoucWen, Bristles, DryFriction, Gap, Knock, RoundedGap, Stop};
 
 /// A body on a spring and a damper.
 #[derive(Clone, Copy, Debug)]
@@ -60,16 +61,28 @@ pub struct Joint {
     pub hysteresis: Option<BoucWen>,
     /// Play in series with the spring.
     pub gap: Option<Gap>,
-    /// The spring's torque is `k (x + cubic x^3)`.
+    /// Play whose edges are round.
+    pub rounded_gap: Option<RoundedGap>,
+    /// The spring's torque is `k (x + cubic x^3 + fifth x^5)`.
     pub cubic: f64,
+    /// See [`cubic`](Self::cubic).
+    pub fifth: f64,
+    /// Coefficient `c` and power `p` of a further torque `k c |x|^p`, which has the same sign on both sides.
+    pub even: [f64; 2],
+    /// Deflection `d` of a spring of torque `k d atan(x / d)`; 0 for a straight one.
+    pub softening: f64,
     /// Relative change of stiffness beyond a knee for `x > 0` and for `x < 0`, and the knee.
     pub bilinear: [f64; 3],
     /// Torque per squared rate of deformation.
     pub quadratic_damping: f64,
+    /// Damping gained per squared deformation.
+    pub bent_damping: f64,
     /// Torque per root of the rate of deformation.
     pub root_damping: f64,
     /// Amplitude, waves per rad and phase of an error of the transmission.
     pub ripple: [f64; 3],
+    /// The same of further waves of that error; only beside a ripple.
+    pub harmonics: Vec<[f64; 3]>,
     /// The stiffness changes by the first entry, with the second as time constant, s.
     pub warming: [f64; 2],
     /// Stiffness and time constant, s, of a spring and a dashpot in series beside the joint's spring.
@@ -100,6 +113,23 @@ pub struct Joint {
     pub knocks: Vec<Knock>,
     /// How the sensor lags.
     pub lag: Option<Lag>,
+    /// Laws that no textbook names: across the transmission, and pulling at the link.
+    pub laws: Laws,
+}
+
+impl Joint {
+    /// What the spring's torque has beside `k (x + cubic x^3)`, over `k`.
+    pub fn uneven_spring(&self, x: f64) -> f64 {
+        let mut torque = self.fifth * x.powi(5);
+        let [coefficient, power] = self.even;
+        if coefficient != 0.0 {
+            torque += coefficient * x.abs().powf(power);
+        }
+        if self.softening != 0.0 {
+            torque += self.softening * (x / self.softening).atan() - x;
+        }
+        torque
+    }
 }
 
 /// What the sensor is fixed to.

@@ -2,13 +2,15 @@
 
 use super::hidden::{Entry, Scales, entries};
 use super::joint::Joint;
+use super::plan::Plan;
 use super::programme::{Programme, Style};
 use super::random::Draw;
 use super::recorded::{Instruments, TrueTest, begun_later};
 use super::sensors::{Arm, Colour, Faults, Noise};
 use super::size::{Bench, Concealed};
-use super::{Case, Channel, Oracle, Plan};
+use super::{Case, Channel, Oracle};
 use crate::families::family;
+use crate::kind::Kind;
 use crate::truth::{HiddenEffect, Truth};
 use nalgebra::{Rotation3, Vector3};
 use quell_trajectories::PlanError;
@@ -19,7 +21,7 @@ use std::f64::consts::{PI, TAU};
 const STEP: f64 = 1e-4;
 /// Share of the programmes whose recording begins while the arm still rings.
 const RINGING: f64 = 0.1;
-/// Effects that are tried until one can be seen; moves, until they come as far as others.
+/// Effects that are tried until one or two can be seen; moves, until they come as far as others.
 const TRIES: usize = 12;
 /// A position that is as good as the start's, rad: no more than the deformation of a typical move.
 const NOWHERE: f64 = 1e-3;
@@ -27,8 +29,9 @@ const NOWHERE: f64 = 1e-3;
 /// of a tracker.
 const LEAST_SCALE: f64 = 0.2;
 
-pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
-    let plan = Plan::draw(draw);
+/// `None` where the arm does not show as many effects as the kind has.
+pub(super) fn generate(draw: &mut Draw, kind: Option<Kind>) -> Result<Option<Case>, PlanError> {
+    let plan = Plan::draw(draw, kind);
     let rich = draw.chance(0.75);
     let arm = arm_of(draw);
     let (style, train) = moves(draw, &arm, rich)?;
@@ -37,6 +40,9 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     let instruments = instruments(draw, &arm);
     let noise = instruments.noise.std;
     let hidden = conceal(draw, plan, &Bench::new(&arm, &train, &scales, noise), rich);
+    if !plan.is_met_by(hidden.len()) {
+        return Ok(None);
+    }
     let mut hurt = with_all(&arm, &scales, &hidden);
     if hurt.joint.stop.is_some() {
         test = coming_as_far(draw, &style, &train, test)?;
@@ -57,6 +63,9 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
     let tested = record(draw, &hurt, &test, "test");
     let mut truth = truth(&arm, &instruments, &hidden, rich, residual);
     truth.more.insert("starts_ringing".into(), ringing.into());
+    if let Some(kind) = plan.kind {
+        truth.more.insert("kind".into(), kind.name().into());
+    }
     let model = model(draw, &arm);
     let (arm, programme) = (hurt, test);
     let oracle = Oracle::Joint(Box::new(TrueTest {
@@ -65,13 +74,13 @@ pub(super) fn generate(draw: &mut Draw) -> Result<Case, PlanError> {
         noise,
         step,
     }));
-    Ok(Case {
+    Ok(Some(Case {
         model,
         train: recorded,
         test: tested,
         truth,
         oracle,
-    })
+    }))
 }
 
 /// An arm in which nothing is hidden.
@@ -220,13 +229,12 @@ fn instruments(draw: &mut Draw, arm: &Arm) -> Instruments {
     }
 }
 
-/// What is hidden. Each is sized in the arm without the other, so that neither is only seen by the
-/// other's light, and must show beside it.
+/// What is hidden. Each is sized in the arm without the others, so that none is only seen by another's light, and
+/// must show beside them.
 fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concealed> {
-    let (count, in_catalogue) = plan.effects();
     let mut hidden: Vec<Concealed> = Vec::new();
-    for _ in 0..TRIES {
-        if hidden.len() == count {
+    for _ in 0..TRIES * plan.effects.div_ceil(2) {
+        if hidden.len() == plan.effects {
             break;
         }
         let strange = |entry: &Entry| {
@@ -234,20 +242,20 @@ fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concea
             hidden.iter().all(other)
         };
         let suits = |entry: &&Entry| {
-            entry.in_catalogue == in_catalogue
-                && entry.channels.contains(&bench.arm.channel)
+            entry.channels.contains(&bench.arm.channel)
                 && (rich || !entry.needs_programme)
                 && strange(entry)
         };
-        let suitable: Vec<&'static Entry> = entries().filter(suits).collect();
+        let suitable: Vec<&'static Entry> = entries(plan.table).filter(suits).collect();
         let Some(entry) = draw.pick(&suitable).copied() else {
             break;
         };
         let Some(found) = bench.conceal(draw, entry) else {
             continue;
         };
-        if hidden.iter().all(|other| bench.both_show([other, &found])) {
-            hidden.push(found);
+        hidden.push(found);
+        if !bench.all_show(&hidden) {
+            hidden.pop();
         }
     }
     hidden
@@ -292,6 +300,14 @@ fn truth(
         "clock_jitter": instruments.jitter,
         "inertia": arm.joint.inertia,
     });
+    let mut more = more.as_object().cloned().unwrap_or_default();
+    let shapes: Vec<&str> = hidden
+        .iter()
+        .map(|concealed| concealed.entry.shape)
+        .collect();
+    if shapes.iter().any(|shape| !shape.is_empty()) {
+        more.insert("shape".into(), shapes.join("+").into());
+    }
     Truth {
         effects: hidden.iter().map(effect).collect(),
         equivalents: equivalents(arm, hidden),
@@ -307,7 +323,7 @@ fn truth(
         .into(),
         clock_offset_s: Some(arm.clock_offset),
         baseline_residual_over_noise: Some(residual),
-        more: more.as_object().cloned().unwrap_or_default(),
+        more,
     }
 }
 

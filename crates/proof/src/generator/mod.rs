@@ -12,11 +12,15 @@
 mod axis;
 mod axis_case;
 mod axis_effects;
+mod axis_laws;
+mod axis_refit;
 mod hidden;
 mod integrate;
 mod joint;
 mod joint_case;
+mod laws;
 mod moving;
+mod plan;
 mod programme;
 mod random;
 mod recorded;
@@ -29,6 +33,7 @@ mod tests;
 
 pub use size::SHARES;
 
+use super::kind::Kind;
 use super::truth::Truth;
 use quell_recording::Recording;
 use quell_trajectories::PlanError;
@@ -69,7 +74,8 @@ enum Oracle {
 /// The share of driven axes (force in, position out).
 const AXES: f64 = 0.15;
 
-/// The case of this seed and index.
+/// The case of this seed and index, of a kind that is drawn: a fifth hides nothing, half one effect, one in seven
+/// two, one in seven something outside the catalogue.
 ///
 /// # Errors
 /// [`PlanError`] where a move cannot be planned.
@@ -81,54 +87,51 @@ const AXES: f64 = 0.15;
 /// # Ok::<(), quell_trajectories::PlanError>(())
 /// ```
 pub fn generate(seed: u64, index: u64) -> Result<Case, PlanError> {
-    let mut case = attempt(seed, index)?;
-    for again in 1..ATTEMPTS {
-        if case.is_finite() {
-            break;
-        }
-        case = attempt(seed, index + (again << 32))?;
-    }
-    Ok(case)
+    drawn_again(seed, index, None, ATTEMPTS)
+}
+
+/// The case of this kind, seed and index: machines are drawn until one can show all that it shall hide.
+///
+/// # Errors
+/// [`PlanError`] where a move cannot be planned.
+///
+/// # Example
+/// ```
+/// use quell_proof::{Kind, generate_kind};
+///
+/// let case = generate_kind(Kind::Pair, 1, 0)?;
+/// assert_eq!(Kind::of(&case.truth), Kind::Pair);
+/// # Ok::<(), quell_trajectories::PlanError>(())
+/// ```
+pub fn generate_kind(kind: Kind, seed: u64, index: u64) -> Result<Case, PlanError> {
+    drawn_again(seed, index, Some(kind), SEARCH)
 }
 
 /// Draws after which a machine that runs away is no longer drawn again.
 const ATTEMPTS: u64 = 8;
+/// Draws after which a machine may show less than it should: one draw in three shows six effects.
+const SEARCH: u64 = 64;
 
-fn attempt(seed: u64, stream: u64) -> Result<Case, PlanError> {
-    let mut draw = Draw::new(seed, stream);
-    if draw.chance(AXES) {
-        axis_case::generate(&mut draw)
-    } else {
-        joint_case::generate(&mut draw)
-    }
-}
-
-/// What a case hides, in numbers of effects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Plan {
-    Nothing,
-    One,
-    Two,
-    Outside,
-}
-
-impl Plan {
-    fn draw(draw: &mut Draw) -> Self {
-        match draw.uniform(0.0, 1.0) {
-            x if x < 0.20 => Self::Nothing,
-            x if x < 0.72 => Self::One,
-            x if x < 0.86 => Self::Two,
-            _ => Self::Outside,
-        }
-    }
-
-    /// How many effects, and whether a catalogue holds them.
-    fn effects(self) -> (usize, bool) {
-        match self {
-            Self::Nothing => (0, true),
-            Self::One => (1, true),
-            Self::Two => (2, true),
-            Self::Outside => (1, false),
+fn drawn_again(
+    seed: u64,
+    index: u64,
+    kind: Option<Kind>,
+    attempts: u64,
+) -> Result<Case, PlanError> {
+    let mut attempt = 0;
+    loop {
+        let mut draw = Draw::new(seed, index + (attempt << 32));
+        let case = if draw.chance(AXES) {
+            axis_case::generate(&mut draw, kind)?
+        } else {
+            joint_case::generate(&mut draw, kind)?
+        };
+        attempt += 1;
+        match case {
+            Some(case) if case.is_finite() || attempt == attempts => return Ok(case),
+            Some(_) => {}
+            None if attempt == attempts => return drawn_again(seed, index, None, ATTEMPTS),
+            None => {}
         }
     }
 }

@@ -4,7 +4,7 @@
 //! motor stands, `z` a body that hangs on the link by a further spring. The transmission works on
 //! `x = y - b - m`.
 
-use super::integrate::{Contact, Plant, State};
+use super::integrate::{Contact, Plant, STATES, State};
 use super::joint::{Joint, Lag, Seen};
 use super::programme::Programme;
 
@@ -21,6 +21,8 @@ const SWING: usize = 9;
 const SWING_RATE: usize = 10;
 const LAG: usize = 11;
 const LAG_RATE: usize = 12;
+/// The first of the sliders.
+const SLIDER: usize = 13;
 
 /// A joint on its way through a programme.
 pub struct Moving<'a> {
@@ -53,13 +55,14 @@ struct Instant {
 impl Moving<'_> {
     /// The state at rest at the start.
     pub fn start(&self) -> State {
-        let mut state = [0.0; 14];
+        let mut state = [0.0; STATES];
         let angle = self.programme.at(0.0)[0];
         let [weight, phase] = self.joint.gravity;
         let mut x = 0.0;
         // The sag is small: each pass gains three digits.
         for _ in 0..20 {
-            x = weight * (angle + x + phase).sin() / self.joint.stiffness;
+            let torque = weight * (angle + x + phase).sin() + self.joint.laws.pull(angle + x);
+            x = torque / self.joint.stiffness;
         }
         state[Y] = angle + x;
         state[Z] = state[Y];
@@ -84,15 +87,18 @@ impl Moving<'_> {
     /// The motor side as the transmission passes it on: position, velocity, acceleration.
     fn motor(&self, time: f64) -> ([f64; 3], f64) {
         let [u, v, a] = self.programme.at(time);
-        let [size, waves, phase] = self.joint.ripple;
+        let [size, ..] = self.joint.ripple;
         if size == 0.0 {
             return ([u, v, a], u);
         }
-        let (sin, cos) = (waves * u + phase).sin_cos();
-        let slope = 1.0 + size * waves * cos;
-        let bend = -size * waves * waves * sin;
-        // Assembled so that nothing is bent at the start.
-        let offset = size * (sin - phase.sin());
+        let (mut offset, mut slope, mut bend) = (0.0, 1.0, 0.0);
+        for [size, waves, phase] in [self.joint.ripple].iter().chain(&self.joint.harmonics) {
+            let (sin, cos) = (waves * u + phase).sin_cos();
+            slope += size * waves * cos;
+            bend -= size * waves * waves * sin;
+            // Assembled so that nothing is bent at the start.
+            offset += size * (sin - phase.sin());
+        }
         ([u + offset, v * slope, a * slope + bend * v * v], u)
     }
 
@@ -108,7 +114,8 @@ impl Moving<'_> {
             (-torque, 1.0 / base.inertia)
         });
         Instant {
-            elastic: self.elastic(time, state, [x, x_rate], motor[1]),
+            elastic: self.elastic(time, state, [x, x_rate], motor[1])
+                + joint.laws.against(position, x_rate, &state[SLIDER..]),
             load: self.load(time, state) + hose - 0.5 * bend * state[Y_RATE].powi(2),
             ground: base.0,
             compliance: base.1,
@@ -141,7 +148,7 @@ impl Moving<'_> {
     /// Springs, dampers, bristles and loops against the deformation.
     fn elastic(&self, time: f64, state: &State, [x, v]: [f64; 2], motor_speed: f64) -> f64 {
         let joint = self.joint;
-        let (bent, touching) = joint.gap.map_or((x, true), |gap| gap.compression(x));
+        let (mut bent, touching) = joint.gap.map_or((x, true), |gap| gap.compression(x));
         let mut stiffness = joint.stiffness;
         if joint.warming[0] != 0.0 {
             stiffness *= 1.0 + joint.warming[0] * (1.0 - (-time / joint.warming[1]).exp());
@@ -154,9 +161,15 @@ impl Moving<'_> {
         if let Some(gap) = joint.gap.filter(|_| !touching) {
             damping *= gap.oil;
         }
+        if let Some(gap) = joint.rounded_gap {
+            let (compressed, share) = gap.compression(x);
+            bent = compressed;
+            damping *= gap.oil + (1.0 - gap.oil) * share;
+        }
+        damping += joint.bent_damping * bent * bent;
         let [up, down, knee] = joint.bilinear;
         let beyond = up * (bent - knee).max(0.0) + down * (bent + knee).min(0.0);
-        let spring = bent * (1.0 + joint.cubic * bent * bent) + beyond;
+        let spring = bent * (1.0 + joint.cubic * bent * bent) + beyond + joint.uneven_spring(bent);
         let mut torque = stiffness * spring + damping * v;
         if joint.gap.is_some() && touching && torque * bent < 0.0 {
             // Teeth push, they do not pull.
@@ -187,6 +200,7 @@ impl Moving<'_> {
         if let Some((outer, _)) = joint.outer {
             torque += outer.stiffness * (state[Z] - y) + outer.damping * (state[Z_RATE] - v);
         }
+        torque += joint.laws.pull(y);
         torque += joint.stop.map_or(0.0, |stop| stop.force(y, v));
         torque + joint.knocks.iter().map(|knock| knock.at(time)).sum::<f64>()
     }
@@ -224,7 +238,7 @@ impl Plant for Moving<'_> {
                 dry.sliding(sign, speed, now.position) - now.elastic
             }
         };
-        let mut rates = [0.0; 14];
+        let mut rates = [0.0; STATES];
         rates[Y] = state[Y_RATE];
         rates[Y_RATE] = (torque + now.load) / now.inertia;
         rates[B] = state[B_RATE];
@@ -248,6 +262,7 @@ impl Plant for Moving<'_> {
             rates[SWING] = state[SWING_RATE];
             rates[SWING_RATE] = now.swing - hose.length_ratio * rates[Y_RATE] * state[SWING].cos();
         }
+        joint.laws.slide(now.x_rate, state, SLIDER, &mut rates);
         self.lag(time, state, &mut rates);
         rates
     }

@@ -12,17 +12,29 @@ const ITERATIONS: usize = 6;
 /// Rms of what frequency, damping, clock offset, output offset, the sensor's frame and, of a tip, the arm's length
 /// cannot explain of noise-free readings, in the channel's unit (m along the arc for a tip sensor).
 pub fn leftover(arm: &Arm, programme: &Programme, stamps: &[f64], columns: &[Vec<f64>]) -> f64 {
-    leftover_beside(arm, programme, stamps, columns, &|_, _| ())
+    let nothing = Beside {
+        factors: 2,
+        grow: &|_, _| (),
+    };
+    leftover_beside(arm, programme, stamps, columns, nothing)
 }
 
-/// The same, where another law is fitted, too: `grow` puts it into an arm with its force and its length
-/// multiplied.
+/// Further laws that are fitted, too: `grow` puts them into an arm with so many of their sizes multiplied.
+#[derive(Clone, Copy)]
+pub struct Beside<'a> {
+    /// How many factors it takes; it may leave some unused.
+    pub factors: usize,
+    /// Puts them in.
+    pub grow: &'a dyn Fn(&mut Arm, &[f64]),
+}
+
+/// The same, where other laws are fitted, too.
 pub fn leftover_beside(
     arm: &Arm,
     programme: &Programme,
     stamps: &[f64],
     columns: &[Vec<f64>],
-    grow: &dyn Fn(&mut Arm, [f64; 2]),
+    beside: Beside,
 ) -> f64 {
     let plain = Arm {
         joint: Joint {
@@ -41,8 +53,8 @@ pub fn leftover_beside(
     let step = 0.1 / (plain.joint.stiffness / plain.joint.inertia).sqrt();
     let mut fit = Fit {
         plain,
-        by: [1.0; 2],
-        grow,
+        by: vec![1.0; beside.factors],
+        grow: beside.grow,
     };
     let predict = |fit: &Fit| fit.arm().read(programme, stamps, step).swap_remove(0);
     let mut best = predict(&fit);
@@ -51,7 +63,8 @@ pub fn leftover_beside(
     for _ in 0..ITERATIONS {
         let step = newton(&fit, &angles, &best, predict);
         // A law with a corner may ask for less than the whole step.
-        let trials = [1.0, 0.3, 0.1].map(|share| fit.changed(step.map(|part| share * part)));
+        let part = |share: f64| step.iter().map(|part| share * part).collect::<Vec<f64>>();
+        let trials = [1.0, 0.3, 0.1].map(|share| fit.changed(&part(share)));
         let better = trials.into_iter().find_map(|trial| {
             let predicted = predict(&trial);
             let now = centred_rms(&angles, &predicted);
@@ -90,30 +103,33 @@ fn centred_rms(measured: &[f64], predicted: &[f64]) -> f64 {
     (left.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// A nominal arm, and force and length of the other law in it.
+/// A nominal arm, and what the sizes of the other laws in it are multiplied by.
 #[derive(Clone)]
 struct Fit<'a> {
     plain: Arm,
-    by: [f64; 2],
-    grow: &'a dyn Fn(&mut Arm, [f64; 2]),
+    by: Vec<f64>,
+    grow: &'a dyn Fn(&mut Arm, &[f64]),
 }
 
-/// Log frequency, log damping, clock offset, log force and log length.
-type Step = [f64; 5];
+/// Unknowns of the arm itself: log frequency, log damping, clock offset. The logarithms of the factors follow.
+const OWN: usize = 3;
 
 impl Fit<'_> {
     fn arm(&self) -> Arm {
         let mut arm = self.plain.clone();
-        (self.grow)(&mut arm, self.by);
+        (self.grow)(&mut arm, &self.by);
         arm
     }
 
-    fn changed(&self, [frequency, damping, clock, force, length]: Step) -> Self {
+    fn changed(&self, step: &[f64]) -> Self {
         let mut fit = self.clone();
+        let (frequency, damping, clock) = (step[0], step[1], step[2]);
         fit.plain.joint.stiffness *= (2.0 * frequency).exp();
         fit.plain.joint.damping *= (frequency + damping).exp();
         fit.plain.clock_offset += clock;
-        fit.by = [fit.by[0] * force.exp(), fit.by[1] * length.exp()];
+        for (by, change) in fit.by.iter_mut().zip(&step[OWN..]) {
+            *by *= change.exp();
+        }
         fit
     }
 }
@@ -124,27 +140,31 @@ fn newton(
     measured: &[f64],
     predicted: &[f64],
     predict: impl Fn(&Fit) -> Vec<f64>,
-) -> Step {
-    const SMALL: Step = [1e-3, 1e-2, 1e-5, 1e-2, 1e-2];
-    const MOST: Step = [0.1, 1.0, 0.01, 1.0, 1.0];
-    let columns = [0, 1, 2, 3, 4].map(|index| {
-        let mut step = [0.0; 5];
-        step[index] = SMALL[index];
-        let moved = predict(&fit.changed(step));
+) -> Vec<f64> {
+    let factors = fit.by.len();
+    let small = [vec![1e-3, 1e-2, 1e-5], vec![1e-2; factors]].concat();
+    let most = [vec![0.1, 1.0, 0.01], vec![1.0; factors]].concat();
+    let column = |index: usize| {
+        let mut step = vec![0.0; small.len()];
+        step[index] = small[index];
+        let moved = predict(&fit.changed(&step));
         let difference = moved.iter().zip(predicted);
-        difference.map(|(a, b)| (a - b) / SMALL[index]).collect()
-    });
+        difference.map(|(a, b)| (a - b) / small[index]).collect()
+    };
+    let columns: Vec<Vec<f64>> = (0..small.len()).map(column).collect();
     let left: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
-    let solution = solved(&columns, &left);
-    [0, 1, 2, 3, 4].map(|i| {
-        solution
-            .as_ref()
-            .map_or(0.0, |step| step[i].clamp(-MOST[i], MOST[i]))
-    })
+    let Some(solution) = solved(&columns, &left) else {
+        return vec![0.0; small.len()];
+    };
+    let within = solution
+        .iter()
+        .zip(&most)
+        .map(|(step, most)| step.clamp(-most, *most));
+    within.collect()
 }
 
 /// Least squares with columns and a constant, each scaled to length 1; what does nothing stays.
-fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<DVector<f64>> {
+pub(super) fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<DVector<f64>> {
     let ones = vec![1.0; left.len()];
     let all: Vec<DVector<f64>> = columns
         .iter()

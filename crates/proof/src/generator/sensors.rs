@@ -72,6 +72,7 @@ impl Arm {
             programme,
             seen: self.seen(),
         };
+        let step = step.min(self.joint.laws.longest_step());
         let times: Vec<f64> = stamps.iter().map(|&stamp| self.true_time(stamp)).collect();
         let late = times.partition_point(|&time| time < 0.0);
         let mut shown = integrate::integrate(

@@ -4,7 +4,7 @@ use super::Channel;
 use super::hidden::{Entry, Parameters, Scales};
 use super::programme::Programme;
 use super::random::Draw;
-use super::refit::{leftover, leftover_beside};
+use super::refit::{Beside, leftover, leftover_beside};
 use super::sensors::Arm;
 
 /// Least and greatest share of the deformation that an effect leaves.
@@ -13,7 +13,7 @@ pub const SHARES: [f64; 2] = [0.03, 0.30];
 const PLAIN: f64 = 1.3;
 /// Below this residual over the noise a refit hides the effect: with some 2000 samples the excess is
 /// 3 standard deviations of a chi-squared sum.
-const HIDDEN: f64 = 1.05;
+pub const HIDDEN: f64 = 1.05;
 /// Samples on which sizes are judged.
 const SAMPLES: usize = 1200;
 
@@ -147,35 +147,57 @@ impl<'a> Bench<'a> {
         let mut arm = self.arm.clone();
         (concealed.entry.hide)(&mut arm, self.scales, concealed.shape, concealed.size);
         let columns = self.read(&arm);
-        let grow = |arm: &mut Arm, by: [f64; 2]| {
-            simpler(arm, self.scales, concealed.shape, concealed.size, by);
+        let grow = |arm: &mut Arm, by: &[f64]| {
+            simpler(
+                arm,
+                self.scales,
+                concealed.shape,
+                concealed.size,
+                [by[0], by[1]],
+            );
         };
-        self.shows_beside(&arm, &columns, &grow)
+        self.shows_beside(
+            &arm,
+            &columns,
+            Beside {
+                factors: 2,
+                grow: &grow,
+            },
+        )
     }
 
     /// Whether something of what an arm shows is left where a refit may make use of another law.
-    fn shows_beside(
-        &self,
-        arm: &Arm,
-        columns: &[Vec<f64>],
-        grow: &dyn Fn(&mut Arm, [f64; 2]),
-    ) -> bool {
-        let left = leftover_beside(arm, self.programme, &self.stamps, columns, grow);
+    fn shows_beside(&self, arm: &Arm, columns: &[Vec<f64>], beside: Beside) -> bool {
+        let left = leftover_beside(arm, self.programme, &self.stamps, columns, beside);
         (left / self.noise).hypot(1.0) >= HIDDEN
     }
 
-    /// Whether neither of two is hidden by a refit of the nominal structure with the other in it.
-    pub fn both_show(&self, two: [&Concealed; 2]) -> bool {
+    /// Whether none of several is hidden by a refit of the nominal structure with the others in it, of any size.
+    pub fn all_show(&self, hidden: &[Concealed]) -> bool {
+        if hidden.len() < 2 {
+            return true;
+        }
         let mut arm = self.arm.clone();
-        for one in two {
+        for one in hidden {
             (one.entry.hide)(&mut arm, self.scales, one.shape, one.size);
         }
         let columns = self.read(&arm);
-        two.iter().all(|other| {
-            let grow = |arm: &mut Arm, by: [f64; 2]| {
-                (other.entry.hide)(arm, self.scales, other.shape, other.size * by[0]);
+        (0..hidden.len()).rev().all(|own| {
+            let others = || hidden.iter().enumerate().filter(move |(k, _)| *k != own);
+            let grow = |arm: &mut Arm, by: &[f64]| {
+                for ((_, other), by) in others().zip(by) {
+                    (other.entry.hide)(arm, self.scales, other.shape, other.size * by);
+                }
             };
-            self.shows_beside(&arm, &columns, &grow)
+            let factors = (hidden.len() - 1).max(2);
+            self.shows_beside(
+                &arm,
+                &columns,
+                Beside {
+                    factors,
+                    grow: &grow,
+                },
+            )
         })
     }
 

@@ -119,6 +119,27 @@ impl Gap {
     }
 }
 
+/// Play whose edges are round: `x + (|x - h, r| - |x + h, r|) / 2` with `|a, r| = sqrt(a^2 + r^2)` is bent.
+#[derive(Clone, Copy, Debug)]
+pub struct RoundedGap {
+    /// Half of the play, `h`.
+    pub half: f64,
+    /// Radius of the edges, `r`.
+    pub radius: f64,
+    /// Damping within the play over the damping in contact: oil.
+    pub oil: f64,
+}
+
+impl RoundedGap {
+    /// Compression of the teeth, and its slope: the share of the teeth that touch.
+    pub fn compression(&self, x: f64) -> (f64, f64) {
+        let [inner, outer] = [x - self.half, x + self.half];
+        let [near, far] = [inner.hypot(self.radius), outer.hypot(self.radius)];
+        let share = 1.0 + 0.5 * (inner / near - outer / far);
+        (x + 0.5 * (near - far), share)
+    }
+}
+
 /// A rubber stop beyond which the link is pushed back: `k p (1 + d p')`, never pulled.
 ///
 /// Source: K. H. Hunt, F. R. E. Crossley, J. Applied Mechanics 42 (1975), with exponent 1.

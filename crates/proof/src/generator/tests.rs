@@ -1,16 +1,17 @@
 //! The generator's own dynamics against closed forms, and its table of effects.
 
+use super::Channel;
 use super::hidden::{Entry, entries};
-use super::integrate::{State, integrate};
+use super::integrate::{STATES, State, integrate};
 use super::joint::{Body, Joint, Seen};
 use super::joint_case::{arm_of, scales};
 use super::moving::Moving;
+use super::plan::{Plan, Table};
 use super::programme::{Programme, Style};
 use super::random::Draw;
 use super::sensors::Arm;
 use super::size::{Bench, SHARES};
 use super::surfaces::{DryFriction, Gap};
-use super::{Channel, Plan};
 use std::f64::consts::{PI, TAU};
 
 fn joint(frequency_hz: f64, damping_ratio: f64) -> Joint {
@@ -31,7 +32,7 @@ fn released(joint: &Joint, deflection: f64, step: f64, instants: &[f64]) -> Vec<
         programme: &programme,
         seen: Seen::Link,
     };
-    let mut start: State = [0.0; 14];
+    let mut start: State = [0.0; STATES];
     start[0] = deflection;
     integrate(&moving, start, step, &[], instants)
 }
@@ -137,6 +138,12 @@ fn bench_arm(draw: &mut Draw, channel: Channel) -> Arm {
     arm
 }
 
+/// Everything that can be hidden.
+fn all() -> impl Iterator<Item = &'static Entry> {
+    let tables = [Table::Catalogue, Table::Shaped, Table::Outside];
+    tables.into_iter().flat_map(entries)
+}
+
 fn hides(entry: &'static Entry) -> bool {
     let style = Style {
         natural_frequency: TAU * 8.0,
@@ -170,7 +177,7 @@ fn hides(entry: &'static Entry) -> bool {
 
 #[test]
 fn each_effect_leaves_the_promised_share_of_the_deformation() {
-    let hidden = entries().filter(|&e| !hides(e));
+    let hidden = all().filter(|&e| !hides(e));
     let hidden: Vec<&str> = hidden.map(|e| e.name).collect();
     assert!(hidden.is_empty(), "never seen: {hidden:?}");
 }
@@ -184,7 +191,7 @@ fn finer_steps_change_nothing_that_could_be_measured() {
         range: 0.7,
         rich: true,
     };
-    for entry in entries() {
+    for entry in all() {
         let mut draw = Draw::new(5, 1);
         let arm = bench_arm(&mut draw, entry.channels[0]);
         let programme = Programme::draw(&mut draw, &style).unwrap();
@@ -205,8 +212,14 @@ fn finer_steps_change_nothing_that_could_be_measured() {
 #[test]
 fn all_plans_are_drawn() {
     let mut draw = Draw::new(1, 1);
-    let plans: Vec<Plan> = (0..60).map(|_| Plan::draw(&mut draw)).collect();
-    for plan in [Plan::Nothing, Plan::One, Plan::Two, Plan::Outside] {
-        assert!(plans.contains(&plan));
+    let plans: Vec<Plan> = (0..60).map(|_| Plan::draw(&mut draw, None)).collect();
+    let known = [0, 1, 2].map(|effects| (effects, Table::Catalogue));
+    for (effects, table) in known.into_iter().chain([(1, Table::Strange)]) {
+        let kind = None;
+        assert!(plans.contains(&Plan {
+            effects,
+            table,
+            kind
+        }));
     }
 }

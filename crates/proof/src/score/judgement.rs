@@ -1,24 +1,13 @@
 //! One case judged: what was hidden against what was said.
 
+use super::Rate;
 use super::coverage::{Covered, covered};
-use crate::families::{NOTHING, family};
+use crate::families::{LEARNED, NOTHING, OUTSIDE, family};
+use crate::kind::Kind;
+use crate::slots::{is_learned, is_learned_in_slot_of};
 use crate::truth::Truth;
 use crate::verdict::Verdict;
 use serde::Serialize;
-
-/// What kind of case it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// Nothing is hidden.
-    Clean,
-    /// One effect of the catalogue.
-    One,
-    /// Two effects of the catalogue.
-    Two,
-    /// Something outside the catalogue.
-    Outside,
-}
 
 /// A diagnosis held against the truth.
 ///
@@ -30,6 +19,10 @@ pub enum Kind {
 /// - *false alarm*: nothing is hidden and the verdict is neither `no_mismatch` nor `not_excited`.
 /// - *flagged*: outside the catalogue, and the verdict doubts (`unexplained`, `partly_explained` or
 ///   `ambiguous`).
+/// - *learned*: outside the catalogue, and a law was learned in its slot.
+/// - *by slot*: of effects of the catalogue, those whose family no finding has, but a law was learned in their slot.
+/// - *spurious*: findings of another family than the truth's that are no laws learned in its slot. Outside the
+///   catalogue every name is one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
     /// What was hidden.
@@ -44,8 +37,14 @@ pub struct Judgement {
     pub in_set: bool,
     /// Names in the first finding's set.
     pub set_size: Option<usize>,
-    /// Findings beyond the number of hidden effects.
+    /// True families among all findings, of all of the catalogue.
+    pub families: Rate,
+    /// Effects of which only the slot is right.
+    pub by_slot: Rate,
+    /// Findings that are not in the truth.
     pub spurious: usize,
+    /// Whether a law was learned in the slot of one outside the catalogue.
+    pub learned: bool,
     /// Whether something was said to be missing where nothing is.
     pub false_alarm: bool,
     /// Whether something outside the catalogue was doubted.
@@ -59,17 +58,12 @@ pub struct Judgement {
 impl Judgement {
     /// Holds a verdict against the truth.
     pub fn new(truth: &Truth, verdict: &Verdict) -> Self {
-        let kind = match truth.effects.len() {
-            0 => Kind::Clean,
-            _ if !truth.in_catalogue => Kind::Outside,
-            1 => Kind::One,
-            _ => Kind::Two,
-        };
-        let known = matches!(kind, Kind::One | Kind::Two);
-        let heard = match kind {
+        let kind = Kind::of(truth);
+        let known = kind.is_one_name() || kind.is_several();
+        let heard = match kind.is_one_name() {
             // One effect, one name: what comes second cannot make good a wrong first name.
-            Kind::One => &verdict.findings[..verdict.findings.len().min(1)],
-            _ => &verdict.findings[..],
+            true => &verdict.findings[..verdict.findings.len().min(1)],
+            false => &verdict.findings[..],
         };
         let effects = || truth.effects.iter().map(|effect| effect.effect.as_str());
         let names: Vec<&str> = heard
@@ -78,8 +72,16 @@ impl Judgement {
             .collect();
         let families = names.iter().map(|name| family(name)).collect();
         let equal = |name: &&str| truth.equivalents.iter().any(|other| other == name);
-        let stands_for = kind == Kind::One && names.first().is_some_and(equal);
+        let stands_for = kind.is_one_name() && names.first().is_some_and(equal);
         let detected = verdict.detects();
+        let [found, by_slot] = match known {
+            true => found(truth, verdict),
+            false => Default::default(),
+        };
+        let learned = || {
+            let findings = verdict.findings.iter();
+            findings.flat_map(|f| effects().map(|name| is_learned_in_slot_of(&f.effect, name)))
+        };
         let in_set = |name| heard.iter().any(|finding| finding.set().contains(&name));
         Self {
             kind,
@@ -88,7 +90,14 @@ impl Judgement {
             exact: known && detected && all_in(effects(), names),
             in_set: known && detected && effects().all(in_set),
             set_size: verdict.findings.first().map(|finding| finding.set().len()),
-            spurious: verdict.findings.len().saturating_sub(truth.effects.len()),
+            families: found,
+            by_slot,
+            spurious: verdict
+                .findings
+                .iter()
+                .filter(|f| !is_true(&f.effect, truth))
+                .count(),
+            learned: kind == Kind::Outside && learned().any(|slot| slot),
             false_alarm: kind == Kind::Clean && detected,
             flagged: kind == Kind::Outside && verdict.doubts(),
             parameters: covered(truth, verdict),
@@ -100,10 +109,43 @@ impl Judgement {
     pub fn is_right(&self) -> bool {
         match self.kind {
             Kind::Clean => !self.false_alarm,
-            Kind::One | Kind::Two => self.family,
-            Kind::Outside => self.flagged,
+            Kind::Outside => self.flagged || self.learned,
+            _ => self.family,
         }
     }
+}
+
+/// Whether an effect is of the truth's: of the family of a hidden one, or of one that no motion tells from it, or
+/// learned in its slot.
+pub(super) fn is_true(effect: &str, truth: &Truth) -> bool {
+    let own = family(effect);
+    let mut hidden = truth.effects.iter().map(|hidden| hidden.effect.as_str());
+    let met = |name: &str| family(name) == own && own != OUTSIDE;
+    truth.equivalents.iter().any(|name| name == effect)
+        || hidden.any(|name| met(name) || is_learned_in_slot_of(effect, name))
+}
+
+/// How many of the hidden effects have their family among the findings, each finding counted once, and how many
+/// of the others a law learned in their slot.
+fn found(truth: &Truth, verdict: &Verdict) -> [Rate; 2] {
+    let mut findings: Vec<&str> = verdict.findings.iter().map(|f| f.effect.as_str()).collect();
+    let mut take = |wanted: &dyn Fn(&str) -> bool| {
+        let found = findings.iter().position(|name| wanted(name));
+        found.map(|index| findings.swap_remove(index)).is_some()
+    };
+    let hidden: Vec<&str> = truth.effects.iter().map(|e| e.effect.as_str()).collect();
+    let alone = hidden.len() == 1;
+    let equal = |name: &str| alone && truth.equivalents.iter().any(|other| other == name);
+    let named: Vec<bool> = hidden
+        .iter()
+        .map(|own| take(&|name| family(name) == family(own) || equal(name)))
+        .collect();
+    let by_slot = hidden
+        .iter()
+        .zip(&named)
+        .map(|(own, named)| !named && take(&|name| is_learned_in_slot_of(name, own)));
+    let by_slot = by_slot.fold(Rate::default(), Rate::and);
+    [named.into_iter().fold(Rate::default(), Rate::and), by_slot]
 }
 
 /// Whether each wanted one is there, two equal ones twice.
@@ -122,6 +164,7 @@ fn all_in<'a>(wanted: impl Iterator<Item = &'a str>, mut there: Vec<&str>) -> bo
 /// With two hidden, the one that the first name met, else the first.
 fn confusion(truth: &Truth, verdict: &Verdict) -> [String; 2] {
     let said = match verdict.first_name() {
+        Some(name) if verdict.detects() && is_learned(name) => LEARNED,
         Some(name) if verdict.detects() => family(name),
         _ if ["failed", "not_excited"].contains(&verdict.kind.as_str()) => &verdict.kind,
         _ if verdict.detects() => "unexplained",

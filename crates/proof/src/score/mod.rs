@@ -2,14 +2,21 @@
 
 mod coverage;
 mod judgement;
+mod kinds;
 mod page;
 mod print;
 mod rate;
+mod read;
+mod reliability;
 
 pub use coverage::Covered;
-pub use judgement::{Judgement, Kind};
+pub use judgement::Judgement;
+pub use kinds::KindScore;
 pub use rate::{Rate, Spread};
+pub use read::ScoreError;
+pub use reliability::Bin;
 
+use super::kind::Kind;
 use super::truth::Truth;
 use super::verdict::Verdict;
 use serde_json::{Value, json};
@@ -65,15 +72,10 @@ pub struct Line {
 }
 
 impl Score {
-    /// Of the cases of these kinds that pass `among`, how many are `right`.
-    fn rate(
-        &self,
-        kinds: &[Kind],
-        among: impl Fn(&Judgement) -> bool,
-        right: impl Fn(&Judgement) -> bool,
-    ) -> Rate {
+    /// Of the cases that pass `among`, how many are `right`.
+    fn rate(&self, among: impl Fn(&Judgement) -> bool, right: impl Fn(&Judgement) -> bool) -> Rate {
         let judgements = self.cases.iter().map(|case| &case.judgement);
-        let these = judgements.filter(|j| kinds.contains(&j.kind) && among(j));
+        let these = judgements.filter(|j| among(j));
         these.fold(Rate::default(), |rate, j| rate.and(right(j)))
     }
 
@@ -84,12 +86,17 @@ impl Score {
     }
 
     /// Effects of the catalogue.
-    fn known_lines(&self) -> [Line; 6] {
-        const ONE: &[Kind] = &[Kind::One];
-        let known = [Kind::One, Kind::Two];
-        let found = |right: fn(&Judgement) -> bool| self.rate(ONE, |j| j.detected, right);
-        let detected = self.rate(&known, |_| true, |j| j.detected);
-        let families = self.rate(&[Kind::Two], |_| true, |j| j.family);
+    fn known_lines(&self) -> [Line; 8] {
+        let known = |j: &Judgement| j.kind.is_one_name() || j.kind.is_several();
+        let of = |kind: Kind, right: fn(&Judgement) -> bool| {
+            self.rate(|j| j.kind == kind && j.detected, right)
+        };
+        let found = |right| of(Kind::Single, right);
+        let detected = self.rate(known, |j| j.detected);
+        let pairs = self.rate(|j| j.kind == Kind::Pair, |j| j.family);
+        let more = |j: &Judgement| j.kind.effects() > 2;
+        let more = self.rate(more, |j| j.family);
+        let shaped = of(Kind::Shaped, |j| j.family);
         [
             line("detected", "detected", detected, ""),
             line(
@@ -105,21 +112,43 @@ impl Score {
                 ">= 92 %",
             ),
             line("in_set", "truth in the set", found(|j| j.in_set), ">= 97 %"),
-            line("spurious", "a term too many", found(|j| j.spurious > 0), ""),
             line(
                 "two_families",
                 "two effects, both families",
-                families,
+                pairs,
                 ">= 94 %",
             ),
+            line(
+                "more_families",
+                "three effects or more, all families",
+                more,
+                ">= 85 %",
+            ),
+            line(
+                "shaped_family",
+                "another shape, family once detected",
+                shaped,
+                "",
+            ),
+            line("spurious", "spurious findings", self.spurious(), "<= 2 %"),
         ]
     }
 
+    /// Findings that are not in the truth, where a catalogue holds all of it.
+    fn spurious(&self) -> Rate {
+        let known = self.cases.iter().filter(|case| case.truth.in_catalogue);
+        known.fold(Rate::default(), |rate, case| {
+            rate.with(Rate {
+                right: case.judgement.spurious,
+                of: case.verdict.findings.len(),
+            })
+        })
+    }
+
     /// Clean cases, cases outside the catalogue, and parameters.
-    fn other_lines(&self) -> [Line; 4] {
-        let alarms = self.rate(&[Kind::Clean], |_| true, |j| j.false_alarm);
-        let noticed = self.rate(&[Kind::Outside], |_| true, |j| j.detected);
-        let flagged = self.rate(&[Kind::Outside], |_| true, |j| j.flagged);
+    fn other_lines(&self) -> [Line; 5] {
+        let outside = |right: fn(&Judgement) -> bool| self.rate(|j| j.kind == Kind::Outside, right);
+        let alarms = self.rate(|j| j.kind == Kind::Clean, |j| j.false_alarm);
         let parameters = self
             .cases
             .iter()
@@ -130,14 +159,20 @@ impl Score {
             line(
                 "outside_noticed",
                 "outside the catalogue, noticed",
-                noticed,
+                outside(|j| j.detected),
                 "",
             ),
             line(
                 "outside_flagged",
                 "outside the catalogue, flagged",
-                flagged,
+                outside(|j| j.flagged),
                 ">= 85 %",
+            ),
+            line(
+                "outside_learned",
+                "outside the catalogue, learned in its slot",
+                outside(|j| j.learned),
+                "",
             ),
             line(
                 "coverage",
@@ -153,7 +188,7 @@ impl Score {
         let single = self
             .cases
             .iter()
-            .filter(|case| case.judgement.kind == Kind::One);
+            .filter(|case| case.judgement.kind == Kind::Single);
         Spread::of(
             single
                 .filter_map(|case| case.judgement.set_size)
@@ -247,6 +282,9 @@ impl Score {
             .map(|line| (line.key.to_string(), line.rate.to_json()));
         let spreads = self.spreads().into_iter();
         let spreads = spreads.map(|(key, _, spread)| (key.to_string(), spread.to_json()));
+        let kinds = self.by_kind().into_iter();
+        let kinds = kinds.map(|score| (score.kind.name().to_string(), score.to_json()));
+        let bins = self.reliability().into_iter().map(Bin::to_json);
         let cases = self.cases.iter().map(|case| {
             json!({
                 "case": case.name,
@@ -260,6 +298,8 @@ impl Score {
             "cases": self.cases.len(),
             "rates": rates.collect::<serde_json::Map<_, _>>(),
             "figures": spreads.collect::<serde_json::Map<_, _>>(),
+            "kinds": kinds.collect::<serde_json::Map<_, _>>(),
+            "reliability": bins.collect::<Vec<_>>(),
             "confusion": self.confusion(),
             "each": cases.collect::<Vec<_>>(),
         })

@@ -1,7 +1,9 @@
 //! The score as a page.
 
-use super::{Judged, Rate, Score};
-use quell_page::{Bars, Cell, Figure, Page, Table, Verdict};
+use super::kinds::{RATES, SPREADS};
+use super::reliability::ENOUGH;
+use super::{Bin, Judged, Rate, Score};
+use quell_page::{Bars, Cell, Chart, Figure, Page, Table, Verdict};
 use std::collections::BTreeSet;
 
 /// Share of right cases from which the page opens with a good sign.
@@ -28,6 +30,12 @@ impl Score {
             .figures(self.key_figures())
             .table(self.rates_table())
             .table(self.spreads_table())
+            .heading("Kind by kind")
+            .table(self.kinds_table())
+            .table(self.kind_figures_table())
+            .heading("Reliability")
+            .chart(self.reliability_chart())
+            .table(self.reliability_table())
             .heading("What was taken for what")
             .table(self.confusion_table())
             .heading("Effect by effect")
@@ -91,6 +99,81 @@ impl Score {
             table = table.row([name.into()].into_iter().chain(figures));
         }
         table
+    }
+
+    fn kinds_table(&self) -> Table {
+        let mut table = Table::new("What was found")
+            .text_column("kind")
+            .column("cases", "");
+        for (_, name) in RATES {
+            table = table.column(name, "%");
+        }
+        for score in self.by_kind() {
+            let rates = score.rates().map(|rate| Cell::from(rate.percent()));
+            let first = [score.kind.name().into(), Cell::from(score.cases)];
+            table = table.row(first.into_iter().chain(rates));
+        }
+        table.note(
+            "Families found: of all that are hidden. By slot: the family was not named, but a law was learned on \
+             the right coordinate. Spurious: of all findings, those of another family than the truth's; outside the \
+             catalogue that is every name.",
+        )
+    }
+
+    fn kind_figures_table(&self) -> Table {
+        let mut table = Table::new("Moves never shown, and time").text_column("kind");
+        for (_, name) in SPREADS {
+            table = table.column(name, "median").column(name, "90 %");
+        }
+        for score in self.by_kind() {
+            let spreads = score.spreads();
+            let figures = spreads.iter().flat_map(|s| [s.median, s.ninth_decile]);
+            let first = [score.kind.name().into()];
+            table = table.row(first.into_iter().chain(figures.map(Cell::from)));
+        }
+        table.note("Rms over the noise of the model that came out, and of the true machine.")
+    }
+
+    fn reliability_chart(&self) -> Chart {
+        let bins = self.reliability();
+        let said: Vec<f64> = bins.iter().map(|bin| bin.said).collect();
+        let so: Vec<f64> = bins.iter().map(|bin| bin.so.percent()).collect();
+        let [low, high] = [0, 1].map(|edge| {
+            let edge = |bin: &Bin| bin.so.interval()[edge];
+            bins.iter().map(edge).collect::<Vec<_>>()
+        });
+        Chart::lines("What was said, and what was so", "said", "%", "so", "%")
+            .series("as it should be", &[0.0, 100.0], &[0.0, 100.0])
+            .band("so", "95 % interval", &said, &low, &high)
+            .points("so", &said, &so)
+            .x_range(0.0, 100.0)
+            .y_range(0.0, 100.0)
+            .note("One point a bin. Above the line the diagnosis is too modest, below it too sure.")
+    }
+
+    fn reliability_table(&self) -> Table {
+        let mut table = Table::new("Probabilities")
+            .text_column("probability")
+            .column("claims", "")
+            .column("mean said", "%")
+            .column("so", "%")
+            .text_column("95 % interval")
+            .text_column("within 5 points");
+        for bin in self.reliability() {
+            let [low, high] = bin.so.interval();
+            table = table.row([
+                bin.range().into(),
+                bin.so.of.into(),
+                bin.said.into(),
+                bin.so.percent().into(),
+                format!("{low:.1} to {high:.1} %").into(),
+                bin.verdict().into(),
+            ]);
+        }
+        table.note(format!(
+            "A bin is judged from {ENOUGH} claims on: a finding is so when its family, or the slot of a learned \
+             law, is the truth's."
+        ))
     }
 
     fn confusion_table(&self) -> Table {

@@ -1,6 +1,7 @@
 //! The score as text.
 
-use super::{Judged, Score};
+use super::kinds::{RATES, SPREADS};
+use super::{Judged, Rate, Score};
 use comfy_table::{CellAlignment, Table, presets};
 use quell_page::number;
 use std::collections::BTreeSet;
@@ -11,6 +12,9 @@ impl Score {
         let mut parts = vec![
             self.rates_text(),
             self.spreads_text(),
+            self.kinds_text(),
+            self.kind_figures_text(),
+            self.reliability_text(),
             self.confusion_text(),
         ];
         let wrong: Vec<&Judged> = self
@@ -50,6 +54,54 @@ impl Score {
             [name.to_string()].into_iter().chain(figures)
         });
         table(1, &["figure", "mean", "median", "90th percentile"], rows)
+    }
+
+    fn kinds_text(&self) -> String {
+        let header: Vec<&str> = ["kind", "cases"]
+            .into_iter()
+            .chain(RATES.map(|(_, name)| name))
+            .collect();
+        let rows = self.by_kind().into_iter().map(|score| {
+            let first = [score.kind.name().to_string(), score.cases.to_string()];
+            first.into_iter().chain(score.rates().map(Rate::share))
+        });
+        table(1, &header, rows)
+    }
+
+    fn kind_figures_text(&self) -> String {
+        let names = SPREADS.iter().flat_map(|(_, name)| [*name, "90 %"]);
+        let header: Vec<&str> = ["kind, medians"].into_iter().chain(names).collect();
+        let rows = self.by_kind().into_iter().map(|score| {
+            let figures = score.spreads().into_iter();
+            let figures = figures.flat_map(|s| [number(s.median), number(s.ninth_decile)]);
+            let first = [score.kind.name().to_string()];
+            first.into_iter().chain(figures).collect::<Vec<_>>()
+        });
+        table(1, &header, rows)
+    }
+
+    fn reliability_text(&self) -> String {
+        let bins = self.reliability();
+        let rows = bins.iter().map(|bin| {
+            let [low, high] = bin.so.interval();
+            [
+                bin.range(),
+                bin.so.of.to_string(),
+                format!("{:.1} %", bin.said),
+                bin.so.share(),
+                format!("{low:.0}-{high:.0} %"),
+                bin.verdict().into(),
+            ]
+        });
+        let header = [
+            "probability",
+            "said",
+            "mean",
+            "so",
+            "95 %",
+            "within 5 points",
+        ];
+        table(1, &header, rows)
     }
 
     fn confusion_text(&self) -> String {

@@ -1,9 +1,10 @@
 //! Rates with their uncertainty, and spreads.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// So many of so many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Rate {
     /// How many were so.
     pub right: usize,
@@ -18,6 +19,19 @@ impl Rate {
             right: self.right + usize::from(right),
             of: self.of + 1,
         }
+    }
+
+    /// With all of another one.
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            right: self.right + other.right,
+            of: self.of + other.of,
+        }
+    }
+
+    /// Whether all were so, and there was one.
+    pub fn is_all(self) -> bool {
+        self.right == self.of && self.of > 0
     }
 
     /// The share, percent; not a number where there were none.

@@ -3,12 +3,15 @@
 //! Each entry has one size, without a unit, that is about the share of the deformation that it makes.
 //! Its shape (a corner, a wave length, an instant) follows from four numbers in [0, 1).
 
+mod laws;
 mod link;
 mod outside;
 mod sensor;
+mod shaped;
 mod transmission;
 
 use super::Channel;
+use super::plan::Table;
 use super::sensors::Arm;
 
 /// Parameters of what was hidden: name and value, as the truth tells them.
@@ -50,6 +53,8 @@ pub struct Entry {
     pub place: &'static str,
     /// Whether a diagnosis can know it.
     pub in_catalogue: bool,
+    /// What its law has beside the textbook's, in words; empty where it has that of the textbook.
+    pub shape: &'static str,
     /// Sensors that show it.
     pub channels: &'static [Channel],
     /// Whether one move does not show it.
@@ -67,15 +72,15 @@ const ANY: &[Channel] = &[Channel::Tip, Channel::Link, Channel::Deformation];
 /// Sensors outside the arm.
 const OUTER: &[Channel] = &[Channel::Tip, Channel::Link];
 
-/// Everything that can be hidden in a flexible joint.
-pub fn entries() -> impl Iterator<Item = &'static Entry> {
-    let tables = [
-        transmission::ENTRIES,
-        link::ENTRIES,
-        sensor::ENTRIES,
-        outside::ENTRIES,
-    ];
-    tables.into_iter().flatten()
+/// What can be hidden in a flexible joint, of one table.
+pub fn entries(table: Table) -> impl Iterator<Item = &'static Entry> {
+    let tables: &[&[Entry]] = match table {
+        Table::Catalogue => &[transmission::ENTRIES, link::ENTRIES, sensor::ENTRIES],
+        Table::Shaped => &[shaped::ENTRIES],
+        Table::Strange => &[outside::ENTRIES],
+        Table::Outside => &[outside::ENTRIES, laws::ENTRIES],
+    };
+    tables.iter().copied().flatten()
 }
 
 /// An entry with neither sensor nor programme asked for.
@@ -84,6 +89,7 @@ const fn entry(name: &'static str, place: &'static str, sizes: [f64; 2], hide: H
         name,
         place,
         in_catalogue: true,
+        shape: "",
         channels: ANY,
         needs_programme: false,
         contains: None,
@@ -111,6 +117,12 @@ impl Entry {
     const fn unknown(mut self) -> Self {
         self.in_catalogue = false;
         self
+    }
+
+    const fn shaped(self, words: &'static str, textbook: Simpler) -> Self {
+        let mut shaped = self.more_than(textbook);
+        shaped.shape = words;
+        shaped
     }
 }
 

@@ -27,7 +27,13 @@ fn coulomb(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters
     vec![("friction", friction)]
 }
 
-fn only_coulomb(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f64; 2]) {
+pub(super) fn only_coulomb(
+    arm: &mut Arm,
+    scales: &Scales,
+    shape: [f64; 4],
+    size: f64,
+    by: [f64; 2],
+) {
     coulomb(arm, scales, shape, size * by[0]);
 }
 
@@ -115,7 +121,7 @@ fn only_dahl(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f6
     }
 }
 
-fn backlash(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+pub(super) fn backlash(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let half = 0.5 * size * scales.deformation;
     let oil = between(0.0, 0.3, shape[0]);
     arm.joint.gap = Some(Gap { half, oil });
@@ -143,13 +149,18 @@ fn bilinear(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Param
     vec![("change", change), ("knee", knee)]
 }
 
-fn quadratic_damping(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
+pub(super) fn quadratic_damping(
+    arm: &mut Arm,
+    scales: &Scales,
+    _: [f64; 4],
+    size: f64,
+) -> Parameters {
     let damping = size * scales.deformation / scales.rate.powi(2);
     arm.joint.quadratic_damping = damping * arm.joint.stiffness;
     vec![("coefficient", damping)]
 }
 
-fn ripple(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+pub(super) fn ripple(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
     let waves = log_between(8.0, 80.0, shape[0]);
     arm.joint.ripple = [size * scales.deformation, waves, TAU * shape[1]];
     vec![
