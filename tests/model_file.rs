@@ -76,7 +76,15 @@ fn learned(effect: &Effect) -> String {
         _ => "{ value = 1, fixed = true }".to_string(),
     };
     let values: Vec<String> = ordinates.enumerate().map(value).collect();
-    format!("from = 0.1\nto = 0.3\nvalues = [{}]\n", values.join(", "))
+    let from = if effect.name == "learned_friction" {
+        -0.1
+    } else {
+        0.1
+    };
+    format!(
+        "from = {from}\nto = 0.3\nvalues = [{}]\n",
+        values.join(", ")
+    )
 }
 
 #[test]
@@ -176,6 +184,7 @@ fn what_is_wrong_is_refused_with_file_line_and_key() {
         (spring("0", "0,0,0,0,0,0,0,0,0,0,0,\n \"x\""), &["m.toml:11: values: value 12, column 2: a number is wanted"]),
         (spring("0", "0,0,0,0,0,0,0,0,0,0,0,0]\nstd = [3"), &["m.toml:11: std: is no key here"]),
         (spring("0", "]\nvalue = [").replace("values", "walues"), &["m.toml:5: values: is missing"]),
+        (law("learned_friction", "0.5", "0,0,0,0,0,0,0,0,0,0,0,0"), &["m.toml:8: from: 0.5 is not within"]),
         (law("learned_friction", "-1", "0,0,0,0,0,0,0,0,0,0,0,-1"), &["value 12, column 33: -1.0 is not within 0.0"]),
         (format!("{joint}{friction}s = 1"), &["m.toml:5: friction: is missing"]),
     ];

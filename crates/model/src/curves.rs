@@ -10,7 +10,9 @@ pub use estimate::Estimate;
 pub use nearest::{Nearest, nearest};
 pub use shape::{Growth, Shape, Trend};
 
-use crate::effects::{Effect, Motion, Parameter, ParameterRole, Quantity, Slot, curve};
+use crate::effects::{
+    Effect, Motion, Parameter, ParameterRole, Quantity, Slot, curve, slip_distances,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// Quantile of the normal distribution that 2.5 % exceed: the half width of a 95 % band in standard deviations.
@@ -48,7 +50,7 @@ const CHANGE: f64 = 0.25;
 
 impl Curve {
     /// A learned effect with values of its parameters and the covariance of its ordinates. None where the effect
-    /// is not learned, or values or covariance are not of its size.
+    /// is not learned, values or covariance are not of its size, or its range is empty.
     pub fn new(
         effect: &'static Effect,
         parameters: &[f64],
@@ -58,7 +60,10 @@ impl Curve {
         let slot = effect.slot().filter(|_| effect.is_learned())?;
         let ordinates = ordinates(effect);
         let known = of_ordinates.shape() == (ordinates, ordinates);
-        if !known || parameters.len() != effect.parameters.len() {
+        let [.., from, to] = *parameters else {
+            return None;
+        };
+        if !known || parameters.len() != effect.parameters.len() || !from.lt(&to) {
             return None;
         }
         let points = points(slot, parameters, POINTS);
@@ -88,7 +93,7 @@ impl Curve {
     pub fn knots(&self) -> Vec<f64> {
         let count = ordinates(self.effect);
         match self.slot {
-            Slot::Hysteresis => slips(&self.parameters),
+            Slot::Hysteresis => slip_distances(&self.parameters).to_vec(),
             slot => points(slot, &self.parameters, count),
         }
     }
@@ -146,18 +151,6 @@ fn points(slot: Slot, parameters: &[f64], count: usize) -> Vec<f64> {
         Slot::Hysteresis => even(0.0, to, count).collect(),
         _ => even(from, to, count).collect(),
     }
-}
-
-/// Slip distances of the elements of a hysteresis.
-fn slips(parameters: &[f64]) -> Vec<f64> {
-    let [ref elements @ .., from, to] = *parameters else {
-        return Vec::new();
-    };
-    let last = elements.len().max(2) - 1;
-    let part = |k: usize| k as f64 / last as f64;
-    (0..elements.len())
-        .map(|k| from * (to / from).powf(part(k)))
-        .collect()
 }
 
 /// Change of the curve with each ordinate: points in rows, ordinates in columns. A law is linear in its ordinates

@@ -307,9 +307,18 @@ fn near(curve: &Curve, place: Place) -> Vec<Nearest> {
     nearest(curve, place, &still(), &scales(), Catalogue::default())
 }
 
+/// Learned law, its range, its place; the law that it was made of.
+type Case = (
+    &'static str,
+    (f64, f64),
+    Place,
+    &'static str,
+    &'static [f64],
+);
+
 #[test]
 fn the_nearest_named_law_of_a_curve_is_the_law_that_it_was_made_of() {
-    let cases: [(&str, (f64, f64), Place, &str, &[f64]); 8] = [
+    let cases: [Case; 8] = [
         (
             "learned_spring",
             (-0.1, 0.1),

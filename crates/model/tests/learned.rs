@@ -422,3 +422,25 @@ fn learned_laws_are_straight_outside_of_what_was_visited() {
         }
     }
 }
+
+/// Whatever a file may say, a law has a value or none, and does not panic.
+#[test]
+fn odd_ranges_do_no_harm() {
+    for effect in LEARNED {
+        for (from, to) in [
+            (0.0, 0.0),
+            (1.0, -1.0),
+            (-1.0, 1.0),
+            (0.0, 1.0),
+            (f64::MIN, f64::MAX),
+        ] {
+            let mut values = vec![0.1; effect.parameters.len() - 2];
+            values.extend([from, to]);
+            if let Law::Force(law) = (effect.law)(&values) {
+                let mut memory = Memory::default();
+                law.remember(&Motion::default(), 0.5, 1.0, &mut memory);
+                law.force(&Motion::default(), -0.5, 1.0, &memory);
+            }
+        }
+    }
+}

@@ -78,7 +78,7 @@ impl Curve {
         let last = *self.points.last()?;
         let reach = last.min(-self.points[0]);
         let range = last - self.points[0];
-        if !(reach > BOTH_SIDES * range) || self.slot == Slot::Hysteresis {
+        if reach <= BOTH_SIDES * range || self.slot == Slot::Hysteresis {
             return None;
         }
         let count = self.points.len() / 2;
@@ -150,7 +150,7 @@ impl Curve {
 
     /// Index of the first point of positive velocity.
     fn rest(&self) -> Option<usize> {
-        (self.slot == Slot::Friction).then(|| self.points.len() / 2)
+        (self.slot == Slot::Friction).then_some(self.points.len() / 2)
     }
 
     fn slope(&self) -> Option<Estimate> {
@@ -166,7 +166,7 @@ impl Curve {
         }
         let inside = self.points[0] <= 0.0 && 0.0 <= *self.points.last()?;
         let after = self.index(0.0).clamp(1, self.points.len() - 2);
-        inside.then(|| self.estimate(&chord(after - 1, after + 1)))
+        inside.then_some(self.estimate(&chord(after - 1, after + 1)))
     }
 
     /// The exponent of the part that has more of the energy.
@@ -193,9 +193,9 @@ impl Curve {
             value: (b / a).ln() / way,
             std: change.std / way,
         };
-        // Of different signs there is no power: NaN is not below.
-        (exponent.value.is_finite() && exponent.band() < VAGUE)
-            .then_some(Growth { exponent, between })
+        // Of different signs there is no power: the logarithm is no number.
+        let clear = exponent.value.is_finite() && exponent.band() < VAGUE;
+        clear.then_some(Growth { exponent, between })
     }
 
     /// Rises and falls over about a knot that are none of the noise, were it looked for among all of them.

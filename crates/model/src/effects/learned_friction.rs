@@ -1,7 +1,7 @@
 //! Dry friction of any shape.
 
 use super::learned::{PARAMETERS, ordinate, parameters, split, start};
-use super::{Effect, Friction, Law, Place, Property, Quantity, Slot, Spline};
+use super::{Effect, Friction, Law, Parameter, Place, Property, Quantity, Slot, Spline};
 
 /// Dry friction whose level depends on the slip speed in any way, in each direction in its own: it sticks up to
 /// the level at speed 0 and slides against the level at its speed.
@@ -19,7 +19,7 @@ pub const LEARNED_FRICTION: Effect = Effect {
         drives. Source: Karnopp, ASME J. Dynamic Systems, Measurement and Control 107 (1985); Armstrong-Helouvry, \
         Dupont, Canudas de Wit, Automatica 30 (1994).",
     remedy: "Look at the curve; compensate it by a table over the velocity.",
-    parameters: &parameters::<PARAMETERS>(
+    parameters: &both_ways(parameters::<PARAMETERS>(
         ordinate(
             Quantity::FORCE,
             |scales| (0.0, scales.force),
@@ -30,7 +30,7 @@ pub const LEARNED_FRICTION: Effect = Effect {
             |scales| scales.visited_slip().0,
             |scales| scales.visited_slip().1,
         ],
-    ),
+    )),
     properties: &[Property::Slot(Slot::Friction)],
     law: |p| {
         let (ordinates, from, to) = split(p);
@@ -47,3 +47,10 @@ pub const LEARNED_FRICTION: Effect = Effect {
             .to_vec()
     },
 };
+
+/// The range holds 0: it has a branch in each direction.
+const fn both_ways(mut parameters: [Parameter; PARAMETERS]) -> [Parameter; PARAMETERS] {
+    parameters[PARAMETERS - 2].bounds = |_| (f64::MIN, 0.0);
+    parameters[PARAMETERS - 1].bounds = |_| (0.0, f64::MAX);
+    parameters
+}

@@ -18,19 +18,35 @@ struct MaxwellSlip {
     slip: [f64; STATES],
 }
 
+/// Slip distances of the elements for values of the parameters, each the same factor beyond the one before. A range
+/// that does not begin above 0 begins where the usual one does.
+pub(crate) fn slip_distances(values: &[f64]) -> [f64; STATES] {
+    let (_, from, to) = split(values);
+    let from = if from > 0.0 { from } else { to / RANGE };
+    let factor = (to / from).powf(1.0 / (STATES - 1) as f64);
+    std::array::from_fn(|k| {
+        let distance = from * factor.powi(k as i32);
+        // What is no distance holds nothing.
+        if distance.is_finite() {
+            distance.max(0.0)
+        } else {
+            0.0
+        }
+    })
+}
+
 impl MaxwellSlip {
     fn new(values: &[f64]) -> Self {
-        let (ordinates, from, to) = split(values);
-        let mut law = Self {
-            stiffness: [0.0; STATES],
-            slip: [0.0; STATES],
-        };
-        let ratio = (to / from).powf(1.0 / (STATES - 1) as f64);
-        for (k, &stiffness) in ordinates.iter().take(STATES).enumerate() {
-            law.stiffness[k] = stiffness;
-            law.slip[k] = from.max(0.0) * ratio.powi(k as i32);
+        let mut stiffness = [0.0; STATES];
+        let ordinates = split(values).0.iter();
+        stiffness
+            .iter_mut()
+            .zip(ordinates)
+            .for_each(|(own, given)| *own = *given);
+        Self {
+            stiffness,
+            slip: slip_distances(values),
         }
-        law
     }
 
     /// Deflection of an element after a way in one direction.

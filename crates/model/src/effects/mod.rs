@@ -81,6 +81,7 @@ pub use law::{
 };
 pub use learned::KNOTS;
 pub use likeness::{LIKENESSES, Likeness};
+pub(crate) use maxwell_slip::slip_distances;
 pub use parameter::{Parameter, ParameterRole, Quantity, Units};
 pub use property::{Part, Property};
 pub use scales::{Scales, Visited};

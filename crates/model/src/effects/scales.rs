@@ -1,7 +1,7 @@
 //! How large the motion is that a model explains: the yardstick of every effect's size.
 
 /// Extremes of a baseline simulation, in the model's units. All finite and above 0, but for the
-/// range of positions and the candidate events.
+/// ranges and the candidate events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
     /// Largest deformation; a hundredth of the travel where nothing bends.

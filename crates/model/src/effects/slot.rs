@@ -44,7 +44,7 @@ pub enum Slot {
     Hysteresis,
 }
 
-/// Slots, how files and reports name them, and their coordinates.
+/// Slots, what they are called within a sentence, and their coordinates.
 const SLOTS: &[(Slot, &str, Coordinate)] = &[
     (Slot::Spring, "spring force", Coordinate::Deformation),
     (Slot::Damping, "damping", Coordinate::Deformation),
