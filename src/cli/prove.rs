@@ -31,9 +31,9 @@ Examples:
                                              shares together
 
 Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no
-catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal model and one
-recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml, case-00/train/,
-case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
+catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal
+model and one recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml,
+case-00/train/, case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
 pub struct Args {
     /// How many cases to make.
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
@@ -70,7 +70,8 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let verb = ("prove", args.force);
     let out = args.out.as_deref();
-    let out = out.map(|folder| Out::open(folder, verb, &[], [PAGE, DOCUMENT]));
+    let reads: Vec<&Path> = args.join.iter().map(PathBuf::as_path).collect();
+    let out = out.map(|folder| Out::open(folder, verb, &reads, [PAGE, DOCUMENT]));
     let out = out.transpose()?;
     let keep = args.keep.as_deref();
     let keep = keep.map(|folder| Out::open(folder, verb, &[], kept(args.cases)));

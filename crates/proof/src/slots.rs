@@ -22,6 +22,7 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_sensor", &["sensor"]),
     ("learned_frequency", &["pose"]),
     ("learned_drift", &["time"]),
+    ("learned_sensor_drift", &["time"]),
     ("maxwell_slip", &["hysteresis"]),
 ];
 

@@ -1,8 +1,8 @@
 //! A case of a driven axis.
 
 use super::axis::{Axis, Command, Driven};
-use super::axis_effects::{Forces, entries};
-use super::axis_laws::shape_of;
+use super::axis_effects::Forces;
+use super::axis_laws::{entries, shape_of};
 use super::axis_refit::{Hidden, Recorded};
 use super::integrate::{STATES, integrate};
 use super::plan::{Plan, Table};
@@ -129,7 +129,7 @@ fn put_in(axis: &mut Axis, forces: &Forces, hidden: &[Hidden]) -> Vec<HiddenEffe
     hidden.iter().map(effect).collect()
 }
 
-/// Whether each of several shows beside the others in what is recorded.
+/// Whether each of several shows beside the others in what is recorded, and another shape as more than the textbook's.
 fn all_show(
     [plain, hurt]: [&Axis; 2],
     forces: &Forces,
@@ -149,7 +149,13 @@ fn all_show(
         positions: &run(hurt, programme, &stamps, false),
         noise,
     };
-    recorded.all_show(hidden)
+    let textbook = |one: &Hidden| {
+        let entry = entries(Table::Catalogue).find(|entry| entry.0 == one.entry.0)?;
+        Some(Hidden { entry, ..*one })
+    };
+    let shaped = hidden.iter().filter(|one| one.entry.1 == Table::Shaped);
+    let mut textbooks = shaped.filter_map(textbook);
+    recorded.all_show(hidden) && textbooks.all(|one| recorded.shows_beside(&[one]))
 }
 
 fn run(axis: &Axis, programme: &Programme, times: &[f64], shows_impulse: bool) -> Vec<f64> {

@@ -1,7 +1,6 @@
 //! What can be hidden in a driven axis.
 
 use super::axis::Axis;
-use super::axis_laws;
 use super::plan::Table;
 use super::surfaces::DryFriction;
 use std::f64::consts::TAU;
@@ -30,47 +29,33 @@ pub type Entry = (
     fn(&mut Axis, &Forces, f64, [f64; 3]) -> Parameters,
 );
 
-/// What can be hidden, of one table.
-pub fn entries(table: Table) -> impl Iterator<Item = &'static Entry> {
-    let within = move |entry: &&Entry| match table {
-        Table::Outside => [Table::Outside, Table::Strange].contains(&entry.1),
-        _ => entry.1 == table,
-    };
-    ENTRIES.iter().chain(axis_laws::ENTRIES).filter(within)
-}
+const KNOWN: Table = Table::Catalogue;
 
-const ENTRIES: &[Entry] = &[
-    (
-        "coulomb_friction",
-        Table::Catalogue,
-        |axis, forces, share, _| {
-            let friction = share * forces.rms;
-            axis.dry = Some(DryFriction::coulomb(friction));
-            vec![("friction", friction)]
-        },
-    ),
-    (
-        "stribeck_friction",
-        Table::Catalogue,
-        |axis, forces, share, shape| {
-            let friction = share * forces.rms;
-            let breakaway = 1.4 + 1.1 * shape[0];
-            let stribeck_velocity = forces.speed * (0.02 + 0.1 * shape[1]);
-            axis.dry = Some(DryFriction {
-                breakaway,
-                stribeck_velocity,
-                ..DryFriction::coulomb(friction)
-            });
-            vec![
-                ("excess", breakaway - 1.0),
-                ("friction", friction),
-                ("stribeck_velocity", stribeck_velocity),
-            ]
-        },
-    ),
+/// Effects as the textbook has them, and what the mixture has outside the catalogue.
+pub const ENTRIES: &[Entry] = &[
+    ("coulomb_friction", KNOWN, |axis, forces, share, _| {
+        let friction = share * forces.rms;
+        axis.dry = Some(DryFriction::coulomb(friction));
+        vec![("friction", friction)]
+    }),
+    ("stribeck_friction", KNOWN, |axis, forces, share, shape| {
+        let friction = share * forces.rms;
+        let breakaway = 1.4 + 1.1 * shape[0];
+        let stribeck_velocity = forces.speed * (0.02 + 0.1 * shape[1]);
+        axis.dry = Some(DryFriction {
+            breakaway,
+            stribeck_velocity,
+            ..DryFriction::coulomb(friction)
+        });
+        vec![
+            ("excess", breakaway - 1.0),
+            ("friction", friction),
+            ("stribeck_velocity", stribeck_velocity),
+        ]
+    }),
     (
         "asymmetric_friction",
-        Table::Catalogue,
+        KNOWN,
         |axis, forces, share, shape| {
             let uneven = (0.3 + 0.6 * shape[0]) * (shape[1] - 0.5).signum();
             let sides = [1.0 + uneven, 1.0 - uneven].map(|side| side * share * forces.rms);
@@ -81,16 +66,12 @@ const ENTRIES: &[Entry] = &[
             vec![("asymmetry", uneven), ("friction", share * forces.rms)]
         },
     ),
-    (
-        "force_offset",
-        Table::Catalogue,
-        |axis, forces, share, shape| {
-            axis.offset = (shape[0] - 0.5).signum() * share * forces.rms;
-            // The catalogue counts a force against the motion.
-            vec![("force", -axis.offset)]
-        },
-    ),
-    ("cogging", Table::Catalogue, |axis, forces, share, shape| {
+    ("force_offset", KNOWN, |axis, forces, share, shape| {
+        axis.offset = (shape[0] - 0.5).signum() * share * forces.rms;
+        // The catalogue counts a force against the motion.
+        vec![("force", -axis.offset)]
+    }),
+    ("cogging", KNOWN, |axis, forces, share, shape| {
         let pitch = 0.02 + 0.06 * shape[0];
         axis.cogging = [
             share * forces.rms * 2f64.sqrt(),
@@ -99,23 +80,23 @@ const ENTRIES: &[Entry] = &[
         ];
         vec![("amplitude", axis.cogging[0]), ("order", axis.cogging[1])]
     }),
-    ("dead_zone", Table::Catalogue, |axis, forces, share, _| {
+    ("dead_zone", KNOWN, |axis, forces, share, _| {
         axis.dead_zone = share * forces.rms;
         vec![("half_width", axis.dead_zone)]
     }),
-    ("saturation", Table::Catalogue, |axis, forces, share, _| {
+    ("saturation", KNOWN, |axis, forces, share, _| {
         axis.saturation = (1.0 - 1.5 * share) * forces.most;
         vec![("limit", axis.saturation)]
     }),
     (
         "torque_constant_nonlinearity",
-        Table::Catalogue,
+        KNOWN,
         |axis, forces, share, _| {
             axis.loss = [share, forces.most];
             vec![("loss", share), ("reference", forces.most)]
         },
     ),
-    ("drive_lag", Table::Catalogue, |axis, forces, share, _| {
+    ("drive_lag", KNOWN, |axis, forces, share, _| {
         axis.lag = share / forces.rate;
         vec![("time_constant", axis.lag)]
     }),

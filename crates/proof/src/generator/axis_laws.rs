@@ -1,13 +1,22 @@
-//! What a driven axis can hide beside the catalogue: laws of one coordinate, and named ones of another shape.
+//! What a driven axis can hide beside the catalogue: laws of one coordinate, and named ones of another shape, which
+//! have the share and the numbers of the textbook's.
 
 use super::axis::Axis;
-use super::axis_effects::{Entry, Forces, Parameters};
+use super::axis_effects::{self, Entry, Forces, Parameters};
 use super::laws::{Bell, Detent, PowerFriction, SLIDERS, Slider};
 use super::plan::Table;
 use std::f64::consts::TAU;
 
-/// All of them.
-pub const ENTRIES: &[Entry] = &[
+/// What can be hidden in an axis, of one table.
+pub fn entries(table: Table) -> impl Iterator<Item = &'static Entry> {
+    let within = move |entry: &&Entry| match table {
+        Table::Outside => [Table::Outside, Table::Strange].contains(&entry.1),
+        _ => entry.1 == table,
+    };
+    axis_effects::ENTRIES.iter().chain(ENTRIES).filter(within)
+}
+
+const ENTRIES: &[Entry] = &[
     ("local_damper", Table::Outside, local_damper),
     ("detent", Table::Outside, detent),
     ("power_friction", Table::Outside, power_friction),
@@ -134,7 +143,7 @@ fn cogging_with_harmonics(
     share: f64,
     shape: [f64; 3],
 ) -> Parameters {
-    let (pitch, phase) = (0.03 + 0.05 * shape[0], TAU * shape[1]);
+    let (pitch, phase) = (0.02 + 0.06 * shape[0], TAU * shape[1]);
     let (amplitude, order) = (share * forces.rms * 2f64.sqrt(), TAU / pitch);
     let shares = [0.3 + 0.4 * shape[2], 0.15 + 0.3 * shape[1]];
     axis.cogging = [amplitude, order, phase];

@@ -43,8 +43,13 @@ impl Recorded<'_> {
         (0..hidden.len()).all(|own| {
             let mut others = hidden.to_vec();
             others.remove(own);
-            (self.leftover(&others) / self.noise).hypot(1.0) >= HIDDEN
+            self.shows_beside(&others)
         })
+    }
+
+    /// Whether something is left where these effects, of any size, are in the axis.
+    pub fn shows_beside(&self, others: &[Hidden]) -> bool {
+        (self.leftover(others) / self.noise).hypot(1.0) >= HIDDEN
     }
 
     /// Rms of what the axis with these effects cannot explain, m.
