@@ -34,7 +34,7 @@ const LIMITS: Limits = Limits {
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// What the sensors said before each tick, and the moves: tick, from, to.
+/// The measurements before each tick, and the moves: tick, from, to.
 struct Tape {
     measured: Vec<Vec<Measurement>>,
     moves: Vec<(usize, f64, f64)>,

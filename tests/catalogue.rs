@@ -45,7 +45,7 @@ const PUMP: Effect = Effect {
     starts: |scales| vec![vec![0.1 * scales.force], vec![-0.1 * scales.force]],
 };
 
-/// What no recording tells from it.
+/// The effects that no recording tells from it.
 const TWIN: Effect = Effect {
     name: "toy_twin",
     title: "shaking by a twin",

@@ -1,4 +1,4 @@
-//! What verbs write replaces nothing of a user's, and nothing of another verb's, without `--force`.
+//! The files of a verb replace nothing of a user's, and nothing of another verb's, without `--force`.
 
 mod small;
 
@@ -73,7 +73,7 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-/// What a user wrote by hand.
+/// A user's own file.
 const OWN: &str = "mine\n";
 
 fn quell(here: &Path, arguments: &str) -> Command {
@@ -249,7 +249,7 @@ fn a_link_is_not_followed() {
     assert!(report.is_file());
 }
 
-/// What is refused makes no folder either.
+/// A refusal makes no folder either.
 #[test]
 fn nothing_is_written_before_the_work_is_done() {
     let place = workplace();

@@ -40,7 +40,7 @@ fn inertia(name: &str, parameters: &[f64]) -> Box<dyn Inertia> {
     }
 }
 
-/// What the drive makes of a current is told in amperes and seconds.
+/// The drive's answer to a current is told in amperes and seconds.
 #[test]
 fn drives_are_told_in_the_unit_of_their_input() {
     let units = Units {
@@ -154,7 +154,7 @@ fn every_entry_is_well_formed() {
     }
 }
 
-/// What an effect says of itself holds for its parameters.
+/// The declaration of an effect holds for its parameters.
 #[test]
 fn properties_fit_the_parameters() {
     for effect in EFFECTS {

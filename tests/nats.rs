@@ -240,7 +240,7 @@ fn every_result_exactly_once() {
     assert_eq!(counted(&address, "QUELL_JOBS").0, 0);
 }
 
-/// What no worker survives is set aside; what is no job is thrown away; a recording of several parts
+/// A job that no worker survives is set aside; what is no job is thrown away; a recording of several parts
 /// arrives whole.
 #[test]
 fn what_cannot_be_done_holds_nobody_up() {

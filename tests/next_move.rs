@@ -59,7 +59,7 @@ fn step(distance: f64, share: f64, pause_s: f64) -> ProposedMove {
     }
 }
 
-/// What a joint with these effects shows under these moves, with white noise.
+/// The recording of a joint with these effects under these moves, with white noise.
 fn recorded(truth: &[Term], moves: &[ProposedMove], noise: f64, seed: u64) -> Recording {
     let values = positions(moves);
     let time: Vec<f64> = (0..values.len()).map(|k| k as f64 * PERIOD).collect();

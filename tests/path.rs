@@ -3,9 +3,12 @@
 mod embedded;
 
 use embedded::axis_settings;
+use quell::closed_loop::{PathJoint, PathScenario};
 use quell::controller::{AxisSettings, Controller, KeptPath, Setpoint};
+use quell::estimators::ESTIMATORS;
+use quell::plant::{Robot, SimulationOptions};
 use quell::signal::{Measurement, RestRule};
-use quell_shapers::{Mode, ShaperError};
+use quell_shapers::{Mode, SHAPERS, ShaperError};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
 const PERIOD: f64 = 0.002;
@@ -264,6 +267,53 @@ fn kept_the_axes_learn_and_retune_together_at_rest() {
         for controller in &joints.controllers {
             assert_eq!(controller.axis().status().corrections, 0);
             assert_eq!(controller.axis().status().retunes, 1);
+        }
+    }
+}
+
+/// The joints of a six-axis arm, of which the first and the third ring.
+fn scenario(degrees: &[f64]) -> PathScenario {
+    let robot = Robot::rx170();
+    let joint = |(joint, degrees): (usize, &f64)| PathJoint {
+        joint,
+        displacement: degrees.to_radians(),
+        limits: robot.joints[joint].limits,
+        belief: (joint % 2 == 0).then(|| modes(3, 0.1)[joint]),
+    };
+    PathScenario {
+        joints: degrees.iter().enumerate().map(joint).collect(),
+        simulation: SimulationOptions::default(),
+        shaper: SHAPERS[0],
+        estimator: &ESTIMATORS[0],
+        robot,
+    }
+}
+
+/// A property of any displacements and any rule: every command is `from + s displacement` with
+/// the same `s`, the path parameter shaped by the trains of all.
+#[test]
+fn val_the_command_of_a_common_train_is_the_straight_line() {
+    let moves: [&[f64]; 4] = [
+        &[30.0, 17.3],
+        &[-8.1, 25.0, 1.7],
+        &[0.9, -40.0],
+        &[11.0, 7.0, -13.0],
+    ];
+    for (degrees, shaper) in moves.into_iter().zip(SHAPERS) {
+        let scenario = PathScenario {
+            shaper: *shaper,
+            ..scenario(degrees)
+        };
+        for trace in scenario.common_train().expect("a move") {
+            assert!(
+                trace.command_departure() <= STRAIGHT,
+                "{:e}",
+                trace.command_departure()
+            );
+            for (joint, one) in scenario.joints.iter().zip(&trace.joints) {
+                assert!(one.final_error() <= STRAIGHT, "{:e}", one.final_error());
+                assert!(one.peak_ratios(joint.limits).worst() <= 1.0 + 1e-9);
+            }
         }
     }
 }

@@ -1,5 +1,12 @@
 //! The generator of concealed cases and the score: repeatable, whole, and counting rightly.
 
+#[path = "absent/python.rs"]
+mod python;
+#[path = "absent/skipped.rs"]
+mod skipped;
+
+use python::python;
+use quell::model::Model;
 use quell::proof::families::{OUTSIDE, family};
 use quell::proof::slots::{is_learned_in_slot_of, slots};
 use quell::proof::{
@@ -189,6 +196,36 @@ fn other_generators_truths_are_read() {
         error.contains("case-00") && error.contains("truth.json"),
         "{error}"
     );
+}
+
+/// MuJoCo beside integrations of its own laws that share no code with it.
+#[test]
+fn the_generator_in_mujoco_agrees_with_other_integrations() {
+    if let Some(said) = python("mujoco", "requirements.txt", &["check.py".as_ref()]) {
+        println!("{}", String::from_utf8_lossy(&said));
+    }
+}
+
+#[test]
+fn cases_of_mujoco_are_read() {
+    let folder = TempDir::new().unwrap();
+    let options = ["--cases", "2", "--seed", "1"].map(AsRef::as_ref);
+    let script = ["generate.py".as_ref(), folder.path().as_os_str()];
+    let script = [script.as_slice(), &options].concat();
+    if python("mujoco", "requirements.txt", &script).is_none() {
+        return;
+    }
+    let truths = read_truths(folder.path()).unwrap();
+    let cases = read_cases(folder.path()).unwrap();
+    assert_eq!((cases.len(), truths.len()), (2, 2));
+    for case in cases {
+        assert!(truths.contains_key(&case.name));
+        Model::from_path(&case.model).unwrap();
+        for recording in [&case.train, &case.test] {
+            let recording = Recording::from_path(recording).unwrap();
+            assert!(recording.channel(Role::MotorPosition).is_some());
+        }
+    }
 }
 
 fn truth(names: &[&str], in_catalogue: bool) -> Truth {

@@ -115,7 +115,7 @@ fn examples_read_as_they_say() {
     }
 }
 
-/// What a diagnosis of an example says, and what its model scores on the held-out part.
+/// The diagnosis of an example, and the score of its model on the held-out part.
 fn diagnosed(folder: &TempDir) -> (Outcome, Score) {
     let (train, held_out) = (read(folder, "train.toml"), read(folder, "held_out.toml"));
     let outcome = diagnosis(folder, &train, std::slice::from_ref(&held_out));

@@ -125,7 +125,7 @@ fn rest(position: f64) -> [AxisState; 1] {
     [AxisState::at_rest(position)]
 }
 
-/// What a mid-move event leaves, rad, and the loop. A plan that is refused changes nothing.
+/// The residual after a mid-move event, rad, and the loop. A plan that is refused changes nothing.
 fn interrupted(error: f64, shaper: Option<&str>, at: usize, target: Option<f64>) -> (f64, Loop) {
     let planner = Planner::new(1).expect("a planner");
     let first = planner.plan(&rest(0.0), &rest(0.5), &[LIMITS]);

@@ -111,10 +111,9 @@ fn a_hub_that_creeps_under_feedback_is_at_rest() {
     assert!((decays[0].start - 0.97).abs() < 0.02, "{decays:?}");
 }
 
-/// A flexible arm on a square wave of voltage never rests: it runs to and fro at constant speed, and
-/// rings freely between the turns, one each second.
+/// A flexible arm on a square wave of voltage never rests: it runs to and fro at constant speed.
 #[test]
-fn an_arm_that_runs_to_and_fro_decays_freely_between_the_turns() {
+fn an_arm_that_runs_to_and_fro_has_no_free_decay() {
     let file = "flexarm_ist/square.csv.gz";
     let Some(file) = shared("QUELL_RECORDINGS", "recordings", file) else {
         return;
@@ -125,21 +124,6 @@ fn an_arm_that_runs_to_and_fro_decays_freely_between_the_turns() {
         .map(|degrees| degrees.to_radians())
         .collect();
     let rule = RestRule::from_values(&hub);
-    assert!(
-        free_decays(&columns[0], &hub, rule, 0.5)
-            .unwrap()
-            .is_empty()
-    );
-    let rule = RestRule::steady_speed(rule.noise, rule.quantisation);
     let decays = free_decays(&columns[0], &hub, rule, 0.5).unwrap();
-    println!(
-        "{rule:?} {} decays, the first {:?}",
-        decays.len(),
-        decays.first()
-    );
-    assert!((50..=60).contains(&decays.len()), "{}", decays.len());
-    for decay in decays {
-        // The turn takes about a quarter of a second.
-        assert!((0.1..0.5).contains(&(decay.start % 1.0)), "{decay:?}");
-    }
+    assert!(decays.is_empty(), "{decays:?}");
 }

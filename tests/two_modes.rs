@@ -65,7 +65,7 @@ fn couple(ratio: f64, damping_ratio: f64, phase: f64, periods: f64) -> Vec<Sampl
     together(&decays[0], &decays[1], [1.0, 1.0])
 }
 
-/// What is told in the end, the slower one first; `None` where one mode is told.
+/// The estimate in the end, the slower mode first; `None` where one mode is told.
 fn told(samples: &[Sample], settings: &Settings) -> Option<[Estimate; 2]> {
     let mut estimator = TwoModeLikelihood::new(settings);
     for sample in samples {

@@ -76,7 +76,7 @@ fn amplitude(trace: &MoveTrace, mode: Mode) -> f64 {
     now.hypot((then - now * cos) / sin)
 }
 
-/// What trains leave, over the unshaped, each on the worst of the arms in the box of two deviations.
+/// The residuals of trains, over the unshaped, each on the worst of the arms in the box of two deviations.
 fn worst(trains: Vec<ImpulseTrain>, known: &UncertainMode) -> Vec<f64> {
     let leak = |train| Box::leak(Box::new(Learned(train))) as &'static dyn Shaper;
     let shapers: Vec<_> = trains.into_iter().map(leak).collect();

@@ -61,7 +61,7 @@ fn write(folder: &Path, rows: &[Row]) {
     fs::write(folder.join("data.csv"), text).unwrap();
 }
 
-/// What a run printed, on both streams, and its exit code.
+/// The output of a run, on both streams, and its exit code.
 struct Ran {
     code: Option<i32>,
     stdout: String,
@@ -296,7 +296,7 @@ fn a_fleet_tells_who_says_nothing() {
     }
 }
 
-/// What may be wrong with a recording.
+/// The faults that a recording may have.
 #[derive(Clone, Copy, Debug)]
 enum Fault {
     Constant { column: usize, value: f64 },
@@ -388,7 +388,7 @@ fn page(html: &str) -> String {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Whatever a recording holds, each verb either refuses it in words or prints numbers that are numbers.
+    /// Each verb refuses a recording in words, or prints numbers that are numbers, whatever it holds.
     #[test]
     fn no_verb_prints_a_number_that_is_none(faults in prop::collection::vec(fault(), 1..4)) {
         let mut rows = good();

@@ -6,7 +6,7 @@ use quell::estimators::{ESTIMATORS, EstimatorEntry};
 use quell::plant::{Robot, SimulationOptions};
 use quell_shapers::{Mode, SHAPERS, Shaper};
 
-/// What the field takes for no vibration: 5 % of the unshaped.
+/// The bound up to which the field takes vibration for none: 5 % of the unshaped.
 const WORSE: f64 = 0.05;
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;

@@ -1,9 +1,15 @@
 //! A robot on ROS 2 over Zenoh, in Python and of other libraries: skipped where these cannot be installed.
 #![cfg(feature = "zenoh")]
 
+#[path = "absent/python.rs"]
+mod python;
+#[path = "absent/skipped.rs"]
+mod skipped;
+
 use std::net::TcpListener;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+
+use python::python;
 
 use quell::service::bridged::BRIDGED;
 use quell::service::config::{Config, Overrides};
@@ -12,23 +18,6 @@ use quell::service::start;
 use serde_json::Value;
 
 const RATE: f64 = 250.0;
-
-/// The peer, told the port of a service that listens already.
-fn peer(port: u16) -> Child {
-    let run = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2/run.sh");
-    let venv = std::env::var_os("QUELL_ZENOH_VENV").map_or(
-        Path::new(env!("CARGO_TARGET_TMPDIR")).join("zenoh-venv"),
-        PathBuf::from,
-    );
-    Command::new("sh")
-        .arg(run)
-        .args(["robot.py", &port.to_string()])
-        .env("QUELL_ROS2_VENV", venv)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("a shell")
-}
 
 fn config(folder: &Path, port: u16) -> Config {
     let text = format!(
@@ -58,15 +47,12 @@ fn a_robot_on_ros_2_is_moved_by_trajectories() {
     let port = free.local_addr().expect("an address").port();
     drop(free);
     let service = start(config(folder.path(), port)).expect("a service");
-    let output = peer(port).wait_with_output().expect("it ends");
-    let words = String::from_utf8_lossy(&output.stderr);
-    if output.status.code() == Some(77) {
-        println!("{words}");
+    let port = port.to_string();
+    let Some(seen) = python("ros2", "zenoh.txt", &["robot.py".as_ref(), port.as_ref()]) else {
         return;
-    }
+    };
     let snapshot = service.handle().snapshot();
-    assert!(output.status.success(), "{words}\n{snapshot:#?}");
-    let seen = serde_json::from_slice(&output.stdout).expect("JSON");
+    let seen = serde_json::from_slice(&seen).expect("JSON");
     announced(&seen);
     commanded(&seen, &snapshot);
     told(&seen, &snapshot);

@@ -7,7 +7,7 @@ use quell::estimators::{ESTIMATORS, Estimator, EstimatorEntry};
 const TRIALS: u64 = 500;
 /// Periods that are waited for.
 const PERIODS: f64 = 4.0;
-/// What an estimate must be within: relative in f, absolute in xi.
+/// Bounds of an estimate's error: relative in f, absolute in xi.
 const WITHIN: f64 = 0.02;
 
 fn is_within(case: &Case, estimator: &dyn Estimator) -> bool {

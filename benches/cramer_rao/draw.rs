@@ -38,7 +38,7 @@ impl Case {
         })
     }
 
-    /// What the estimators are told; the level of the noise or not.
+    /// Whether the estimators are told the level of the noise.
     pub fn settings(&self, noise_is_known: bool) -> Settings {
         Settings {
             noise_std: noise_is_known.then_some(self.noise),

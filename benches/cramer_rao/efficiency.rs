@@ -10,7 +10,7 @@ const PERIODS: [f64; 4] = [0.75, 1.0, 2.0, 4.0];
 /// Upper ends of the classes: the larger of the bound's deviations of `ln f` and `xi`.
 const CLASSES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, f64::INFINITY];
 
-/// What came of the cases of one class.
+/// The results of the cases of one class.
 #[derive(Default)]
 struct Class {
     cases: usize,

@@ -1,4 +1,4 @@
-//! What each estimator does with what real sensors add.
+//! Each estimator under the disturbances of real sensors.
 
 use crate::draw::Case;
 use crate::statistics::{percentile, share};
@@ -74,7 +74,7 @@ fn coloured(case: &Case, samples: Vec<Sample>, _: &mut ChaCha8Rng) -> Vec<Sample
         .collect()
 }
 
-/// What came of all cases: errors of `ln f` (%) and `xi`, and stated deviations that hold.
+/// The results of all cases: errors of `ln f` (%) and `xi`, and stated deviations that hold.
 #[derive(Default)]
 struct Outcome {
     errors: [Vec<f64>; 2],

@@ -115,7 +115,7 @@ impl Couple {
     }
 }
 
-/// What came of the couples of a ratio at one length.
+/// The results of the couples of a ratio at one length.
 #[derive(Default)]
 struct Outcome {
     couples: usize,

@@ -1,4 +1,4 @@
-//! What the targets share: a folder in memory, and what holds of every recording that was read.
+//! The common parts of the targets: a folder in memory, and what holds of every recording that was read.
 
 use quell::recording::health::{health, remarks};
 use quell::recording::{Channel, Recording};

@@ -58,7 +58,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// What ends with a brace can be signed; it is known then, and no longer where a byte differs.
+/// A text that ends with a brace can be signed; it is known then, and no longer where a byte differs.
 fn signed(key: &Key, line: &[u8]) {
     let mut buffer = [0; LONGEST + 128];
     let object = line.trim_ascii_end();

@@ -28,7 +28,7 @@ const PATHS: [&str; 6] = [
 /// Range of the joint, rad.
 const RANGE: [f64; 2] = [-1.75, 1.75];
 
-/// What the engine was asked for last.
+/// The last request to the engine.
 type Last = Arc<Mutex<Option<Request>>>;
 
 struct Service {
@@ -127,7 +127,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// What comes to the engine has been looked at: it is in the range of the joint, or a mode for which the
+/// A request that comes to the engine has been looked at: it is in the range of the joint, or a mode for which the
 /// shapers have a train or a word.
 fn check(request: Request, body: &[u8]) {
     let is_object = body.trim_ascii_start().first() == Some(&b'{');

@@ -14,7 +14,8 @@ static FOLDER: LazyLock<Folder> = LazyLock::new(|| {
     );
     folder.write("b.csv", b"t;q\n0;1e-310\n0.001;nan\n");
     let path = folder.path().join("run.mcap");
-    let mut writer = McapWriter::create_at(&path, &["hip"], 1_000_000_000).expect("a file");
+    let file = Box::new(std::fs::File::create(&path).expect("a file"));
+    let mut writer = McapWriter::on(file, &path, &["hip"], 1_000_000_000).expect("a file");
     for tick in 0..9 {
         let time = f64::from(tick) / 250.0;
         let written = writer.write_command(time, "hip", time, 1.0, 0.0);

@@ -5,7 +5,7 @@ use crate::cross_fade::Trains;
 use crate::filter::{DelayLine, shape};
 use crate::{Buffer, Refusal, Setpoint};
 
-/// What is known of the input: the line of the past, and what is planned from now on.
+/// The known input: the line of the past, and what is planned from now on.
 pub(crate) struct Ahead<'a, S> {
     pub tick: u64,
     pub sample_time: f64,

@@ -7,11 +7,11 @@ pub trait Buffer<T>: DerefMut<Target = [T]> {}
 
 impl<T, B: DerefMut<Target = [T]>> Buffer<T> for B {}
 
-/// What filters take if nothing else is said: a buffer on the heap, or where there is none (without the
+/// The default buffer of filters: one on the heap, or where there is none (without the
 /// feature `alloc`) one that is lent for good.
 #[cfg(feature = "alloc")]
 pub type OwnBuffer<T> = alloc::boxed::Box<[T]>;
-/// What filters take if nothing else is said: there is no heap, so a buffer that is lent for good.
+/// The default buffer of filters: there is no heap, so one that is lent for good.
 #[cfg(not(feature = "alloc"))]
 pub type OwnBuffer<T> = &'static mut [T];
 

@@ -15,10 +15,10 @@ use num_traits::Float;
 /// Lengths of the cross-fades that are tried, damped periods; 0 keeps the old train to the end.
 const FADES: [f64; 3] = [1.0, 2.0, 0.0];
 
-/// What is known of the modes before a choice is made.
+/// The knowledge of the modes before a choice is made.
 pub(crate) struct Known {
     pub meters: Each<Meter>,
-    /// What everything planned, and everything sent, has left of each.
+    /// The vibration that everything planned, and everything sent, has left of each.
     pub planned: Each<ModalState>,
     pub sent: Each<ModalState>,
 }
@@ -230,7 +230,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
     }
 
-    /// What is left beside what the new train would have left of everything planned up to now, and what the train
+    /// The residual beside that which the new train would have left of everything planned up to now, and what the train
     /// in force then leaves of the rest.
     pub(crate) fn replayed(
         &self,

@@ -17,12 +17,12 @@ pub(crate) const SCHEDULED_STEPS: usize = 96;
 const CONDITIONS: usize = 1 + 4 * CORRECTED_MODES;
 /// A number for each step.
 type Steps = [f64; CORRECTION_STEPS];
-/// What each step adds to a condition, and what all must add up to.
+/// A condition: the share of each step, and the sum that all must add up to.
 type Conditions = ArrayVec<(Steps, f64), CONDITIONS>;
 /// A least norm needs freedom: with as many steps as conditions there is only one solution.
 const SPARE: usize = 2;
 
-/// What a correction cancels of each mode.
+/// The vibration of each mode that a correction cancels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
     /// The vibration.
@@ -111,7 +111,7 @@ impl Schedule {
         self.steps.is_empty() && self.offset == 0.0
     }
 
-    /// What is added at `tick`.
+    /// The correction at `tick`.
     pub fn output(&self, tick: u64, sample_time: f64) -> Setpoint {
         let start = Setpoint::at_rest(self.offset);
         self.steps
@@ -233,7 +233,7 @@ impl Comb {
             })
     }
 
-    /// What the steps add at `tick`.
+    /// The sum of the steps at `tick`.
     pub fn output(&self, tick: u64, sample_time: f64, amplitudes: &[f64]) -> Setpoint {
         let elapsed = tick.saturating_sub(self.start) as usize;
         // Steps before `first` are over, steps from `end` on have not begun.

@@ -47,7 +47,7 @@ struct Direction {
 }
 
 impl Direction {
-    /// What an impulse so long before the end pays.
+    /// The payment of an impulse so long before the end.
     fn part(&self, before_end: f64) -> f64 {
         dot(self.turn, self.pole.scale(before_end).exp())
     }
@@ -170,7 +170,7 @@ impl DoubleOracle {
         (worst, found.iter().map(|entry| entry.1).collect())
     }
 
-    /// What a mix of modes and phases gets for sure, and the instants that pay least to it.
+    /// The sure payment to a mix of modes and phases, and the instants that pay least to it.
     fn instants_against(&self, shares: &[f64; ROOM], value: f64) -> (f64, ArrayVec<f64, NEW>) {
         let step = self.delay / (INSTANTS - 1) as f64;
         let pays = self.pays(shares, step);
@@ -204,7 +204,7 @@ impl DoubleOracle {
         (least, found.iter().map(|entry| entry.1).collect())
     }
 
-    /// What an impulse pays to a mix of modes and phases, at every instant of a grid.
+    /// The payment of an impulse to a mix of modes and phases, at every instant of a grid.
     fn pays(&self, shares: &[f64; ROOM], step: f64) -> [f64; INSTANTS] {
         let mut pays = [0.0; INSTANTS];
         for (direction, &share) in self.directions.iter().zip(shares).filter(|s| *s.1 > 0.0) {

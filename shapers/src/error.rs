@@ -79,7 +79,7 @@ pub enum ShaperError {
     /// Fewer than two numbers where a range was needed, or a number that is out of its range.
     #[error("{name} is {value}: out of range")]
     OutOfRange {
-        /// What the number is.
+        /// The name of the number.
         name: &'static str,
         /// The number.
         value: f64,

@@ -1,8 +1,8 @@
-//! What runs a train at the tick.
+//! The filter that runs a train at the tick.
 
+use crate::{Buffer, GridTrain, ShaperError};
 #[cfg(feature = "alloc")]
-use crate::buffer::on_heap;
-use crate::{Buffer, GridTrain, OwnBuffer, ShaperError};
+use crate::{OwnBuffer, buffer::on_heap};
 
 /// Position, velocity and acceleration of one axis at one tick (rad, rad/s, rad/s^2, or m ...).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,10 +35,13 @@ impl Setpoint {
 ///
 /// A train of positive amplitudes is a convex combination, so that limits which hold for the input
 /// hold for the output.
+///
+/// It keeps its past on the heap; where there is none, [`crate::AdaptiveFilter::in_buffers`] does the same.
+#[cfg(feature = "alloc")]
 #[derive(Clone, Debug)]
-pub struct ShapingFilter<S = OwnBuffer<Setpoint>> {
+pub struct ShapingFilter {
     sample_time: f64,
-    line: DelayLine<S>,
+    line: DelayLine<OwnBuffer<Setpoint>>,
     train: GridTrain,
     pending: Option<GridTrain>,
 }
@@ -51,28 +54,11 @@ impl ShapingFilter {
     /// A sample time that is not a finite number above 0 is taken as 1 s: trains for another one
     /// are then refused by [`ShapingFilter::install`].
     pub fn new(sample_time: f64, capacity: usize) -> Self {
-        Self::on(
-            sample_time,
-            DelayLine::new(on_heap(DelayLine::<OwnBuffer<Setpoint>>::places(capacity))),
-        )
-    }
-}
-
-impl<S: Buffer<Setpoint>> ShapingFilter<S> {
-    /// [`ShapingFilter::new`] without a heap, for trains of up to one tick less than half of `line`.
-    ///
-    /// # Errors
-    /// [`ShaperError::OutOfRange`] where the buffer has less than two places.
-    pub fn in_buffer(sample_time: f64, line: S) -> Result<Self, ShaperError> {
-        at_least("length of the delay line", line.len(), 2)?;
-        Ok(Self::on(sample_time, DelayLine::new(line)))
-    }
-
-    fn on(sample_time: f64, line: DelayLine<S>) -> Self {
         let sample_time = valid_sample_time(sample_time);
+        let places = DelayLine::<OwnBuffer<Setpoint>>::places(capacity);
         Self {
             sample_time,
-            line,
+            line: DelayLine::new(on_heap(places)),
             train: GridTrain::unit(sample_time),
             pending: None,
         }

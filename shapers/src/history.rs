@@ -1,4 +1,4 @@
-//! What a filter was given and what it has sent.
+//! The past of a filter: its input and its output.
 
 use crate::Buffer;
 use crate::modal_state::ModalState;
@@ -121,7 +121,7 @@ impl<E: Buffer<Entry>> History<E> {
         }
     }
 
-    /// What is left at the newest tick of everything planned, and of everything sent.
+    /// The vibration at the newest tick of everything planned, and of everything sent.
     ///
     /// `None` where the ring has lost the start of a move that it still holds the end of.
     pub fn left(&self, pole: Complex64) -> Option<[Complex64; 2]> {

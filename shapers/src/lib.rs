@@ -50,7 +50,9 @@ pub use correction::CORRECTED_MODES;
 pub use ei::Ei;
 pub use equal_ripple::HUMP_TOLERANCE;
 pub use error::ShaperError;
-pub use filter::{Setpoint, ShapingFilter};
+pub use filter::Setpoint;
+#[cfg(feature = "alloc")]
+pub use filter::ShapingFilter;
 pub use grid::{GridTrain, Tap};
 pub use history::Entry;
 pub use impulse_train::{Impulse, ImpulseTrain, TRAIN_CAPACITY};

@@ -78,7 +78,7 @@ impl PeakRatios {
         }
     }
 
-    /// What a command reaches between two ticks at least, whatever happens there: the means of velocity and
+    /// The least peaks of a command between two ticks, whatever happens there: the means of velocity and
     /// acceleration, and by `v1 - v0 - h (a0 + a1) / 2 = -int (t - h/2) j dt` the jerk, as that is at most
     /// `h^2 / 4` of its peak. A step that is over within two ticks shows in nothing else.
     pub(crate) fn between(

@@ -1,4 +1,4 @@
-//! What increments of a command leave of a mode, and how that changes with the mode.
+//! The vibration that increments of a command leave of a mode, and how that changes with the mode.
 
 use crate::GridTrain;
 use num_complex::Complex64;
@@ -53,7 +53,7 @@ impl ModalState {
         state
     }
 
-    /// What a train makes of increments that leave this: the product with `sum A_i exp(-lambda d_i)`, `d_i` in ticks.
+    /// The vibration after a train: the product with `sum A_i exp(-lambda d_i)`, `d_i` in ticks.
     pub fn shaped(self, train: &GridTrain, pole: Complex64) -> Self {
         let mut factor = Self::default();
         for tap in train.taps() {

@@ -14,7 +14,7 @@ const REACH: f64 = 3.0;
 /// Room for the table of shapers.
 const CANDIDATES: usize = 32;
 
-/// What is made small.
+/// The quantity that is made small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Criterion {
     /// The mean residual over the uncertainty.
@@ -23,12 +23,12 @@ pub enum Criterion {
     Worst95,
 }
 
-/// What a recommendation has to keep.
+/// The conditions of a recommendation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirements {
     /// Longest delay that the train may add, s; infinity for any.
     pub longest_delay: f64,
-    /// What is made small.
+    /// The quantity that is made small.
     pub criterion: Criterion,
     /// A residual that is small enough: of the shapers at or below it the shortest is taken. 0.05 is
     /// what insensitivity is told at; 0 asks for the least.

@@ -75,17 +75,17 @@ pub(crate) struct Forecast<'a, S> {
     /// The last tick at which a train fades.
     pub fades_until: Option<u64>,
     pub limits: MotionLimits,
-    /// What the new steps must add up to.
+    /// The sum that the new steps must add up to.
     pub total: f64,
     pub meters: &'a [Meter],
-    /// What everything sent up to now has left of each mode.
+    /// The vibration that everything sent up to now has left of each mode.
     pub past: Each<ModalState>,
-    /// What no other way may exceed; none where it does not matter.
+    /// The bound that no other way may exceed; none where it does not matter.
     pub present: Option<&'a Present>,
 }
 
 impl<S: Buffer<Setpoint>> Forecast<'_, S> {
-    /// What the command leaves of each mode, referred to now.
+    /// The vibration that the command leaves of each mode, referred to now.
     pub fn left(&self) -> Each<ModalState> {
         let of_future = |meter: &Meter| {
             let positions = self.future.iter().map(|setpoint| setpoint.position);
@@ -295,7 +295,7 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         sum(self.base(ahead), added)
     }
 
-    /// What is sent at a tick from now, and how much of its acceleration is planned.
+    /// The setpoint of a tick from now, and how much of its acceleration is planned.
     fn command(&self, ahead: usize) -> Sent {
         let (base, tick) = (self.base(ahead), self.tick(ahead));
         let plain = self.schedule.end() <= tick && self.fades_until.is_none_or(|end| end <= tick);

@@ -1,4 +1,4 @@
-//! What a train leaves of a mode's vibration.
+//! The residual vibration of a mode after a train.
 
 use crate::pole::unit_pole;
 use crate::{Impulse, ImpulseTrain, ShaperError};

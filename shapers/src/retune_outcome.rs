@@ -1,8 +1,8 @@
-//! What a retune is asked for, and what it answers.
+//! The aim of a retune, and its answer.
 
 use crate::{GridTrain, MotionLimits, PeakRatios, ShaperError, UncertainMode};
 
-/// What a retune is to reach.
+/// The aim of a retune.
 #[derive(Clone, Copy, Debug)]
 pub struct Retune<'a> {
     /// The train to go over to.
@@ -18,7 +18,7 @@ pub struct Retune<'a> {
     pub resolution: f64,
 }
 
-/// What a retune did.
+/// The outcome of a retune.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RetuneOutcome {
     /// Nothing had moved: the train is in force, or will be at rest.

@@ -26,7 +26,7 @@ const LONGEST: usize = CORRECTION_STEPS + 3;
 /// Periods for which a vibration counts at most: one without damping would never end.
 const RINGS: f64 = 20.0;
 
-/// What is sent at a tick, and how much of its acceleration is planned.
+/// The setpoint of a tick, and how much of its acceleration is planned.
 pub(crate) type Sent = (Setpoint, f64);
 
 /// A mode whose vibration is predicted; times in ticks.
@@ -41,9 +41,9 @@ pub(crate) struct Meter {
     sample_time: f64,
     /// `exp(lambda stride)`.
     turn: Complex64,
-    /// What equal increments that add up to 1 leave at the end of a stride.
+    /// The vibration that equal increments which add up to 1 leave at the end of a stride.
     ramp: ModalState,
-    /// What an increment of 1 a tick forces, and an acceleration of 1 a tick^2.
+    /// The deformation that an increment of 1 a tick forces, and an acceleration of 1 a tick^2.
     velocity: ModalState,
     acceleration: ModalState,
 }

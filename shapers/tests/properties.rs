@@ -78,7 +78,7 @@ proptest! {
         prop_assert_eq!(sent[end - 1], Setpoint::at_rest(command.distance));
     }
 
-    /// What UM-ZV makes of a move's limits is told before it is sent, and a stretched move keeps
+    /// The peaks of a move shaped by UM-ZV are told before it is sent, and a stretched move keeps
     /// them.
     #[test]
     fn negative_impulses_are_checked(mode in modes(), command in moves()) {
@@ -142,7 +142,7 @@ struct Run {
     tick: f64,
     modes: Vec<Mode>,
     command: Move,
-    /// What the first train is for, as a ratio to the frequencies of the modes.
+    /// The frequencies of the first train, as a ratio to those of the modes.
     wrong: f64,
     which: usize,
     /// Retunes: when, as a share of the move, and to which ratio; the last one to 1.

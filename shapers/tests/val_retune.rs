@@ -382,7 +382,7 @@ fn val_what_a_retune_refuses_changes_nothing() {
     assert_eq!(filter.residual(mode).unwrap().shaped, 0.0);
 }
 
-/// What a first move left is cancelled in the second, even with a memory that has lost the start of
+/// The vibration left by a first move is cancelled in the second, even with a memory that has lost the start of
 /// the first: a move is remembered or forgotten as a whole.
 #[test]
 fn val_vibration_of_an_earlier_move_is_cancelled_too() {

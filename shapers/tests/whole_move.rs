@@ -8,7 +8,7 @@ use quell_shapers::{
     AdaptiveFilter, Mode, MotionLimits, Retune, SHAPERS, Setpoint, UncertainMode, peak_ratios,
 };
 
-/// What the field takes for no vibration: 5 % of the unshaped.
+/// The bound up to which the field takes vibration for none: 5 % of the unshaped.
 const WORSE: f64 = 0.05;
 
 #[derive(Debug)]

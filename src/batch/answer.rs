@@ -1,11 +1,11 @@
-//! What became of a job.
+//! The outcome of a job.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::job::Job;
 
-/// What an answer is to, and whether it is a diagnosis.
+/// The head of an answer: its job, and whether it is a diagnosis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct About {
     /// Key of the job.
@@ -22,10 +22,10 @@ pub struct About {
     pub error: Option<String>,
 }
 
-/// What became of a job: a diagnosis and the better model, or an error.
+/// The outcome of a job: a diagnosis and the better model, or an error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// What it is to.
+    /// The job that it answers.
     #[serde(flatten)]
     pub about: About,
     /// The content of `diagnosis.json`, as the version that wrote it lays it out.

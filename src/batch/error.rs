@@ -16,7 +16,7 @@ pub enum BatchError {
     Disk {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// Something that is no result has the name of a result's folder.
@@ -28,7 +28,7 @@ pub enum BatchError {
     InTheWay {
         /// The folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The files of a recording are more than is sent about.
@@ -39,7 +39,7 @@ pub enum BatchError {
     TooLarge {
         /// The recording.
         path: PathBuf,
-        /// What its files have, bytes.
+        /// The size of its files, bytes.
         bytes: u64,
         /// The most that is taken, bytes.
         most: u64,
@@ -55,7 +55,7 @@ pub enum BatchError {
         /// The file that it names.
         file: PathBuf,
     },
-    /// What came is not a packed recording.
+    /// An archive that is not a packed recording.
     #[error("the packed recording cannot be opened: {0}")]
     Archive(String),
     /// Not a share of a batch.
@@ -69,9 +69,9 @@ pub enum BatchError {
     Queue {
         /// Where it is.
         server: String,
-        /// What was tried, and with which key.
+        /// The attempt, and its key.
         what: String,
-        /// What it says.
+        /// The server's answer.
         reason: String,
     },
     /// Something is asked for that is not part of this build.

@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 
 use super::packed::Packed;
 
-/// What is before everything in the hash of a key: another meaning of the parts gets another number.
+/// The prefix of everything in the hash of a key: another meaning of the parts gets another number.
 const MEANING: &str = "quell job 1";
 
 /// A recording to be diagnosed, and by what model.
@@ -18,7 +18,7 @@ pub struct Job {
     pub name: String,
     /// SHA-256 of the packed recording, in hexadecimal.
     pub recording: String,
-    /// What is to be read of it: the manifest, or the MCAP file with the joint.
+    /// The entry to be read: the manifest, or the MCAP file with the joint.
     pub entry: String,
     /// The text of the model file.
     pub model: String,

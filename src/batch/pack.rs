@@ -17,7 +17,7 @@ pub const MOST_BYTES: u64 = 256 << 20;
 
 /// Packs a recording: a manifest, a folder with one, or an MCAP file (with `#joint` where it has several).
 ///
-/// What is wrong inside of it does no harm here: it is told by who opens it.
+/// A fault inside of it does no harm here: it is told by who opens it.
 ///
 /// # Errors
 /// [`BatchError`] with the path where there is no such recording, it is above [`MOST_BYTES`], names a file
@@ -78,7 +78,7 @@ fn beside(manifest: &Path) -> Result<Vec<PathBuf>, BatchError> {
     Ok(files)
 }
 
-/// What a manifest calls its files; nothing where it is none.
+/// The files that a manifest names; nothing where it is none.
 pub(super) fn names(manifest: &str) -> Vec<PathBuf> {
     let table: toml::Table = manifest.parse().unwrap_or_default();
     let channels = table.get("channel").and_then(|value| value.as_array());

@@ -7,7 +7,7 @@ use super::hash::hash;
 pub struct Packed {
     /// The archive.
     pub bytes: Vec<u8>,
-    /// What is to be read of it: the manifest, or the MCAP file with the joint.
+    /// The entry to be read: the manifest, or the MCAP file with the joint.
     pub entry: String,
     /// SHA-256 of the archive, in hexadecimal.
     pub hash: String,

@@ -1,4 +1,4 @@
-//! What a queue of jobs is.
+//! A queue of jobs.
 
 use std::borrow::Cow;
 
@@ -52,7 +52,7 @@ pub trait Queue: Sync {
     ) -> Result<(), BatchError>;
 }
 
-/// What became of a job that was put in.
+/// The outcome of putting a job in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submitted {
     /// It waits now.
@@ -63,7 +63,7 @@ pub enum Submitted {
     Answered,
 }
 
-/// What a queue gives.
+/// An item of a queue.
 pub enum Taken {
     /// A job.
     Job(Claim),
@@ -79,11 +79,11 @@ pub struct Claim {
     pub job: Job,
     /// How often it was handed out, this time counted.
     pub deliveries: u64,
-    /// What goes back to the queue.
+    /// The answer that goes back to the queue.
     pub ticket: Box<dyn Ticket>,
 }
 
-/// What the holder of a job tells the queue.
+/// The messages of a job's holder to the queue.
 pub trait Ticket: Send + Sync {
     /// The packed recording.
     ///

@@ -22,7 +22,7 @@ pub struct Batch {
     pub shard: Option<Shard>,
 }
 
-/// What became of the recordings of a batch.
+/// The outcome of putting a batch in.
 #[derive(Debug, Default)]
 pub struct Submission {
     /// Keys of the jobs of this share, each once, in the recordings' order.
@@ -80,7 +80,7 @@ pub fn submit(
     Ok(submission)
 }
 
-/// What people call a recording: its folder, or its file.
+/// The name of a recording for people: its folder, or its file.
 fn name(path: &Path) -> String {
     let named = match path.file_name() {
         Some(name) => Path::new(name).to_path_buf(),

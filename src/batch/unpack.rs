@@ -9,7 +9,7 @@ use crate::recording::McapFile;
 
 /// Writes the files of a packed recording into a folder, and returns what is to be read.
 ///
-/// What came from elsewhere may not lead out of the folder: neither a name in the archive, nor the entry,
+/// A path from elsewhere may not lead out of the folder: neither a name in the archive, nor the entry,
 /// nor a file that the manifest names.
 ///
 /// # Errors

@@ -37,7 +37,7 @@ pub struct Work {
     pub drain: bool,
 }
 
-/// What became of a job at a worker.
+/// The outcome of a job at a worker.
 type Outcome = Result<(Value, String), String>;
 
 /// Works until `ending` is set, or there is nothing more to do; `told` hears of each answer.
@@ -128,7 +128,7 @@ impl Worker<'_> {
         Ok(())
     }
 
-    /// What a recording says, or why it says nothing. An error is the worker's own.
+    /// The answer to a recording, or the reason why there is none. An error is the worker's own.
     fn outcome(&self, job: &Job, packed: &[u8]) -> Result<Outcome, BatchError> {
         let found = hash(packed);
         if found != job.recording || !job.is_sound() {

@@ -79,7 +79,7 @@ fn effects(diagnosis: &Value) -> String {
     names.collect::<Vec<_>>().join(" + ")
 }
 
-/// What is the user's is bad input, what is the system's a failure.
+/// An error of the user's is bad input, one of the system's a failure.
 pub fn told(error: BatchError) -> CliError {
     match error {
         BatchError::Recording(error) => error.into(),

@@ -109,7 +109,7 @@ fn damping_deviation(text: &str) -> Result<f64, String> {
     ratio.ok_or_else(|| "it is not a ratio from 0 to below 1".into())
 }
 
-/// What is compared, for whom.
+/// The shapers that are compared, and the modes that they are compared for.
 struct Comparison {
     machine: String,
     modes: Vec<Mode>,
@@ -120,7 +120,7 @@ struct Comparison {
     advice: Advice,
     /// The unshaped move, where the robot was simulated.
     unshaped: Option<Simulated>,
-    /// What the user should know of the simulated moves.
+    /// Remarks on the simulated moves.
     remarks: Vec<String>,
 }
 
@@ -143,7 +143,7 @@ impl Comparison {
     }
 }
 
-/// What is said where nothing can be recommended.
+/// The text where nothing can be recommended.
 const NO_CHOICE: &str = "none; no shaper fits into the delay that is allowed.";
 
 /// Runs the verb.

@@ -27,7 +27,7 @@ const STEPS: f64 = 1000.0;
 #[derive(Debug, clap::Args)]
 #[command(after_help = HELP, after_long_help = long_help(Catalogue::default()))]
 pub struct Args {
-    /// What is believed of the machine.
+    /// The model that is believed in.
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
     /// The manifests, the folders that hold a recording.toml, or MCAP files.

@@ -1,4 +1,4 @@
-//! What a simulation may cost, checked before it begins.
+//! The limits of a simulation's effort, checked before it begins.
 
 use super::CliError;
 use crate::plant::{ModeOfJoint, Robot};

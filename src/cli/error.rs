@@ -1,4 +1,4 @@
-//! What ends a verb early, and the exit code that says so.
+//! The errors that end a verb early, and their exit codes.
 
 use crate::recording::{Problem, ROLES, RecordingError, UNITS};
 use std::error::Error;

@@ -42,7 +42,7 @@ all where it does not, see the strongest free decay.")]
 pub struct Args {
     /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,
-    /// What is believed of the joint.
+    /// The model of the joint, as it is believed.
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// How the frame of a tip sensor is learned.
@@ -66,7 +66,7 @@ struct Findings {
     recording: String,
     series: Series,
     found: Identification,
-    /// What each way to register a tip sensor makes of it.
+    /// The results of each way to register a tip sensor.
     registered: Vec<Registered>,
 }
 
@@ -148,7 +148,7 @@ fn tables(findings: &Findings) -> String {
     )
 }
 
-/// What every estimator says, over the run that is quoted of it.
+/// The estimates of every estimator, over the run that is quoted of it.
 fn on_line(found: &Identification) -> String {
     let figure = |value: Option<f64>, digits: usize| {
         value
@@ -186,7 +186,7 @@ fn on_line(found: &Identification) -> String {
     columns(heads, rows)
 }
 
-/// What the references say of a run.
+/// The estimates of the references for a run.
 fn off_line(run: &Run) -> String {
     let rows = run.off_line.iter().map(|line| {
         [

@@ -55,7 +55,7 @@ struct Cli {
     verb: Verb,
 }
 
-/// What `quell` can be asked to do.
+/// The verbs of `quell`.
 #[derive(Subcommand)]
 enum Verb {
     Compare(compare::Args),

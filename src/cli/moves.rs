@@ -3,6 +3,7 @@
 mod document;
 mod files;
 mod page;
+mod path;
 mod scenario;
 
 use std::path::{Path, PathBuf};
@@ -24,24 +25,34 @@ Examples:
   quell move
   quell move --belief-error -20 --shaper ei --noise 20 --seed 7
   quell move --robot robot.toml --joint 2 --target 45 --belief 11,0.05 --json
+  quell move --robot robot.toml --target 30,45 --path
 
 Residual: peak of the true deformation at the tip once the command has ended and the motor side has
 followed. Settling: from the start of the move until the tip stays within 0.05 mm of its target.
 Delay: what shaping and corrections add to the command. The tracker's frame and clock are learned
 first, in a commissioning move there and back. The folder of --out gets report.html and a recording
-of each move that `quell identify` and `quell inspect` read.")]
+of each move that `quell identify` and `quell inspect` read.
+
+With --path several joints move at once, on a straight line in joint space: unshaped, each with a
+shaper of its own, and all with the shapers of all, one after the other, which keeps the line. Of the
+latter two there is a first move and the next one, with what was learned.")]
 pub struct Args {
     #[command(flatten)]
     robot: RobotArgs,
-    /// How far to move, deg [default: as the description says, 30].
+    /// How far to move, deg [default: as the description says, 30]. With --path of every joint, from
+    /// joint 1 on: 30,45.
     #[arg(
         long,
         visible_alias = "target-deg",
         value_name = "DEG",
+        value_delimiter = ',',
         value_parser = values::finite,
         allow_negative_numbers = true
     )]
-    pub target: Option<f64>,
+    pub target: Vec<f64>,
+    /// Moves several joints on a straight line in joint space.
+    #[arg(long, requires = "target", conflicts_with_all = ["joint", "belief"])]
+    pub path: bool,
     /// The believed mode: natural frequency in Hz and damping ratio.
     #[arg(long, value_name = "F,XI", value_parser = values::mode, conflicts_with = "belief_error")]
     pub belief: Option<Mode>,
@@ -89,6 +100,9 @@ pub struct Args {
 /// # Errors
 /// [`CliError::Input`] where the robot, the belief or the move is refused.
 pub fn run(args: Args) -> Result<(), CliError> {
+    if args.path {
+        return path::run(&args);
+    }
     let reads: Vec<&Path> = args.robot.robot.as_deref().into_iter().collect();
     let out = files::open(&args.out, args.force, &reads)?;
     let scenario = scenario::from(&args)?;
@@ -105,13 +119,12 @@ pub fn run(args: Args) -> Result<(), CliError> {
 /// How far from its target a command that has ended may stand, rad: rounding.
 const AT_TARGET: f64 = 1e-9;
 
-/// The move, unless it was cut off: its residual would say nothing.
-fn finished(kind: MoveKind, trace: MoveTrace) -> Result<MoveTrace, CliError> {
+/// Refuses a move that was cut off: its residual would say nothing.
+fn finished(name: &str, trace: &MoveTrace) -> Result<(), CliError> {
     if trace.final_error() <= AT_TARGET {
-        return Ok(trace);
+        return Ok(());
     }
     let longest = trace.ticks.last().map_or(0.0, |tick| tick.time);
-    let name = kind.name();
     let text = format!("the move {name} has not ended after {longest:.0} s, the longest simulated");
     Err(CliError::input(text)
         .with_help("a shorter --target, higher limits, or a --belief of a higher frequency"))
@@ -128,16 +141,14 @@ fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
             )
         },
     );
-    let unshaped = finished(MoveKind::Unshaped, unshaped?)?;
-    let wrong_belief = finished(MoveKind::WrongBelief, wrong_belief?)?;
+    let [unshaped, wrong_belief] = [unshaped?, wrong_belief?];
+    finished(MoveKind::Unshaped.name(), &unshaped)?;
+    finished(MoveKind::WrongBelief.name(), &wrong_belief)?;
     let (first, next, truth) = adaptive?;
-    let first = finished(MoveKind::AdaptiveFirst, first)?;
-    let next = finished(MoveKind::AdaptiveNext, next)?;
-    Ok(Comparison::new(
-        unshaped,
-        wrong_belief,
-        (first, next, truth),
-    ))
+    finished(MoveKind::AdaptiveFirst.name(), &first)?;
+    finished(MoveKind::AdaptiveNext.name(), &next)?;
+    let adaptive = (first, next, truth);
+    Ok(Comparison::new(unshaped, wrong_belief, adaptive))
 }
 
 /// One cell, named in the log by its shaper.

@@ -1,4 +1,4 @@
-//! What a verb prints and writes: text, tables, JSON and folders of files.
+//! The output of a verb: text, tables, JSON and folders of files.
 
 use super::CliError;
 use serde::Serialize;

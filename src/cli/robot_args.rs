@@ -64,7 +64,7 @@ pub fn robot(file: Option<&Path>) -> Result<Robot, CliError> {
     }
 }
 
-/// What of the simulated arm is otherwise than its description says.
+/// Deviations of the simulated arm from its description.
 #[derive(Debug, clap::Args)]
 pub struct SimulationArgs {
     /// Load at the tip, kg; what is believed of the joint does not know of it.

@@ -5,7 +5,7 @@ use super::CliError;
 /// Commands a robot in real time. This program is built without it: build it with the feature `serve`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Whatever the service would take.
+    /// The arguments of the service, unread.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     pub any: Vec<String>,
 }

@@ -67,7 +67,7 @@ pub struct Args {
     pub json: bool,
 }
 
-/// What was designed.
+/// The designed train.
 struct Design {
     shaper: &'static dyn Shaper,
     modes: Vec<Mode>,

@@ -55,7 +55,7 @@ pub fn plan(ends: [f64; 2], limits: Limits, train: &GridTrain) -> Result<SlowedP
     }
 }
 
-/// What is said of a move that was slowed down to `speed` (1 is full speed).
+/// The remark on a move that was slowed down to `speed` (1 is full speed).
 pub fn slowed(shaper: &str, speed: f64) -> String {
     format!(
         "the negative impulses of {shaper} would exceed the limits; slowed to {:.2} % speed",

@@ -175,7 +175,7 @@ fn folder(args: &Args, setup: &Setup) -> Result<Out, CliError> {
     Out::open(&args.out, ("simulate", args.force), &reads, names)
 }
 
-/// What is believed of the joint.
+/// The model of the joint, as it is believed.
 const MODEL: &str = "model.toml";
 
 /// Writes recording and model; returns the files.

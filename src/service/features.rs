@@ -1,4 +1,4 @@
-//! What optional features add to the service; of each there is a stand-in for builds without it.
+//! The optional features of the service; of each there is a stand-in for builds without it.
 
 use std::io;
 use std::net::SocketAddr;
@@ -9,7 +9,7 @@ use super::contract::Handle;
 use super::link::RobotLink;
 use super::station::StartError;
 
-/// What runs beside a robot's link and asks for moves, begun once there is somebody to ask.
+/// A bridge beside a robot's link that asks for moves, begun once there is somebody to ask.
 pub type Companion = Box<dyn FnOnce(Handle) -> io::Result<Box<dyn Send>>>;
 
 /// The live view of Foxglove, and where it listens.
@@ -82,7 +82,7 @@ pub fn over_zenoh(
     Err(StartError::NotBuilt { feature: "zenoh" })
 }
 
-/// What publishes estimates and trains at a NATS server.
+/// A publisher of estimates and trains at a NATS server.
 ///
 /// # Errors
 /// [`StartError`] where the address is none, or this is not part of this build.

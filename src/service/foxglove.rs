@@ -34,7 +34,7 @@ impl FoxgloveServer {
     /// Starts the server; port 0 takes a free one.
     ///
     /// # Errors
-    /// What the system says, as where the port is taken.
+    /// The system's error, as where the port is taken.
     pub fn start(
         address: SocketAddr,
         joints: &[String],
@@ -152,7 +152,7 @@ fn schema(name: &str, example: &impl Serialize) -> Schema {
     Schema::new(name, "jsonschema", kind(&example).to_string().into_bytes())
 }
 
-/// What the server shows.
+/// The content that the server shows.
 struct View {
     channels: Vec<Channels>,
     stream: broadcast::Receiver<Arc<Batch>>,

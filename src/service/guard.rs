@@ -28,7 +28,7 @@ const RECOVERY: f64 = 0.5;
 /// Weight of a new gap in the mean of the gaps.
 const RATE_WEIGHT: f64 = 0.02;
 
-/// What is wrong with a sample.
+/// The fault of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The reading has not changed although the joint moves.
@@ -56,7 +56,7 @@ impl Fault {
     }
 }
 
-/// What the guard knows of one sensor.
+/// The guard's memory of one sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorReport {
     /// Samples taken and refused.
@@ -71,7 +71,7 @@ pub struct SensorReport {
     pub rate: f64,
 }
 
-/// What the guard knows of the sensors of a joint.
+/// The guard's memory of the sensors of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GuardReport {
     sensors: [SensorReport; QUANTITIES.len()],
@@ -90,7 +90,7 @@ impl GuardReport {
     }
 }
 
-/// What a joint's readings can be.
+/// The range of a joint's readings.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     /// Limits of the joint.
@@ -134,7 +134,7 @@ impl Guard {
         }
     }
 
-    /// What it knows.
+    /// The report of the faults.
     pub fn report(&self) -> &GuardReport {
         &self.report
     }

@@ -14,7 +14,7 @@ pub struct Keeper {
     file: StateFile,
     states: Receiver<State>,
     clock: ServiceClock,
-    /// What the disk has refused.
+    /// The refusals of the disk.
     unsaved: Option<State>,
     /// When it was refused last, s.
     refused: f64,

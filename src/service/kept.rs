@@ -1,4 +1,4 @@
-//! What outlives the process, opened together: state and recordings, brought in line with one another.
+//! The data that outlives the process, opened together: state and recordings, brought in line with one another.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What a move left of its mode: measured after its end, and what it would have left unshaped.
+//! The residual vibration of a move: measured after its end, and as it would have been unshaped.
 
 use nalgebra::Complex;
 use quell_shapers::Mode;

@@ -3,7 +3,7 @@
 use hmac::{Hmac, Mac};
 use sha2::Sha256;
 
-/// What stands before and after the signature, at the end of a datagram.
+/// The text before and after the signature, at the end of a datagram.
 const BEFORE: &[u8] = b",\"sig\":\"";
 const AFTER: &[u8] = b"\"}";
 /// Bytes of a signature, and characters of it in a datagram.

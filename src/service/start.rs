@@ -28,12 +28,12 @@ pub struct Service {
 }
 
 impl Service {
-    /// What the outside holds of it.
+    /// The outside's end of it.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
     }
 
-    /// What has been recorded, for the recorder; none where nothing is.
+    /// The shelf of the recordings; none where nothing is recorded.
     pub fn shelf(&self) -> Option<Arc<Shelf>> {
         self.shelf.clone()
     }

@@ -1,4 +1,4 @@
-//! What outlives the process: the last good modes, and the last moves. One JSON file.
+//! The state that outlives the process: the last good modes, and the last moves. One JSON file.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -27,7 +27,7 @@ pub struct State {
     pub last_move: u64,
     /// How often the service was started.
     pub starts: u64,
-    /// What was learned of each joint, by name.
+    /// The learned modes of the joints, by name.
     pub joints: BTreeMap<String, JointState>,
     /// The last moves.
     pub moves: Vec<MoveResult>,
@@ -44,7 +44,7 @@ impl State {
     }
 }
 
-/// What was learned of a joint.
+/// The learned mode of a joint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
     /// One mode for each payload, the one learned last at the end.
@@ -98,7 +98,7 @@ impl StateFile {
         }
     }
 
-    /// What was kept. A file that cannot be read or understood is set aside with a warning, so that the
+    /// The kept state. A file that cannot be read or understood is set aside with a warning, so that the
     /// next state does not replace it: the service is worth more without its memory than not at all.
     pub fn load(&self) -> State {
         let text = match fs::read(&self.path) {
@@ -131,7 +131,7 @@ impl StateFile {
     /// happens.
     ///
     /// # Errors
-    /// What the system says. The disk remembers it until a state is kept again.
+    /// The system's error. The disk remembers it until a state is kept again.
     pub fn save(&self, state: &State) -> io::Result<()> {
         let state = State {
             version: VERSION,

@@ -37,9 +37,9 @@ pub enum StartError {
     /// A socket or a thread.
     #[error("{what}: {error}")]
     System {
-        /// What was tried.
+        /// The attempt.
         what: String,
-        /// What the system says.
+        /// The system's error.
         error: io::Error,
     },
     /// The data folder is another service's, or not to be had.
@@ -174,12 +174,12 @@ impl Station {
         })
     }
 
-    /// What the outside holds of it.
+    /// The outside's end of it.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
     }
 
-    /// What has been recorded, for the recorder; none where nothing is.
+    /// The shelf of the recordings; none where nothing is recorded.
     pub fn shelf(&self) -> Option<Arc<Shelf>> {
         self.shelf.clone()
     }

@@ -1,4 +1,4 @@
-//! What a robot learns, published at a NATS server for whoever looks after a fleet.
+//! The modes that a robot learns, published at a NATS server for whoever looks after a fleet.
 //!
 //! Two subjects a joint, in JSON: `quell.<robot>.<joint>.estimate` has an [`EstimateView`] whenever the
 //! estimate changes, once a second at most; `quell.<robot>.<joint>.train` the mode and the impulses whenever
@@ -36,7 +36,7 @@ impl Telemetry {
     /// Starts to publish; the server need not be there yet.
     ///
     /// # Errors
-    /// What the system says; [`io::ErrorKind::InvalidInput`] where the address is none.
+    /// The system's error; [`io::ErrorKind::InvalidInput`] where the address is none.
     pub fn start(config: &NatsConfig, handle: &Handle) -> io::Result<Self> {
         let server: ServerAddr = config.server.parse()?;
         let teller = Teller {
@@ -87,7 +87,7 @@ async fn serve(server: ServerAddr, mut teller: Teller, mut ended: oneshot::Recei
     let _ = timeout(FAREWELL, client.flush()).await;
 }
 
-/// What was told of a joint last.
+/// The last message on a joint.
 #[derive(Clone, Default)]
 struct Told {
     /// Time of the estimate.
@@ -137,7 +137,7 @@ impl Teller {
         }
     }
 
-    /// What of a joint is news, as subject and JSON.
+    /// The news of a joint, as subject and JSON.
     fn changed(
         &mut self,
         joint: usize,

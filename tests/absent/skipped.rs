@@ -1,4 +1,4 @@
-//! What is not tested on this machine says so.
+//! A word for each test that this machine cannot run.
 
 use std::fs::OpenOptions;
 use std::io::{Write, stderr};

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-/// What of the workspace a crate reaches, at most, with everything that it reaches by others.
+/// The parts of the workspace that a crate reaches, at most, with everything that it reaches by others.
 const REACHES: &[(&str, &[&str])] = &[
     ("quell-shapers", &[]),
     ("quell-shapers-c", &["shapers"]),
@@ -54,7 +54,7 @@ const REACHES: &[(&str, &[&str])] = &[
     ("quell-proof", &["page", "recording", "trajectories"]),
 ];
 
-/// What only a program needs.
+/// Packages that only a program needs.
 const PROGRAMS: &[&str] = &["axum", "clap", "hyper", "indicatif", "miette", "tokio"];
 
 /// Names of what each package depends on, tests and builds left out.

@@ -3,7 +3,7 @@
 use super::root;
 use std::process::Command;
 
-/// What is built for this machine, by default and with more `features`: name, version, licence.
+/// The packages that are built for this machine, by default and with more `features`: name, version, licence.
 fn packages(features: &[&str]) -> Vec<(String, String, String)> {
     let version = Command::new("rustc").arg("-vV").output().unwrap();
     let version = String::from_utf8(version.stdout).unwrap();

@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 
 type Module = Vec<String>;
 
-/// What a file names: paths, and names that it imports with where they come from.
+/// The names in a file: paths, and names that it imports with where they come from.
 #[derive(Default)]
 struct Names {
     paths: Vec<Vec<String>>,

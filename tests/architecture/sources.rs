@@ -1,4 +1,4 @@
-//! What no source may hold.
+//! Rules that every source keeps.
 
 use super::{root, rust_files, sources};
 use std::path::Path;

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-/// What no refit of the model explains, in times the noise.
+/// The misfit that no refit of the model explains, in times the noise.
 const VISIBLE: f64 = 5.0;
 /// Largest noise, as a share of the deformation (of the travel where nothing bends).
 const LOUDEST: f64 = 0.02;

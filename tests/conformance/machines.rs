@@ -205,7 +205,7 @@ pub fn position(t: f64) -> f64 {
     0.2 + moved.sum::<f64>()
 }
 
-/// What drives: a push at the start of a move, one against it at its end.
+/// The drive: a push at the start of a move, one against it at its end.
 pub fn push(t: f64) -> f64 {
     let bump = |t: f64, length: f64| match t > 0.0 && t < length {
         true => (PI * t / length).sin(),

@@ -57,7 +57,7 @@ fn machine(effect: &Effect, place: Place) -> Machine {
     found.unwrap_or_else(|| panic!("no machine has {} in the {}", effect.name, place.name()))
 }
 
-/// What is concealed, found; for the messages of a test.
+/// The concealed effects and the found ones; for the messages of a test.
 fn tried(machine: &Machine, effect: &'static Effect, place: Place, factor: f64) -> Found {
     let hidden = conceal(machine, typical(machine, effect, place, factor), 1);
     let said = outcome(machine, &[hidden.recording]).diagnosis;

@@ -1,9 +1,9 @@
 //! Files that are cut, changed, or never finished.
 
-use super::{ORIGIN, save, whole, write};
+use super::{created, save, whole, write};
 use proptest::prelude::*;
 use quell::recording::health::{health, remarks};
-use quell::recording::{McapFile, McapWriter, Recording, Role};
+use quell::recording::{McapFile, Recording, Role};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
@@ -48,7 +48,7 @@ fn a_file_that_is_cut_is_read_up_to_the_cut() {
 fn a_writer_that_is_killed_leaves_what_it_flushed() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("live.mcap");
-    let mut writer = McapWriter::create_at(&path, &["hip"], ORIGIN).unwrap();
+    let mut writer = created(&path, &["hip"]);
     write(&mut writer, 1500).unwrap();
     // What another process finds on the disk, nothing finished.
     let seen = save(&folder, &std::fs::read(&path).unwrap());

@@ -2,13 +2,16 @@
 
 mod damage;
 mod peers;
+#[path = "../absent/python.rs"]
+mod python;
 #[path = "../absent/skipped.rs"]
 mod skipped;
 
 use assert_cmd::Command;
 use quell::recording::{McapWriter, Recording, RecordingError, Role};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
@@ -50,13 +53,19 @@ fn write(writer: &mut McapWriter, ticks: i64) -> Result<(), RecordingError> {
     Ok(())
 }
 
+/// A writer of a new file for these joints, from [`ORIGIN`] on.
+fn created(path: &Path, joints: &[&str]) -> McapWriter {
+    let file = File::create(path).unwrap();
+    McapWriter::on(Box::new(file), path, joints, ORIGIN).unwrap()
+}
+
 /// A finished file of 3 s, made once.
 fn whole() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("run.mcap");
-        let mut writer = McapWriter::create_at(&path, &["hip"], ORIGIN).unwrap();
+        let mut writer = created(&path, &["hip"]);
         write(&mut writer, 3000).unwrap();
         writer.finish().unwrap();
         std::fs::read(path).unwrap()
@@ -156,7 +165,7 @@ fn what_is_asked_for_in_vain_is_told_with_what_is_there() {
 fn what_cannot_be_written_is_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("run.mcap");
-    let mut writer = McapWriter::create_at(&path, &["hip"], ORIGIN).unwrap();
+    let mut writer = created(&path, &["hip"]);
     let position = Role::MotorPosition;
     let results = [
         writer.write_sample(0.0, "knee", position, 0.0, &[1.0]),
@@ -164,9 +173,8 @@ fn what_cannot_be_written_is_refused() {
         writer.write_sample(0.0, "hip", position, 0.0, &[1.0, 2.0, 3.0]),
         writer.write_sample(0.0, "hip", position, -2e9, &[1.0]),
         writer.write_command(f64::INFINITY, "hip", 0.0, 0.0, 0.0),
-        McapWriter::create(&folder.path().join("no/run.mcap"), &[]).map(|_| ()),
     ];
-    let words = ["\"knee\"", "NaN", "3 values", "1970", "inf", "no such file"];
+    let words = ["\"knee\"", "NaN", "3 values", "1970", "inf"];
     for (result, word) in results.into_iter().zip(words) {
         let error = result.unwrap_err().to_string();
         assert!(
@@ -223,7 +231,7 @@ fn inspect_lists_topics_and_roles() {
     assert_eq!(states["topic"], "/joint_states");
     assert_eq!(states["fields"][2], "position[]");
 
-    let mut writer = McapWriter::create(&path, &["hip", "knee"]).unwrap();
+    let mut writer = created(&path, &["hip", "knee"]);
     for joint in ["hip", "knee"] {
         writer
             .write_sample(0.0, joint, Role::Deformation, 0.0, &[0.1])
@@ -259,7 +267,7 @@ fn every_verb_takes_an_mcap_file_as_it_takes_a_manifest() {
     );
     let recording = Recording::from_path(folder.path().join("arm")).unwrap();
     let path = folder.path().join("arm.mcap");
-    let mut writer = McapWriter::create(&path, &["hip"]).unwrap();
+    let mut writer = created(&path, &["hip"]);
     for channel in &recording.channels {
         for (sample, t) in channel.time.iter().enumerate() {
             let row: Vec<_> = channel

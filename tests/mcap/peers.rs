@@ -3,28 +3,13 @@
 use super::{MS, ORIGIN, SAMPLES, save, values, whole};
 use quell::recording::{McapFile, Recording, Role};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tempfile::TempDir;
 
-/// Runs a script of `tests/ros2`; none where its packages cannot be installed.
+/// The output of a script of `tests/ros2`.
 fn python(script: &str, argument: &Path) -> Option<Vec<u8>> {
-    let run = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2/run.sh");
-    let venv = std::env::var_os("QUELL_ROS2_VENV").map_or(
-        Path::new(env!("CARGO_TARGET_TMPDIR")).join("ros2-venv"),
-        PathBuf::from,
-    );
-    let output = std::process::Command::new("sh")
-        .args([run.as_os_str(), script.as_ref(), argument.as_os_str()])
-        .env("QUELL_ROS2_VENV", venv)
-        .output()
-        .unwrap();
-    let words = String::from_utf8_lossy(&output.stderr);
-    if output.status.code() == Some(77) {
-        super::skipped::skipped(words.trim());
-        return None;
-    }
-    assert!(output.status.success(), "{words}");
-    Some(output.stdout)
+    let script = [script.as_ref(), argument.as_os_str()];
+    super::python::python("ros2", "requirements.txt", &script)
 }
 
 /// A number as the other readers print it, so that no digit is lost on the way.

@@ -1,4 +1,4 @@
-//! What the simulated sensors say: rates, resolution, noise, and the deformation they show.
+//! Readings of the simulated sensors: rates, resolution, noise, and the deformation they show.
 
 use super::{arm, hold, jerk_limited};
 use proptest::prelude::*;

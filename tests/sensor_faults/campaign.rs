@@ -21,7 +21,7 @@ const FLOOR: f64 = 30e-6;
 /// Moves of a programme.
 const MOVES: usize = 5;
 
-/// What became of the robot under one fault.
+/// The outcome for the robot under one fault.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub kind: Kind,

@@ -1,4 +1,4 @@
-//! What sensors do when they fail, put on between the arm and the tick.
+//! Faults of sensors, put on between the arm and the tick.
 
 use quell::service::contract::{Measured, Quantity};
 use rand::Rng;
@@ -50,7 +50,7 @@ impl Kind {
     }
 }
 
-/// What the second sensor of a joint is.
+/// The kind of a joint's second sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensor {
     pub quantity: Quantity,
@@ -141,7 +141,7 @@ impl Fault {
         self.kind != Kind::None && (self.from..self.to).contains(&time)
     }
 
-    /// What becomes of the measurements of all joints at `time`.
+    /// The measurements of all joints at `time`, as the fault leaves them.
     pub fn act(&mut self, time: f64, measured: &mut Vec<Measured>) {
         if !self.is_on(time) {
             self.held = None;

@@ -192,7 +192,7 @@ impl Joint {
         });
     }
 
-    /// What the tick does with a joint, and what the engine tells it.
+    /// The joint as the tick runs it, and the orders of the engine.
     pub fn command(
         &mut self,
         planner: &Planner,
@@ -267,7 +267,7 @@ impl Joint {
         }
     }
 
-    /// What became of the move that ends at `time`.
+    /// The outcome of the move that ends at `time`.
     fn end_move(&mut self, time: f64) {
         let samples = &self.samples[self.first..];
         let target = self.target(self.moves.len() + 1);

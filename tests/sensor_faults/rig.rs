@@ -25,7 +25,7 @@ pub struct JointCase {
     pub seed: u64,
 }
 
-/// What became of one move of one joint.
+/// The outcome of one move of one joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Moved {
     /// Peak deformation after the motor side has followed, m.
@@ -36,7 +36,7 @@ pub struct Moved {
     pub missed: f64,
 }
 
-/// What became of one joint.
+/// The outcome for one joint.
 pub struct Ran {
     pub moves: Vec<Moved>,
     /// Largest peak of the command over its limit.

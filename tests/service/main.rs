@@ -28,7 +28,7 @@ const PERIOD: f64 = 0.001;
 /// Longest that anything here is waited for.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What the service says, shown where a test fails.
+/// The service's log, shown where a test fails.
 fn log() {
     let log = tracing_subscriber::fmt().with_max_level(tracing::Level::DEBUG);
     // The first test of the process starts it.

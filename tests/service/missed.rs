@@ -16,7 +16,7 @@ use super::tick::{controller, joint, plan};
 
 const PERIOD: f64 = 0.001;
 
-/// What a robot does while no setpoint comes.
+/// The behaviour of a robot while no setpoint comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Manner {
     /// It holds the last one, which is the worst that it can do.
@@ -126,7 +126,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
     (tick, rings, told)
 }
 
-/// What one setpoint may be after the one before it, by the time between them.
+/// The bounds of one setpoint after the one before it, by the time between them.
 fn check(before: (f64, Setpoint), now: (f64, Setpoint)) -> Result<(), TestCaseError> {
     let limits = Robot::rx170().joints[0].limits;
     let slack = 1.0 + 1e-9;

@@ -66,7 +66,7 @@ fn command(setpoint: Setpoint) -> Command {
     }
 }
 
-/// What its sensor of the link does wrong.
+/// The fault of its sensor of the link.
 #[derive(Clone, Copy, Debug)]
 pub enum Fault {
     /// It repeats itself.
@@ -77,7 +77,7 @@ pub enum Fault {
     Dead,
 }
 
-/// What the robot is told.
+/// The setpoints that the robot is sent.
 #[derive(Default)]
 struct Orders {
     ending: AtomicBool,

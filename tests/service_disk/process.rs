@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::client::Client;
 
-/// What a slow machine may take for one step.
+/// The time that a slow machine may take for one step.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A process that ends with the test.

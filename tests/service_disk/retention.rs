@@ -1,4 +1,4 @@
-//! What goes when there is too much: by the order of creation, whatever the clock said.
+//! The clearing of the shelf when there is too much: by the order of creation, whatever the clock said.
 
 use std::fs::File;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What an earlier life of the service left unfinished.
+//! Recordings that an earlier life of the service left unfinished.
 
 use std::fs;
 use std::path::Path;
@@ -10,8 +10,9 @@ use super::{BOUNDS, check_recording, names};
 
 /// A file of so many rows that was never finished.
 fn journal(path: &Path, rows: u32) -> Vec<u8> {
-    let mut writer =
-        McapWriter::create_at(path, &["hip"], 1_700_000_000_000_000_000).expect("a file");
+    let file = Box::new(fs::File::create(path).expect("a file"));
+    let writer = McapWriter::on(file, path, &["hip"], 1_700_000_000_000_000_000);
+    let mut writer = writer.expect("a file");
     for row in 0..rows {
         let time = f64::from(row) / 1000.0;
         let written = writer.write_command(time, "hip", time, 1.0, 0.0);

@@ -1,4 +1,4 @@
-//! What the service says to the outside, and what it refuses.
+//! The answers of the service to the outside, and its refusals.
 
 mod client;
 mod connections;

@@ -9,7 +9,7 @@ use tungstenite::{Message, WebSocket, client::client};
 
 use super::process::{Process, announced};
 
-/// What a slow machine may take for one step.
+/// The time that a slow machine may take for one step.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Notes what the page asks for, before any script of it runs.
@@ -27,7 +27,7 @@ pub struct Browser {
     socket: WebSocket<TcpStream>,
     session: Option<String>,
     last: u64,
-    /// What the page, and the frames in it, did wrong.
+    /// The errors of the page, and of the frames in it.
     errors: Vec<String>,
     _process: Process,
 }
@@ -96,7 +96,7 @@ impl Browser {
         self.last
     }
 
-    /// What happens beside the answers.
+    /// An event beside the answers.
     fn note(&mut self, event: &Value) {
         let told = &event["params"];
         let wrong = match event["method"].as_str().unwrap_or_default() {

@@ -1,4 +1,4 @@
-//! What the page says of a disk that is full.
+//! The page while a disk is full.
 
 use std::process::{Command, Stdio};
 

@@ -4,7 +4,7 @@ use super::browser::{Browser, ESCAPE, SPACE};
 use super::{RESTS, silence, until};
 use serde_json::json;
 
-/// What can have the focus; all of it is on the page, the report in its frame included.
+/// The elements that can have the focus; all are on the page, the report in its frame included.
 const FOCUSED: &[&str] = &[
     "#stop",
     "#target",

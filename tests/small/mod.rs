@@ -29,7 +29,7 @@ column = "deformation_rad"
 unit = "rad"
 "#;
 
-/// What is believed of the joint.
+/// The model of the joint, as it is believed.
 pub const MODEL: &str =
     "kind = \"flexible_joint\"\nnatural_frequency_hz = 4.2\ndamping_ratio = 0.06\n";
 

@@ -97,7 +97,7 @@ fn what_is_learned_calms_the_next_move_and_outlives_a_kill() {
     assert!(left <= 0.03 * all, "left {left:e} of {all:e}");
 }
 
-/// What is gripped lowers the mode: the first move with it learns that, the next ones are calm.
+/// A load that is gripped lowers the mode: the first move with it learns that, the next ones are calm.
 #[test]
 fn a_mode_that_jumps_is_followed() {
     let data = tempfile::tempdir().expect("a folder");

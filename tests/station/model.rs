@@ -1,6 +1,6 @@
 //! Random sequences of everything that a client, a robot, a clock, a disk and a killer can do to the service.
 //!
-//! What is judged is what comes out: setpoints, answers, the state that is shown, what is on disk. A few
+//! The output is judged: setpoints, answers, the state that is shown, what is on disk. A few
 //! hundred sequences here; `QUELL_SEQUENCES=10000` makes the campaign.
 
 use std::collections::BTreeSet;
@@ -23,7 +23,7 @@ const SEQUENCES: u32 = 400;
 const JOINT: &str = "joint_1";
 const MCAP: &str = "recording.mcap";
 
-/// What somebody does.
+/// An action of somebody.
 #[derive(Clone, Debug)]
 enum Op {
     Move {
@@ -43,7 +43,7 @@ enum Op {
     /// The robot is switched off, moved by hand, and speaks again.
     RobotIsMoved(f64),
     RobotClockStartsAnew,
-    /// What the robot says for so many ticks comes at once.
+    /// The messages of so many ticks come at once.
     Burst(usize),
     Garbage(Vec<u8>),
     TicksMissed(usize),
@@ -56,7 +56,7 @@ enum Op {
     Kill,
 }
 
-/// What the disk refuses.
+/// The writes that the disk refuses.
 #[derive(Clone, Copy, Debug)]
 enum Refusal {
     Nothing,
@@ -214,7 +214,7 @@ impl Lives {
         (0..steps).try_for_each(|_| self.step())
     }
 
-    /// What is on disk at this instant is all that the next life finds.
+    /// The files on disk at this instant are all that the next life finds.
     fn kill(&mut self) -> Result<(), TestCaseError> {
         let left = tempfile::tempdir().expect("a folder");
         copy(self.data.path(), left.path());
@@ -232,7 +232,7 @@ impl Lives {
         self.run(if silent { 10 } else { STANDSTILL })
     }
 
-    /// What was told of is there: on the shelf, or beside it as far as it came.
+    /// A recording that was told of is there: on the shelf, or beside it as far as it came.
     fn judge_recordings(&mut self) -> Result<(), TestCaseError> {
         let folder = self.data.path().join("recordings");
         for name in &self.told {

@@ -1,4 +1,4 @@
-//! What a service that does as it is told would do, and whether this one does.
+//! The behaviour of a service that does as it is told, held against this one.
 
 use proptest::prelude::*;
 use quell::service::contract::{Accepted, Phase, Request, ServiceError};
@@ -26,7 +26,7 @@ enum Licence {
     Stop { until: f64 },
 }
 
-/// What a service that does as it is told would do.
+/// The behaviour of a service that does as it is told.
 pub struct Oracle {
     licence: Licence,
     /// Whether a move was asked for and not answered before the last step.
@@ -135,7 +135,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// What the state shows is what was sent.
+    /// The state shows what was sent.
     pub fn compare(&mut self, world: &World) -> Result<(), TestCaseError> {
         let snapshot = world.snapshot();
         let (Some(joint), Some((_, last))) = (snapshot.joints.first(), self.last) else {
@@ -164,7 +164,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// What the robot's silence, or time without a tick, means for what runs.
+    /// The effect of the robot's silence, or of time without a tick, on what runs.
     pub fn watch(&mut self, world: &World) {
         let now = world.clock.now();
         let silence = now - world.heard;

@@ -31,7 +31,7 @@ pub const STANDSTILL: usize = 80;
 const ROBOT: SocketAddr =
     SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 40_000);
 
-/// What the robot received, with the time of the tick that it was sent at, s.
+/// The setpoints that the robot received, with the time of the tick that they were sent at, s.
 pub type Sent = (f64, Setpoint);
 
 /// A link whose other end is in this process.
@@ -68,7 +68,7 @@ pub struct Robot {
     pub off: bool,
     /// Its clock minus the service's, s.
     pub ahead: f64,
-    /// What it has said and what is on its way still.
+    /// The messages that it has said and those on their way still.
     held: Vec<String>,
     /// So many datagrams go out later, in one.
     pub holds: usize,
@@ -345,7 +345,7 @@ impl Asked {
     }
 }
 
-/// What of two setpoints in succession no plan within the limits makes, in words.
+/// The fault of two setpoints in succession that no plan within the limits makes, in words.
 pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
     use quell::service::bridged::bridged;
     let allowed = 1.0 + 1e-9;

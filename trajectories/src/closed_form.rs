@@ -14,14 +14,14 @@ use crate::read_back::Scale;
 use crate::stop::stop;
 use crate::{AxisProfile, AxisState, Limits};
 
-/// What Ruckig itself accepts as the error of a profile (`profile.hpp`): rad, rad/s, rad/s^2.
+/// The error of a profile that Ruckig itself accepts (`profile.hpp`): rad, rad/s, rad/s^2.
 const PRECISION: AxisState = AxisState {
     position: 1e-8,
     velocity: 1e-8,
     acceleration: 1e-10,
 };
 
-/// What is known of the move of one axis.
+/// The known move of one axis.
 pub(crate) struct Known {
     pub(crate) from: AxisState,
     pub(crate) to: AxisState,

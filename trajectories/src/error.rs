@@ -1,4 +1,4 @@
-//! What is wrong with a move, told before it reaches Ruckig or by Ruckig itself.
+//! The faults of a move, told before it reaches Ruckig or by Ruckig itself.
 
 use thiserror::Error;
 
@@ -31,7 +31,7 @@ pub enum PlanError {
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The rule that it breaks.
         rule: &'static str,
     },
     /// The target state itself breaks a limit.
@@ -85,7 +85,7 @@ pub enum PlanError {
         /// The name of its result code.
         code: String,
     },
-    /// What Ruckig returned does not end at the target.
+    /// A profile of Ruckig's that does not end at the target.
     #[error("axis {axis}: Ruckig's trajectory misses the target {what} by {error}")]
     Inexact {
         /// Axis, counted from 0.

@@ -60,7 +60,7 @@ impl Problem<'_> {
         Ok(Trajectory { axes, duration })
     }
 
-    /// What an axis does: in closed form if that is what was seen of it, else recovered from many states.
+    /// The profile of an axis: in closed form if that is what was seen of it, else recovered from many states.
     fn profile(
         &self,
         index: usize,

@@ -56,7 +56,7 @@ impl Scale {
 ///
 /// The acceleration is continuous and piecewise linear, so that the only kink of a stretch follows
 /// in closed form from four of its points. Where the states within disagree, the stretch is split.
-/// What is left agrees with Ruckig to rounding.
+/// The rest agrees with Ruckig to rounding.
 pub(crate) fn read_back(
     state_at: impl Fn(f64) -> AxisState,
     scale: Scale,

@@ -81,6 +81,21 @@ impl SampledTrajectory {
             .collect()
     }
 
+    /// The motion of one axis on a straight path, `from + s displacement` (rad): `s` is the first axis of this
+    /// trajectory, the path parameter from 0 to 1. Axes that are made of one `s` are on the path at every tick.
+    pub fn along(&self, from: f64, displacement: f64) -> Self {
+        let scaled = |values: &[f64]| values.iter().map(|value| displacement * value).collect();
+        let positions = self.positions(0).iter();
+        Self {
+            period: self.period,
+            degrees_of_freedom: 1,
+            samples: self.samples,
+            positions: positions.map(|s| from + displacement * s).collect(),
+            velocities: scaled(self.velocities(0)),
+            accelerations: scaled(self.accelerations(0)),
+        }
+    }
+
     /// The sampling period `T_s`, s.
     pub fn period(&self) -> f64 {
         self.period

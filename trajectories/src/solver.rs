@@ -6,7 +6,7 @@ use ruckig::{InputParameter, Ruckig};
 
 use crate::MAX_DEGREES_OF_FREEDOM;
 
-/// What Ruckig needs for a number of axes.
+/// The objects of Ruckig for a number of axes.
 ///
 /// To make it takes as long as to plan a move of one axis. Each problem sets all of the input that this crate uses,
 /// and Ruckig derives all else from it: what was planned before changes nothing.

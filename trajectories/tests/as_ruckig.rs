@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use quell_trajectories::{AxisState, Limits, Planner};
 
-/// What Ruckig asks of its own profiles (`profile.hpp`), in position and velocity; twice, for its error and ours.
+/// The accuracy of Ruckig's own profiles (`profile.hpp`), in position and velocity; twice, for its error and ours.
 const PRECISION: f64 = 2e-8;
 
 /// A start, a target and limits. Half of the targets and starts are at rest.

@@ -4,10 +4,14 @@
 //! [`plans_of_every_kind`] again, in a process of its own: once in a network namespace without
 //! interfaces, once under strace, whose record must hold no call that opens a socket.
 
+#[path = "../../tests/absent/skipped.rs"]
+mod skipped;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
 use quell_trajectories::{AxisState, Limits, Planner};
+use skipped::skipped;
 
 /// Set for the process in the empty namespace, which then makes sure that it is cut off.
 const ISOLATED: &str = "QUELL_TEST_ISOLATED";
@@ -101,7 +105,7 @@ fn no_connection_is_opened() {
     }
     let _ = std::fs::remove_file(&record);
     if namespace.is_none() && !traced {
-        println!("skipped: neither unshare --net nor strace works here");
+        skipped("neither unshare --net nor strace works here");
     }
 }
 

@@ -11,7 +11,7 @@ use crate::estimators::Estimate;
 use quell_shapers::{GridTrain, Mode, Tap, UncertainMode};
 use std::f64::consts::PI;
 
-/// What is believed, and what is worth acting on.
+/// The settings of an adaptation: the belief, and what is worth acting on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptationSettings {
     /// Plausible natural frequencies `[from, to]`, rad/s.
@@ -43,7 +43,7 @@ impl AdaptationSettings {
     }
 }
 
-/// What [`Adaptation::consider`] says of an estimate.
+/// The answer of [`Adaptation::consider`] to an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decision {
     /// Shape for this mode from now on.
@@ -64,7 +64,7 @@ pub enum Reason {
     Uncertain(f64),
     /// The present command leaves only this fraction more than a new one would.
     DeadBand(f64),
-    /// What the present command leaves could as well be the estimate's error: three standard
+    /// The residual of the present command could as well be the estimate's error: three standard
     /// deviations of it are this fraction.
     NotSignificant(f64),
     /// The mode has jumped by this relative step and has not yet persisted for half a period, twice the window over which estimates must agree.
@@ -233,10 +233,10 @@ fn relative_step(from: Mode, to: Mode) -> f64 {
 /// some ten times a move.
 const SIGNIFICANT: f64 = 3.0;
 
-/// What the estimate's uncertainty alone may make of the vibration left, [`SIGNIFICANT`] standard
+/// The vibration that the estimate's uncertainty alone may leave, [`SIGNIFICANT`] standard
 /// deviations of it.
 ///
-/// What is left is the magnitude of a complex number `r(omega, xi)` that is linear near the estimate,
+/// The residual is the magnitude of a complex number `r(omega, xi)` that is linear near the estimate,
 /// so that `|r' d|^2 = (|r(+d)|^2 + |r(-d)|^2) / 2 - |r(0)|^2` for a step `d` of either.
 fn doubt_of(estimate: &Estimate, centre: f64, mut left: impl FnMut(Mode) -> f64) -> f64 {
     let mode = estimate.mode;

@@ -15,7 +15,7 @@ const STRONG: f64 = 10.0;
 pub struct Evidence {
     /// By how much the fit lowers chi-squared, `n ln(S0 / S1)`.
     pub found: f64,
-    /// What a mode takes, `4 ln N + 10`.
+    /// The evidence that a mode takes, `4 ln N + 10`.
     pub needed: f64,
     /// `N`.
     pub samples: usize,

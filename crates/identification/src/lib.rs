@@ -26,7 +26,7 @@ use quell_shapers::Mode;
 use quell_control::estimators::offline::{BatchFit, batch_fit, telling};
 use quell_control::estimators::{ESTIMATORS, Estimate, Sample, Settings};
 
-/// What is known before the samples.
+/// The settings, known before the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
     /// The mode that the engineer believes in; without it a first batch fit takes its place.
@@ -36,7 +36,7 @@ pub struct Prior {
     pub scale_is_open: bool,
 }
 
-/// What a recording says of the mode.
+/// The mode in a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identification {
     /// The whole recording, the motor side as known input.

@@ -48,7 +48,7 @@ pub enum IdentificationError {
         /// How far the motor side moves, rad.
         by: f64,
     },
-    /// What was recorded is no more of a mode than noise is.
+    /// A recording that is no more of a mode than noise is.
     #[error(
         "no mode can be told: {found:.0} of a chi-squared of {needed:.0} that would be strong evidence for one in \
          {samples} samples; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
@@ -56,7 +56,7 @@ pub enum IdentificationError {
     NotExcited {
         /// By how much the best fit lowers the criterion, as a chi-squared.
         found: f64,
-        /// What a mode would take.
+        /// The value that a mode would take.
         needed: f64,
         /// Number of samples.
         samples: usize,

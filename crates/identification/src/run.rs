@@ -9,7 +9,7 @@ use quell_control::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Se
 /// Points of an estimate's history that are kept for a figure.
 const HISTORY: usize = 3000;
 
-/// What the motor side counts as in a free decay.
+/// The treatment of the motor side in a free decay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
     /// As standing still: its creep under feedback is below the share of a move's speed that counts
@@ -41,7 +41,7 @@ pub struct OnLine {
 pub struct OffLine {
     /// `batch_fit`, `fourier` or `log_decrement`.
     pub method: &'static str,
-    /// What it found.
+    /// Its estimate.
     pub mode: Mode,
     /// One standard deviation of `omega_n`, rad/s, where the method knows it.
     pub natural_frequency_std: Option<f64>,
@@ -50,7 +50,7 @@ pub struct OffLine {
 }
 
 impl OffLine {
-    /// What a method found that does not know how well.
+    /// The estimate of a method that does not know how well.
     fn plain(method: &'static str, mode: Mode) -> Self {
         Self {
             method,

@@ -108,7 +108,7 @@ pub fn motion_from(samples: &[Sample]) -> f64 {
 /// The free decay within a rest: the longest run of extrema that follow each other at half a
 /// period.
 ///
-/// What a sensor's own filter, or a motor side that still settles, adds after the motion's end dies
+/// The response of a sensor's own filter, or of a motor side that still settles, after the motion's end dies
 /// out sooner than a lightly damped mode; while it lasts the extrema are unevenly spaced. Spacing
 /// counts as even within 15 % of half a period: noise of a tenth of the amplitude shifts an
 /// extremum by 3 %, and twice that on both ends of an interval is 13 %. Where all are even

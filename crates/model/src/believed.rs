@@ -1,4 +1,4 @@
-//! What is believed of a joint, as the model file that `quell identify --model` reads.
+//! The believed mode of a joint, as the model file that `quell identify --model` reads.
 
 use quell_shapers::Mode;
 

@@ -17,7 +17,7 @@ use crate::effects::{Force, Friction, Inertia, Memory, Motion, Place, Resonance}
 pub struct ForceElement {
     /// Where it acts.
     pub place: Place,
-    /// What it does.
+    /// Its law.
     pub law: Box<dyn Force>,
     /// Its memory.
     pub memory: Memory,
@@ -49,7 +49,7 @@ pub struct Chain {
     pub kinematics: Vec<Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>>,
     /// Static maps of the drive inside the loop.
     pub maps: Vec<Box<dyn crate::effects::Drive>>,
-    /// What a sampled loop has put out since its last tick.
+    /// The output of a sampled loop since its last tick.
     pub held: Option<f64>,
 }
 
@@ -160,7 +160,7 @@ impl Chain {
         }
     }
 
-    /// What follows from a state, with what does not change.
+    /// The quantities that follow from a state, with those that do not change.
     #[inline(always)]
     pub(super) fn evaluate<const LAWS: bool>(
         &self,
@@ -267,7 +267,7 @@ impl Chain {
         }
     }
 
-    /// What the loop puts out for a reference, a position and its velocity.
+    /// The loop's output for a reference, a position and its velocity.
     pub(super) fn put_out(&self, position_loop: &PositionLoop, r: f64, [u, v]: [f64; 2]) -> f64 {
         let &PositionLoop {
             position_gain,
@@ -298,7 +298,7 @@ pub(super) struct Position {
     bias: [f64; 2],
 }
 
-/// What does not change while a chain moves.
+/// The quantities that do not change while a chain moves.
 pub(super) struct Constants {
     mobility: [f64; 2],
     viscous: [f64; 2],

@@ -1,4 +1,4 @@
-//! What a tracker's radial coordinate says: the circle's centre, its radius, and whether that is the lever arm.
+//! The circle in a tracker's radial coordinate: its centre, its radius, and whether that is the lever arm.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
@@ -22,7 +22,7 @@ pub struct Radius {
 pub(super) struct Circle {
     sums: Sums,
     arm: f64,
-    /// What the radial coordinate says of `R`.
+    /// The radius `R` from the radial coordinate.
     pub(super) radius: Radius,
 }
 
@@ -61,7 +61,7 @@ impl Circle {
         loose * (-0.5 * off * off).exp() > ODDS
     }
 
-    /// What is known of (offset, `c_x / R`, `c_y / R`), as rows of a least-squares problem.
+    /// Knowledge of (offset, `c_x / R`, `c_y / R`), as rows of a least-squares problem.
     pub(super) fn witness(&self) -> Vec<(Vec<f64>, f64)> {
         let normal = self.sums.normal;
         let exact = self.arm_is_exact();
@@ -140,7 +140,7 @@ impl Sums {
     }
 }
 
-/// What is unknown of the frame along the arc: the angle of its zero, and the circle's centre.
+/// The unknowns of the frame along the arc: the angle of its zero, and the circle's centre.
 pub(super) fn frame_columns(angle: &[f64]) -> Vec<Vec<f64>> {
     let sine = angle.iter().map(|a| -a.sin()).collect();
     let cosine = angle.iter().map(|a| a.cos()).collect();

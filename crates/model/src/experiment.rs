@@ -4,10 +4,10 @@ use super::circle::Radius;
 use super::piecewise::{Grid, Hold};
 use quell_recording::Role;
 
-/// What one sensor showed.
+/// The record of one sensor.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// What it measures; a tip position has become an angle, and is a link position.
+    /// The quantity that it measures; a tip position has become an angle, and is a link position.
     pub role: Role,
     /// Role of the channel.
     pub channel: Role,
@@ -17,7 +17,7 @@ pub struct Output {
     pub values: Vec<f64>,
     /// Columns of what is added to the prediction with unknown coefficients: an offset, the frame.
     pub columns: Vec<Vec<f64>>,
-    /// What other coordinates of the sensor say about these coefficients: rows `(weights, value)` of a
+    /// Knowledge of these coefficients from other coordinates of the sensor: rows `(weights, value)` of a
     /// least-squares problem in units of one standard deviation.
     pub witness: Vec<(Vec<f64>, f64)>,
     /// Radius of the circle on which a tracker saw the tip, where the arc tells it.
@@ -52,11 +52,11 @@ pub struct Experiment {
     pub input_time: Vec<f64>,
     /// Its values, SI.
     pub input_values: Vec<f64>,
-    /// What it does between samples.
+    /// Its course between samples.
     pub hold: Hold,
     /// Nodes of the integration.
     pub grid: Grid,
-    /// What was measured.
+    /// The measurements.
     pub outputs: Vec<Output>,
     /// Position of the motor side and deformation at the start, and their rates, as far as measured.
     pub initial: [f64; 4],
@@ -66,7 +66,7 @@ pub struct Experiment {
     pub position_unit: String,
     /// Unit of the input.
     pub input_unit: String,
-    /// What the axis carries, as the recording calls it.
+    /// The payload of the axis, as the recording calls it.
     pub payload: Option<String>,
 }
 

@@ -40,7 +40,7 @@ pub enum ModelError {
     Read {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The file is no TOML.
@@ -50,7 +50,7 @@ pub enum ModelError {
         file: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// A key is missing or unknown, or its value is of the wrong type or out of its range.
@@ -67,7 +67,7 @@ pub enum ModelError {
     },
 }
 
-/// What an input does between samples, as files name it.
+/// The course of an input between samples, as files name it.
 const HOLDS: &[(Hold, &str)] = &[
     (Hold::Spline, "spline"),
     (Hold::Linear, "linear"),

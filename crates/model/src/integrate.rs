@@ -25,7 +25,7 @@ pub struct Restart {
     pub state: [f64; 4],
 }
 
-/// What is not smooth at which time, in any order.
+/// The instants at which something is not smooth, in any order.
 #[derive(Clone, Debug, Default)]
 pub struct Timed {
     /// Instants at which a law jumps, s.
@@ -36,7 +36,7 @@ pub struct Timed {
     pub restarts: Vec<Restart>,
 }
 
-/// What happens at an instant.
+/// An event at an instant.
 #[derive(Clone, Copy)]
 enum Stop {
     Break,

@@ -36,7 +36,7 @@ pub struct Kind {
     pub places: fn(Role) -> &'static [Place],
     /// Whether an input of this role can drive it, for these values of the keys.
     pub takes: fn(&[f64], Role) -> bool,
-    /// What its input does between samples unless the file says otherwise.
+    /// The course of its input between samples unless the file says otherwise.
     pub hold: fn(Role) -> Hold,
     /// The chain for values of the keys.
     pub linear: fn(&[f64], Role) -> Linear,

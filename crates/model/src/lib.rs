@@ -102,7 +102,7 @@ impl From<f64> for Value {
 /// An effect in a model.
 #[derive(Clone)]
 pub struct ModelEffect {
-    /// What it is.
+    /// Its kind.
     pub effect: &'static Effect,
     /// Where it sits.
     pub place: Place,
@@ -119,7 +119,7 @@ pub struct Model {
     pub values: Vec<Value>,
     /// Which of the keys the file gives.
     pub given: Vec<bool>,
-    /// What the input does between samples, if the file says it.
+    /// The course of the input between samples, if the file says it.
     pub hold: Option<Hold>,
     /// Physics besides the linear chain.
     pub effects: Vec<ModelEffect>,

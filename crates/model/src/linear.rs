@@ -1,6 +1,6 @@
 //! The linear part of a chain: what the keys of a model say.
 
-/// What the motor side does.
+/// The motion of the motor side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotorSide {
     /// Its position is the input.
@@ -52,7 +52,7 @@ pub struct Linear {
     pub link_gain: f64,
     /// The loop that makes the input, if the input is a reference.
     pub position_loop: Option<PositionLoop>,
-    /// What a law's force of 1 is in the equation's unit.
+    /// A law's force of 1 in the equation's unit.
     pub unit_force: f64,
 }
 

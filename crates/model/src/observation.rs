@@ -112,7 +112,7 @@ impl Experiment {
         }
     }
 
-    /// What the model says of each output, its clock as a first guess has it.
+    /// The prediction of each output, its clock as a first guess has it.
     fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
         let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
         let start = &[Departure::default()];

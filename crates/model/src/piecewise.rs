@@ -39,7 +39,7 @@ impl Cubic {
     }
 }
 
-/// What an input does between its samples.
+/// The course of an input between its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// Twice differentiable: positions, and band-limited forces.

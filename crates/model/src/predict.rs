@@ -1,4 +1,4 @@
-//! What a model predicts at the stamps of the sensors.
+//! The predictions of a model at the stamps of the sensors.
 
 use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
 use super::departure::{
@@ -97,7 +97,7 @@ pub fn simulate_windows(
     }
 }
 
-/// What [`simulate_windows`] makes the outputs show, each with its clock's offset, to the bit. The motion
+/// The outputs as [`simulate_windows`] makes them, each with its clock's offset, to the bit. The motion
 /// itself is not kept: memory goes with the outputs alone.
 pub fn predict_windows(
     kind: &Kind,
@@ -362,7 +362,7 @@ impl Simulated {
         (motor, link)
     }
 
-    /// What the output shows when its clock reads `offset` seconds too much.
+    /// The output's readings when its clock reads `offset` seconds too much.
     pub fn predict(&self, output: &Output, offset: f64) -> Prediction {
         let mut reader = Reader::new(&self.eyes, output, offset);
         reader.read(&self.trace, true);

@@ -1,11 +1,11 @@
-//! What the sensors show of a simulated motion, at their stamps.
+//! Readings of a simulated motion, at the stamps of the sensors.
 
 use super::experiment::Output;
 use super::trace::{Kinematics, Trace, hermite, sloped};
 use crate::effects::{Reading, Sensor};
 use quell_recording::Role;
 
-/// What an output shows.
+/// The quantity that an output shows.
 #[derive(Clone, Debug, Default)]
 pub struct Prediction {
     /// Values at the stamps, in the unit of the output's values.
@@ -80,7 +80,7 @@ pub(super) struct Reader<'a> {
     output: &'a Output,
     /// How much the output's clock reads too much, s.
     offset: f64,
-    /// What each filter showed at the node where the next part is taken up; empty before the first.
+    /// The state of each filter at the node where the next part is taken up; empty before the first.
     filtered: Vec<Option<[f64; 2]>>,
     begun: bool,
     prediction: Prediction,
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What was shown at all stamps.
+    /// The readings at all stamps.
     pub fn end(self) -> Prediction {
         self.prediction
     }
@@ -184,7 +184,7 @@ impl Part<'_> {
         [value, rate]
     }
 
-    /// What sensors make of a value at an instant in interval `k`.
+    /// The readings of sensors for a value at an instant in interval `k`.
     fn shown(&self, sensors: &[Box<dyn Sensor>], k: usize, at: f64, value: f64) -> f64 {
         if sensors.is_empty() {
             return value;

@@ -35,7 +35,7 @@ pub(super) fn first_root(f: impl Fn(f64) -> f64, mut high: f64) -> Option<f64> {
     Some(high)
 }
 
-/// What lasts a shorter share of a step than this did not happen.
+/// Shortest share of a step that an event lasts; a shorter one did not happen.
 const SHORTEST: f64 = 1e-9;
 
 /// Share of a step to which a root is found; the step itself is no better.

@@ -111,7 +111,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// What follows from the state at the start of a span, once what bears too much is let go.
+    /// The quantities that follow from the state at the start of a span, once what bears too much is let go.
     #[inline]
     pub fn settle(&mut self, state: &State, span: &Span) -> Instant {
         let (time, input) = span.at(0.0);
@@ -266,7 +266,7 @@ impl<'a> Stepper<'a> {
             .filter(move |&attachment| breakaway[attachment as usize].is_some())
     }
 
-    /// What an attachment that sticks could bear besides the force that it bears.
+    /// The force that an attachment that sticks could bear besides the one that it bears.
     fn spare(&self, attachment: Attachment, force: f64) -> f64 {
         let breakaway = self.breakaway[attachment as usize].unwrap_or_default();
         breakaway[usize::from(force < 0.0)] - force.abs()

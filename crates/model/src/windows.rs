@@ -66,7 +66,7 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
     (1..count as usize).map(start).collect()
 }
 
-/// What the sensors show about an instant, by the straight line over this time on both sides.
+/// The readings about an instant, by the straight line over this time on both sides.
 fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
     let mut state = [0.0; 4];
     for output in &experiment.outputs {

@@ -1,4 +1,4 @@
-//! What a chart draws: its axes and its series, and their data for the script.
+//! The content of a chart: its axes and its series, and their data for the script.
 
 use super::html::{json_number, json_numbers, json_string};
 use super::thin::{STRETCHES, thinned};
@@ -15,7 +15,7 @@ pub(super) struct Axis {
 pub(super) struct Series {
     /// Whose colour it has.
     pub(super) name: String,
-    /// What the legend says.
+    /// The name in the legend.
     pub(super) label: String,
     pub(super) kind: &'static str,
     pub(super) x: Vec<f64>,

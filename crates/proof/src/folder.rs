@@ -19,7 +19,7 @@ pub enum FolderError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A recording is refused.
@@ -30,7 +30,7 @@ pub enum FolderError {
     Truth {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// There is no case.

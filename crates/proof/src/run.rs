@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
 
-/// What a diagnosis is given: the nominal model, the recording to diagnose, and, to score the model that
+/// A diagnosis that is judged. It gets the nominal model, the recording to diagnose, and, to score the model that
 /// comes out, other moves that the diagnosis itself must not see.
 pub type Diagnose<'a> =
     dyn Fn(&Path, &Recording, &Recording) -> Result<Verdict, String> + Sync + 'a;
@@ -49,7 +49,7 @@ pub enum ProofError {
         seed: u64,
         /// The case.
         index: u64,
-        /// What the planner said.
+        /// The planner's error.
         source: PlanError,
     },
 }

@@ -1,4 +1,4 @@
-//! What was hidden in a case, as its file `truth.json` tells it.
+//! The truth of a case, as its file `truth.json` tells it.
 
 use super::families::{OUTSIDE, family};
 use serde_json::{Map, Value, json};
@@ -14,7 +14,7 @@ pub struct HiddenEffect {
     pub parameters: Vec<(String, f64)>,
 }
 
-/// What was hidden in a case.
+/// The truth of a case.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
     /// The hidden effects; none in a clean case.
@@ -35,7 +35,7 @@ pub struct Truth {
     pub clock_offset_s: Option<f64>,
     /// Rms over the noise that a refit of the nominal structure leaves.
     pub baseline_residual_over_noise: Option<f64>,
-    /// Whatever else a generator tells.
+    /// Other keys of a generator.
     pub more: Map<String, Value>,
 }
 

@@ -1,4 +1,4 @@
-//! What a diagnosis said about a case, as far as it is scored.
+//! The answer of a diagnosis to a case, as far as it is scored.
 
 use serde::{Deserialize, Deserializer, Serialize};
 

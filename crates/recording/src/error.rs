@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct RecordingError {
     /// Where it was found.
     pub place: Place,
-    /// What is wrong.
+    /// The fault.
     pub problem: Problem,
 }
 
@@ -30,7 +30,7 @@ pub struct Place {
     pub field: Option<String>,
 }
 
-/// What is wrong with a manifest, a CSV file or an MCAP file; carries the bad value.
+/// A fault of a manifest, a CSV file or an MCAP file; carries the bad value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The file or folder is not there.
@@ -77,7 +77,7 @@ pub enum Problem {
     Key {
         /// The key.
         key: &'static str,
-        /// What holds for it.
+        /// The reason why it is refused.
         reason: String,
     },
     /// The file has no bytes, or only blank lines.
@@ -161,13 +161,13 @@ pub enum Problem {
     Channel {
         /// The channel's role.
         role: &'static str,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
 }
 
 impl RecordingError {
-    /// What the operating system says of a file.
+    /// The operating system's error on a file.
     pub fn io(file: &Path, error: &std::io::Error) -> Self {
         from_io(error).in_file(file)
     }
@@ -178,7 +178,7 @@ impl RecordingError {
     }
 }
 
-/// What the operating system said, with "missing" told apart.
+/// The operating system's error, with "missing" told apart.
 pub(super) fn from_io(error: &std::io::Error) -> Problem {
     match error.kind() {
         std::io::ErrorKind::NotFound => Problem::Missing,

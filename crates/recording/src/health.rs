@@ -14,7 +14,7 @@ pub use stretches::{Flat, FlatKind, flats, spikes, wraps};
 
 use super::Channel;
 
-/// What can be told of a channel from its numbers alone.
+/// The health of a channel, as its numbers alone tell it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Health {
     /// Its clock.
@@ -23,7 +23,7 @@ pub struct Health {
     pub columns: Vec<ColumnHealth>,
 }
 
-/// What can be told of one column; values in the channel's SI unit, times in s.
+/// The health of one column; values in the channel's SI unit, times in s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnHealth {
     /// Least value.

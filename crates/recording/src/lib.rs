@@ -62,7 +62,7 @@ pub const MANIFEST: &str = "recording.toml";
 /// One measured quantity on its own clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What is measured.
+    /// The role.
     pub role: Role,
     /// SI unit of `columns`; not always one that is usual for the role (see
     /// [`Channel::has_usual_unit`]).
@@ -78,7 +78,7 @@ pub struct Channel {
 pub struct Recording {
     /// Name given in the manifest.
     pub name: String,
-    /// What the axis carries, as the manifest calls it; where it differs between recordings of one axis,
+    /// The payload of the axis, as the manifest calls it; where it differs between recordings of one axis,
     /// so does the inertia of the link.
     pub payload: Option<String>,
     /// Channels in the manifest's order.
@@ -135,7 +135,7 @@ impl Recording {
         self.channels.iter().find(|channel| channel.role == role)
     }
 
-    /// What was recorded before an instant, and what from it on.
+    /// The recording before an instant, and from it on.
     ///
     /// # Example
     /// ```
@@ -156,7 +156,7 @@ impl Recording {
         (part(false), part(true))
     }
 
-    /// What was recorded from the first of two instants on, before the second. The rest is not copied.
+    /// The recording from the first of two instants on, before the second. The rest is not copied.
     pub fn within(&self, span: [f64; 2]) -> Self {
         Self {
             payload: self.payload.clone(),
@@ -178,7 +178,7 @@ pub fn mcap_and_joint(path: &Path) -> (PathBuf, Option<String>) {
 }
 
 impl Channel {
-    /// What was measured before an instant, or from it on.
+    /// The samples before an instant, or from it on.
     fn at(&self, instant: f64, after: bool) -> Self {
         match after {
             true => self.within([instant, f64::INFINITY]),
@@ -186,7 +186,7 @@ impl Channel {
         }
     }
 
-    /// What was measured from the first of two instants on, before the second.
+    /// The samples from the first of two instants on, before the second.
     fn within(&self, [from, to]: [f64; 2]) -> Self {
         let before = |instant: f64| self.time.partition_point(|t| *t < instant);
         let range = before(from)..before(to).max(before(from));

@@ -1,4 +1,4 @@
-//! What holds for every input of the reader.
+//! Properties that hold for every input of the reader.
 
 use super::MANIFEST;
 use super::error::from_io;

@@ -3,7 +3,7 @@
 use super::unit::Dimension::{self, *};
 use std::fmt;
 
-/// What a channel measures, and so where in the chain of the axis it sits.
+/// The role of a channel: the quantity that it measures, and so its place in the chain of the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Position that the controller commands (rad or m).
@@ -39,7 +39,7 @@ pub struct RoleEntry {
     pub role: Role,
     /// Its name in a manifest.
     pub name: &'static str,
-    /// What it usually is; another known unit is kept and remarked upon.
+    /// Its usual unit; another known unit is kept and remarked upon.
     pub dimensions: &'static [Dimension],
     /// Allowed numbers of columns.
     pub columns: &'static [usize],

@@ -39,7 +39,7 @@ pub struct Unit {
     pub names: &'static [&'static str],
     /// The SI unit of its quantity.
     pub si: &'static str,
-    /// What it measures.
+    /// The quantity that it measures.
     pub dimension: Dimension,
     /// Numerator of the conversion.
     pub times: f64,

@@ -29,7 +29,7 @@ struct Entry<'a> {
     unit: &'a str,
 }
 
-/// What gives a file to write into.
+/// The source of files to write into.
 type Create<'a> = dyn FnMut(&Path) -> io::Result<Sink> + 'a;
 
 /// Refuses what would not be read back, or not as it is.
@@ -80,7 +80,7 @@ pub(super) fn write(
     written.map_err(|error| RecordingError::io(&path, &error))
 }
 
-/// What would not be read back, or not as it is.
+/// A check that all would be read back as it is.
 fn check(channel: &Channel) -> Result<(), String> {
     let Channel {
         role,

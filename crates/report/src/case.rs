@@ -4,11 +4,11 @@ use super::shown::{Shown, peak};
 use quell_diagnosis::{Diagnosis, Traces};
 use quell_model::effects::Catalogue;
 
-/// What all sections are made from.
+/// The case that all sections are made from.
 pub struct Case<'a> {
-    /// What is told.
+    /// The diagnosis that is told.
     pub diagnosis: &'a Diagnosis,
-    /// What is drawn.
+    /// The series that are drawn.
     pub traces: &'a Traces,
     /// Where its effects stand.
     pub catalogue: Catalogue,

@@ -1,4 +1,4 @@
-//! What is missing: each finding in plain words, and its parameters.
+//! The findings: each in plain words, and its parameters.
 
 use super::case::Case;
 use super::shown::Shown;
@@ -74,7 +74,7 @@ pub fn parameters(page: Page, case: &Case) -> Page {
     table(page, case)
 }
 
-/// What is known of a mismatch that has no name.
+/// The known marks of a mismatch that has no name.
 pub fn unknown(page: Page, case: &Case) -> Page {
     let location = &case.diagnosis.location;
     let mut page = page.heading("What is known of it");

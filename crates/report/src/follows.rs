@@ -1,4 +1,4 @@
-//! What the missing part follows: its scatter over a coordinate, and how much each explains.
+//! The coordinate that the missing part follows: its scatter over that, and how much each explains.
 
 use super::case::Case;
 use super::shares::percentages;

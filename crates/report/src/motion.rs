@@ -15,7 +15,7 @@ const CLOSE_PART: usize = 6;
 /// How many times larger the misfit was before, for the one after to get a chart of its own.
 const LARGER: f64 = 3.0;
 
-/// What the curves are called, on the whole page.
+/// The names of the curves, on the whole page.
 pub struct Names {
     /// Of the given model, refitted.
     pub before: String,
@@ -105,7 +105,7 @@ fn curves(
     }
 }
 
-/// What is left of the recording, before and after, with the noise.
+/// The residuals of the recording, before and after, with the noise.
 fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
     let chart = misfit(case, trace, "Misfit: recorded less predicted");
     let chart = over_time(case, chart, trace, &names.before, &trace.before);
@@ -120,7 +120,7 @@ fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
         .note("A model that lacks nothing leaves noise: 95 % of its misfit stays in the grey band.")
 }
 
-/// What is left after, enlarged, where it is too small to be seen beside what was before.
+/// The residual after, enlarged, where it is too small to be seen beside the one before.
 fn enlarged(case: &Case, trace: &OutputTrace, names: &Names) -> Option<Chart> {
     let [before, after] = [&trace.before, &trace.after].map(|model| peak(&residual(trace, model)));
     if !case.has_after() || before < LARGER * after {

@@ -5,7 +5,7 @@ use super::shown::digits;
 use quell_diagnosis::{NextMove, ProposedMove};
 use quell_page::{Page, Table};
 
-/// What to do next, if anything.
+/// The next move, if there is one.
 pub fn section(page: Page, case: &Case) -> Page {
     let Some(next) = &case.diagnosis.next_move else {
         return page;

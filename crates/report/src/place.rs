@@ -31,7 +31,7 @@ pub fn chain(page: Page, case: &Case) -> Page {
     }
 }
 
-/// What is said at a place, if the mismatch is there.
+/// The words at a place, if the mismatch is there.
 fn reasons(case: &Case, place: &str) -> Vec<String> {
     let at = |finding: &&Finding| finding.place == place;
     let here = case.diagnosis.findings.iter().filter(at);

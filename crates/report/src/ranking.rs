@@ -1,4 +1,4 @@
-//! What else was considered.
+//! The ranking of the explanations that were considered.
 
 use super::case::Case;
 use super::shown::digits;

@@ -35,7 +35,7 @@ const TOO_SMALL: f64 = 0.02;
 /// How values of a unit are shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// What the values are multiplied by.
+    /// The factor of the values.
     pub factor: f64,
     /// Their unit then; empty for a number.
     pub unit: String,

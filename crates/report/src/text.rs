@@ -1,4 +1,4 @@
-//! What the verb prints for people.
+//! The text of a diagnosis for people.
 
 use std::path::PathBuf;
 
@@ -120,7 +120,7 @@ fn fit(case: &Case) -> String {
     )
 }
 
-/// What to do about a finding, and what it could be instead.
+/// The remedy of a finding, and its alternatives.
 fn what_to_know(case: &Case, finding: &Finding) -> Vec<String> {
     let name = words::capital(&case.title(&finding.effect));
     let others: Vec<_> = finding

@@ -14,7 +14,7 @@ pub fn capital(text: &str) -> String {
     }
 }
 
-/// What a place is, in a few words.
+/// A place, in a few words.
 pub fn place(place: Place) -> &'static str {
     match place {
         Place::Drive => "command or current to motor side",
@@ -95,7 +95,7 @@ impl Case<'_> {
         Some(sentences(text, 240))
     }
 
-    /// What an engineer may do about an effect.
+    /// The remedy of an effect.
     pub(crate) fn remedy(&self, name: &str) -> Option<&'static str> {
         Some(self.catalogue.effect(name)?.remedy)
     }
@@ -133,7 +133,7 @@ pub fn in_set(diagnosis: &Diagnosis, candidate: &str) -> bool {
     parts.len() == diagnosis.findings.len() && parts.iter().all(fits)
 }
 
-/// What it is that is missing, by its unit.
+/// The missing quantity, by its unit.
 pub fn missing_name(case: &Case) -> &'static str {
     match case.traces.missing_unit.ends_with("/s^2") {
         true => "missing acceleration",

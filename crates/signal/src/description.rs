@@ -1,4 +1,4 @@
-//! What a robot description says of a chain: kinematics and bodies.
+//! The chain of a robot description: kinematics and bodies.
 
 use nalgebra::{Matrix3, Point3};
 
@@ -17,7 +17,7 @@ pub struct Body {
     pub inertia: Matrix3<f64>,
 }
 
-/// What a URDF file says of a chain.
+/// The chain of a URDF file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UrdfChain {
     /// Kinematics to the tip link's frame.

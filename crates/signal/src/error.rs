@@ -41,7 +41,7 @@ pub enum SignalError {
     Urdf {
         /// The file.
         file: PathBuf,
-        /// What is wrong in it.
+        /// The fault in it.
         reason: String,
     },
     /// Fewer samples than the method needs.
@@ -104,11 +104,11 @@ pub enum SignalError {
     /// A recorded move too small for what is asked of it.
     #[error("{what}: {found} where at least {needed} is needed")]
     NotExcited {
-        /// What was to be learned, with its unit.
+        /// The quantity that was to be learned, with its unit.
         what: &'static str,
-        /// What the recording offers.
+        /// The value that the recording offers.
         found: f64,
-        /// What is needed.
+        /// The value that is needed.
         needed: f64,
     },
 }

@@ -14,7 +14,7 @@ const POINTS: usize = 2000;
 /// Registers a tip sensor to the base frame from one joint's move: lays the path that the sensor saw on the one that
 /// the motor side makes of `arc`, without asking which instants belong together.
 ///
-/// What the joint deforms is along the path, and so not seen across it; but at the ends of the path, which alone hold
+/// The joint's deformation is along the path, and so not seen across it; but at the ends of the path, which alone hold
 /// it along the arc, the vibration reaches beyond the motor side's. The frame is turned about the joint's axis by
 /// that, which [`ArcRegistration::angle_error`] tells. [`register_arc`](super::register_arc) has no such error.
 /// The clock offset follows from the angle in this frame by [`fit_clock_offset`].

@@ -35,7 +35,7 @@ pub use kinematics::{Chain, ChainJoint, DhRow, JointArc, JointKind};
 pub use measurement::Measurement;
 pub use noise::{NoiseFloor, noise_floor, quantisation_step};
 pub use registration::{Registration, kabsch};
-pub use rest::{Motion, Phase, Quiet, RestDetector, RestRule, free_decays, phases};
+pub use rest::{Motion, Phase, RestDetector, RestRule, free_decays, phases};
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End};
 pub use tip_registration::TipRegistration;

@@ -1,4 +1,4 @@
-//! What a sensor says, stamped on the sensor's own clock.
+//! A measurement, stamped on the sensor's own clock.
 
 /// One measurement of one sensor.
 ///

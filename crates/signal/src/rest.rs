@@ -24,27 +24,14 @@ pub struct Phase {
     pub end: f64,
 }
 
-/// What leaves the vibration to itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quiet {
-    /// The motor side stands: its displacement over the window is small.
-    Rest,
-    /// It runs at constant speed, or stands: the change of that displacement is small. A damper
-    /// across the joint then decays as at rest, one to ground about a constant deformation.
-    SteadySpeed,
-}
-
-/// What counts as rest.
+/// A rule that tells rest from motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestRule {
-    /// Standstill or constant speed.
-    pub quiet: Quiet,
     /// Span over which a displacement is taken, and for which it must stay small, s. Short against
     /// the vibration's period, long against the sampling period.
     pub window: f64,
-    /// Share of the move's own greatest speed (at [`Quiet::SteadySpeed`] change of speed) below which
-    /// a drift is rest. A motor side that drifts with a share `r` of the move's speed drives a
-    /// vibration of the order of `r` of the move's.
+    /// Share of the move's own greatest speed below which a drift is rest. A motor side that drifts
+    /// with a share `r` of the move's speed drives a vibration of the order of `r` of the move's.
     pub drift: f64,
     /// Standard deviation of a position sample, rad.
     pub noise: f64,
@@ -56,20 +43,10 @@ impl RestRule {
     /// 20 ms and 1 %, for a sensor with this noise (standard deviation) and quantisation step, rad.
     pub fn new(noise: f64, quantisation: f64) -> Self {
         Self {
-            quiet: Quiet::Rest,
             window: 0.02,
             drift: 0.01,
             noise,
             quantisation,
-        }
-    }
-
-    /// The same for constant speed, with 10 %: a change of speed is seen less sharply than a speed.
-    pub fn steady_speed(noise: f64, quantisation: f64) -> Self {
-        Self {
-            quiet: Quiet::SteadySpeed,
-            drift: 0.1,
-            ..Self::new(noise, quantisation)
         }
     }
 
@@ -79,26 +56,22 @@ impl RestRule {
         Self::new(floor.standard_deviation, floor.quantisation.unwrap_or(0.0))
     }
 
-    /// What noise alone exceeds once in 1.7 million samples: 5 standard deviations of a difference
-    /// (variance 2) or second difference (variance 6), and the rounding on top.
+    /// The displacement that noise alone exceeds once in 1.7 million samples: 5 standard deviations of a
+    /// difference (variance 2), and the rounding on top.
     fn threshold(&self) -> f64 {
-        match self.quiet {
-            Quiet::Rest => 5.0 * 2f64.sqrt() * self.noise + self.quantisation,
-            Quiet::SteadySpeed => 5.0 * 6f64.sqrt() * self.noise + 2.0 * self.quantisation,
-        }
+        5.0 * 2f64.sqrt() * self.noise + self.quantisation
     }
 }
 
-/// Positions kept: two windows of 20 ms at up to 4 kHz.
+/// Positions kept: a window of 20 ms at up to 8 kHz.
 const HISTORY: usize = 161;
 
 /// Tells rest from motion sample by sample; does not allocate, block or fail.
 ///
-/// Motion begins when the displacement over the window (or its change from one window to the next)
-/// exceeds the larger of twice the noise threshold and three times the drift that the last move
-/// allows; it ends when it has stayed below the larger of the noise threshold and that drift for a
-/// window. A window never spans fewer than 3 sampling periods; at rates above 4 kHz it is shorter than
-/// asked for.
+/// Motion begins when the displacement over the window exceeds the larger of twice the noise
+/// threshold and three times the drift that the last move allows; it ends when it has stayed below
+/// the larger of the noise threshold and that drift for a window. A window never spans fewer than 3
+/// sampling periods; at rates above 8 kHz it is shorter than asked for.
 #[derive(Clone, Debug)]
 pub struct RestDetector {
     rule: RestRule,
@@ -158,7 +131,7 @@ impl RestDetector {
         (self.motion == Motion::Rest && self.changed.is_finite()).then_some(self.changed)
     }
 
-    /// Displacement over the window, or its change since the window before.
+    /// Displacement over the window.
     fn displacement(&self, time: f64, position: f64) -> f64 {
         let back = |lag: usize| self.history[(self.count - 1 - lag) % HISTORY];
         let kept = self.count.min(HISTORY) - 1;
@@ -166,13 +139,7 @@ impl RestDetector {
         while lag < kept && time - back(lag + 1).0 <= self.rule.window * (1.0 + 1e-9) {
             lag += 1;
         }
-        match self.rule.quiet {
-            Quiet::Rest => (position - back(lag).1).abs(),
-            Quiet::SteadySpeed => {
-                let lag = lag.min(kept / 2);
-                (position - 2.0 * back(lag).1 + back(2 * lag).1).abs()
-            }
-        }
+        (position - back(lag).1).abs()
     }
 
     fn watch_for_motion(&mut self, time: f64, displacement: f64) {

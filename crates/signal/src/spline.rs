@@ -2,7 +2,7 @@
 
 use super::SignalError;
 
-/// What fixes the two ends of a spline.
+/// The condition at the two ends of a spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// Second derivative 0 at the ends.

@@ -26,7 +26,7 @@ impl TipRegistration {
         }
     }
 
-    /// What it does, in a line.
+    /// Its description, in a line.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Arc => {

@@ -119,7 +119,7 @@ fn optimum(delay: f64, modes: &[(f64, f64)]) -> Option<(f64, ImpulseTrain)> {
     None
 }
 
-/// What is recommended where 5 % are acceptable, of a table with or without the numerical shaper: its name, its
+/// The recommendation where 5 % are acceptable, of a table with or without the numerical shaper: its name, its
 /// train.
 fn recommended(known: &UncertainMode, with_optimal: bool) -> Option<(&'static str, ImpulseTrain)> {
     let wanted = |longest_delay: f64, acceptable: f64| Requirements {

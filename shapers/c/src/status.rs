@@ -1,4 +1,4 @@
-//! What a call answers: a code, and the code in words.
+//! The answer of a call: a code, and the code in words.
 
 use core::ffi::{CStr, c_char};
 use quell_shapers::{Refusal, ShaperError};

@@ -38,7 +38,7 @@ use parts::Parts;
 use patience::Patience;
 use ticket::Held;
 
-/// What is before the key in a job's subject.
+/// The prefix of the key in a job's subject.
 const JOB: &str = "quell-queue.job";
 /// How long a job that is handed out may be silent: two signs of life may be lost, or late.
 const ACK_WAIT: Duration = Duration::from_secs(3 * HEARTBEAT.as_secs());
@@ -51,7 +51,7 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// The queue at a server.
 pub struct Nats(Arc<Link>);
 
-/// What the queue and those who hold its jobs share.
+/// The connection that the queue and those who hold its jobs share.
 struct Link {
     runtime: Runtime,
     patience: Patience,

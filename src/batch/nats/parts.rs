@@ -6,7 +6,7 @@ use async_nats::jetstream::stream::Stream;
 
 use crate::batch::pack::MOST_BYTES;
 
-/// What is before key and number in a part's subject.
+/// The prefix of key and number in a part's subject.
 pub const PART: &str = "quell-queue.part";
 /// Bytes of a part: half of what a server takes as one message by default.
 const BYTES: usize = 512 << 10;
@@ -28,7 +28,7 @@ impl Parts {
     /// Puts a job's recording in; again the same, where it is there.
     ///
     /// # Errors
-    /// What the server says.
+    /// The server's error.
     pub async fn put(&self, key: &str, packed: &[u8]) -> Result<(), String> {
         let count = packed.len().div_ceil(BYTES).to_string();
         for (number, part) in packed.chunks(BYTES).enumerate() {
@@ -45,7 +45,7 @@ impl Parts {
     /// A job's recording.
     ///
     /// # Errors
-    /// What the server says, or that it is too large.
+    /// The server's error, or that it is too large.
     pub async fn get(&self, key: &str) -> Result<Vec<u8>, String> {
         let (mut packed, mut count) = (Vec::new(), 1);
         let mut number = 0;
@@ -69,7 +69,7 @@ impl Parts {
     /// Drops a job's recording.
     ///
     /// # Errors
-    /// What the server says.
+    /// The server's error.
     pub async fn drop(&self, key: &str) -> Result<(), String> {
         let purged = self.stream.purge().filter(format!("{PART}.{key}.*")).await;
         purged.map(|_| ()).map_err(|error| error.to_string())

@@ -54,7 +54,7 @@ impl Patience {
         }
     }
 
-    /// What failed.
+    /// The operation that failed.
     pub fn failed(&self, what: &str, key: &str, reason: String) -> BatchError {
         BatchError::Queue {
             server: self.server.clone(),

@@ -68,7 +68,7 @@ impl Ticket for Held {
     }
 }
 
-/// What the server does not hear, it finds out: the job is handed out again.
+/// A message that the server does not hear does no harm: the job is handed out again.
 fn told(result: Result<(), impl Display>) {
     if let Err(error) = result {
         tracing::warn!(%error, "the server does not hear of a job");

@@ -29,11 +29,11 @@ pub struct Choice {
     pub figures: Figures,
     /// Why, in a sentence.
     pub reason: String,
-    /// What it adds to the end of a move on the controller's grid, s.
+    /// Delay that it adds to the end of a move on the controller's grid, s.
     pub delay: f64,
 }
 
-/// What came of the recommendation.
+/// The result of the recommendation.
 pub struct Advice {
     /// Every shaper's figures.
     pub figures: Vec<Figures>,
@@ -107,7 +107,7 @@ fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<
     })
 }
 
-/// What the shaper's train adds on the controller's grid, s; in words why it cannot be taken.
+/// The delay of the shaper's train on the controller's grid, s, or the reason why it cannot be taken.
 fn delay_on_grid(
     candidates: &[Candidate],
     shaper: &dyn Shaper,
@@ -147,7 +147,7 @@ fn reason(found: &Recommendation, wish: Wish) -> String {
     }
 }
 
-/// What the shorter ones leave, of those that could have been chosen.
+/// The residual of the shorter ones, of those that could have been chosen.
 fn shorter(found: &Recommendation) -> String {
     let is_shorter =
         |one: &&Figures| one.standing == Standing::Eligible && one.delay < found.best.delay;

@@ -6,7 +6,7 @@ use crate::page::columns;
 use quell_shapers::Mode;
 use serde_json::{Value, json};
 
-/// What is printed on a terminal.
+/// The text for a terminal.
 pub fn text(comparison: &Comparison) -> String {
     let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
     let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
@@ -106,7 +106,7 @@ fn row(comparison: &Comparison, candidate: &Candidate) -> [String; 10] {
     cells
 }
 
-/// What `--json` prints.
+/// The JSON document of `--json`.
 pub fn document(comparison: &Comparison) -> Value {
     let shapers = comparison.candidates.iter();
     let shapers = shapers.map(|candidate| shaper(comparison, candidate));

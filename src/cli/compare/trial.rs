@@ -17,7 +17,7 @@ pub struct Trial<'a> {
     joint: usize,
 }
 
-/// What came of the move with one shaper.
+/// The result of the move with one shaper.
 pub struct Simulated {
     /// Greatest tip deformation after the move, mm, one for each frequency error; NaN where the
     /// servo has not brought the motor side to its target.

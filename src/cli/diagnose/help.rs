@@ -1,4 +1,4 @@
-//! What the help says behind the options.
+//! The text of the help behind the options.
 
 use crate::effects::{Catalogue, LEARNED};
 

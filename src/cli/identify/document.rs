@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 const TAU: f64 = core::f64::consts::TAU;
 
-/// What `--json` prints.
+/// The JSON document of `--json`.
 pub fn document(findings: &Findings) -> Value {
     let found = &findings.found;
     let estimates = ESTIMATORS.iter().enumerate().map(|(index, line)| {

@@ -1,4 +1,4 @@
-//! What each way to register a tip sensor makes of the recording.
+//! The ways to register a tip sensor, compared on one recording.
 
 use serde_json::{Value, json};
 
@@ -165,7 +165,7 @@ pub fn table(registered: &[Registered]) -> Option<Table> {
     Some(table)
 }
 
-/// What the ways that failed say.
+/// The errors of the ways that failed.
 pub fn remarks(registered: &[Registered]) -> impl Iterator<Item = String> {
     registered.iter().filter_map(|one| {
         let error = one.outcome.as_ref().err()?;

@@ -64,7 +64,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     remarks
 }
 
-/// What was looked at of a long recording.
+/// The part of a long recording that was looked at.
 fn long(found: &Identification) -> Option<String> {
     if !found.is_long() {
         return None;

@@ -1,4 +1,4 @@
-//! What an MCAP file holds: its topics, and the roles that it says they have.
+//! The content of an MCAP file: its topics, and the roles that it says they have.
 
 use crate::page::{columns, fixed};
 use crate::recording::{Cut, Found, McapFile, Topic};
@@ -35,7 +35,7 @@ pub fn page(file: &McapFile) -> String {
     format!("{topics}\n{roles}{several}{remarks}\n")
 }
 
-/// What a manifest can name, where no topic says its role.
+/// The fields that a manifest can name, where no topic says its role.
 fn fields(file: &McapFile) -> String {
     let line = |topic: &Topic| format!("  {}: {}\n", topic.name, topic.fields().join(", "));
     let lines: String = file.topics().iter().map(line).collect();

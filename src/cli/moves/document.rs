@@ -10,7 +10,7 @@ use crate::page::{columns, number};
 /// Distance from the target within which the tip counts as settled, m.
 pub const SETTLED: f64 = 0.05e-3;
 
-/// What the adaptive move learned, and when.
+/// The mode that the adaptive move learned, and when.
 pub struct Learned {
     /// The estimate at the end of the move.
     pub estimate: Estimate,
@@ -104,7 +104,7 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
     )
 }
 
-/// What is moved, and what is believed of it.
+/// A headline: the moved joint, and what is believed of it.
 pub fn headline(scenario: &Scenario) -> String {
     format!(
         "{}, joint {}, {} deg, {} shaper, {} estimator; believed {:.3} Hz, damping {:.3}.",
@@ -119,7 +119,7 @@ pub fn headline(scenario: &Scenario) -> String {
 }
 
 /// Nothing where the unshaped move leaves nothing.
-fn percent(ratio: f64) -> String {
+pub fn percent(ratio: f64) -> String {
     match ratio.is_finite() {
         true => format!("{:.2} %", ratio * 100.0),
         false => "-".to_string(),
@@ -140,7 +140,7 @@ fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 8
     ]
 }
 
-/// What was learned, against the truth, in two lines.
+/// The learned mode beside the truth, in two lines.
 pub fn learned(comparison: &Comparison) -> String {
     let truth = format!(
         "The arm has {:.3} Hz, damping {:.4}.",
@@ -168,21 +168,25 @@ pub fn learned(comparison: &Comparison) -> String {
     )
 }
 
-/// What the user should know besides: slowed moves, refused corrections.
+/// Slowed moves and refused corrections.
 pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
+    let moves = comparison.moves.iter();
+    moves
+        .map(|(kind, trace)| remark(kind.name(), scenario.shaper.name(), trace))
+        .collect()
+}
+
+/// The lines on a move of this name that was slowed, or whose corrections were refused.
+pub fn remark(name: &str, shaper: &str, trace: &MoveTrace) -> String {
     let mut words = String::new();
-    for (kind, trace) in &comparison.moves {
-        if let Some(speed) = trace.slowed_to {
-            let slowed = shaping::slowed(scenario.shaper.name(), speed);
-            words.push_str(&format!("{}: {slowed}.\n", kind.name()));
-        }
-        if trace.refused > 0 {
-            words.push_str(&format!(
-                "{}: {} corrections refused, they would have exceeded the limits.\n",
-                kind.name(),
-                trace.refused
-            ));
-        }
+    if let Some(speed) = trace.slowed_to {
+        words.push_str(&format!("{name}: {}.\n", shaping::slowed(shaper, speed)));
+    }
+    if trace.refused > 0 {
+        words.push_str(&format!(
+            "{name}: {} corrections refused, they would have exceeded the limits.\n",
+            trace.refused
+        ));
     }
     words
 }

@@ -1,4 +1,4 @@
-//! What `quell move` writes: the report, the belief, and a recording of each move.
+//! The files of `quell move`: the report, the belief, and a recording of each move.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::model::believed;
 
 /// The report.
 pub const REPORT: &str = "report.html";
-/// What is believed of the joint.
+/// The model of the joint, as it is believed.
 const MODEL: &str = "model.toml";
 
 /// The folder, where all that will be written may be.

@@ -1,4 +1,4 @@
-//! What the arguments ask for.
+//! The scenario that the arguments ask for.
 
 use quell_shapers::Mode;
 use quell_trajectories::Limits;
@@ -6,7 +6,7 @@ use quell_trajectories::Limits;
 use super::Args;
 use crate::cli::CliError;
 use crate::closed_loop::Scenario;
-use crate::plant::Robot;
+use crate::plant::{Robot, RobotJoint};
 
 /// The longest period that a belief may have, s. A move and its decay are simulated for 20 s, and the
 /// longest shaper lasts two periods.
@@ -19,12 +19,6 @@ const LONGEST_PERIOD: f64 = 10.0;
 pub fn from(args: &Args) -> Result<Scenario, CliError> {
     let (robot, joint) = args.robot.resolve()?;
     let belief = belief(args, &robot, joint)?;
-    if belief.damped_period() > LONGEST_PERIOD {
-        return Err(CliError::input(format!(
-            "a belief of {:e} Hz: a period of more than {LONGEST_PERIOD} s is not simulated",
-            belief.hertz()
-        )));
-    }
     Ok(Scenario {
         displacement: displacement(args, &robot)?,
         limits: limits(args, robot.joints[joint].limits),
@@ -37,40 +31,59 @@ pub fn from(args: &Args) -> Result<Scenario, CliError> {
     })
 }
 
-/// The mode that is believed in: given, or the joint's own with a wrong frequency.
+/// The mode that is believed in of a joint that rings.
 fn belief(args: &Args, robot: &Robot, joint: usize) -> Result<Mode, CliError> {
-    let Some(own) = robot.joints[joint].modes.first() else {
+    belief_of(args, &robot.joints[joint])?.ok_or_else(|| {
         let text = format!(
             "joint {} of {} has no mode: it does not ring",
             joint + 1,
             robot.name
         );
-        return Err(CliError::input(text).with_help(
+        CliError::input(text).with_help(
             "give the joint a line mode = [{ frequency_hz = .., damping_ratio = .., damping = \"across_joint\" }]",
-        ));
+        )
+    })
+}
+
+/// The mode that is believed in: given, or the joint's own with a wrong frequency; none of a stiff joint.
+pub(super) fn belief_of(args: &Args, joint: &RobotJoint) -> Result<Option<Mode>, CliError> {
+    let Some(own) = joint.modes.first() else {
+        return Ok(None);
     };
-    if let Some(belief) = args.belief {
-        return Ok(belief);
+    let wrong = || {
+        let factor = 1.0 + args.belief_error / 100.0;
+        let frequency = own.mode.natural_frequency() * factor;
+        Mode::new(frequency, own.mode.damping_ratio()).map_err(|error| {
+            CliError::input(format!("--belief-error {}: {error}", args.belief_error))
+        })
+    };
+    let belief = args.belief.map_or_else(wrong, Ok)?;
+    match belief.damped_period() > LONGEST_PERIOD {
+        true => Err(CliError::input(format!(
+            "a belief of {:e} Hz: a period of more than {LONGEST_PERIOD} s is not simulated",
+            belief.hertz()
+        ))),
+        false => Ok(Some(belief)),
     }
-    let factor = 1.0 + args.belief_error / 100.0;
-    Mode::new(
-        own.mode.natural_frequency() * factor,
-        own.mode.damping_ratio(),
-    )
-    .map_err(|error| CliError::input(format!("--belief-error {}: {error}", args.belief_error)))
 }
 
 fn displacement(args: &Args, robot: &Robot) -> Result<f64, CliError> {
-    let displacement = args
-        .target
-        .map_or(robot.default_move.target, f64::to_radians);
-    match displacement {
-        0.0 => Err(CliError::input("--target 0: a move needs a displacement")),
-        _ => Ok(displacement),
+    match args.target[..] {
+        [] => Ok(robot.default_move.target),
+        [0.0] => Err(CliError::input("--target 0: a move needs a displacement")),
+        [target] => Ok(target.to_radians()),
+        [..] => {
+            let text = format!(
+                "--target: {} targets, and one joint that moves",
+                args.target.len()
+            );
+            Err(CliError::input(text).with_help("add --path to move several joints at once"))
+        }
     }
 }
 
-fn limits(args: &Args, own: Limits) -> Limits {
+/// The limits of a joint, where the arguments give no others.
+pub(super) fn limits(args: &Args, own: Limits) -> Limits {
     let pick = |given: Option<f64>, own: f64| given.map_or(own, f64::to_radians);
     Limits {
         velocity: pick(args.velocity, own.velocity),

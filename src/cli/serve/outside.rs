@@ -10,7 +10,7 @@ use crate::service::config::Config;
 use crate::service::http::{self, HttpError, Settings};
 use crate::service::recorder::Recorder;
 
-/// What listens, until it is told to end.
+/// The threads that listen until they are told to end.
 pub struct Outside {
     end: oneshot::Sender<()>,
     served: JoinHandle<Result<(), HttpError>>,

@@ -9,7 +9,7 @@ use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What was written.
+/// The written file.
 pub struct ShapedFile {
     /// The file.
     pub path: PathBuf,

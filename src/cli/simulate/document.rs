@@ -1,4 +1,4 @@
-//! What came of a simulation, as JSON and as text.
+//! The results of a simulation, as JSON and as text.
 
 use crate::page::columns;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use crate::plant::ArmSimulation;
 
 /// All that there is to tell.
 pub struct Run<'a> {
-    /// What was asked for.
+    /// The request.
     pub args: &'a Args,
     /// The joint.
     pub setup: &'a Setup,
@@ -22,9 +22,9 @@ pub struct Run<'a> {
     pub arm: &'a ArmSimulation,
     /// The command.
     pub motion: &'a Motion,
-    /// What came of it.
+    /// The result.
     pub trace: &'a Trace,
-    /// What was written.
+    /// The written file.
     pub files: &'a [PathBuf],
 }
 

@@ -1,4 +1,4 @@
-//! What the joint is commanded to do, instant by instant.
+//! The command of the joint, instant by instant.
 
 /// Where the command is at an instant; a cubic leads from one to the next.
 #[derive(Clone, Copy, Debug)]
@@ -34,11 +34,11 @@ pub struct Motion {
     pub legs: Vec<Leg>,
     /// Step of the positions, rad: their last digit, or that of a floating-point number.
     pub resolution: f64,
-    /// What shaping adds to the end of a move, s.
+    /// Delay that shaping adds to the end of a move, s.
     pub added_delay: f64,
     /// Stamp of the first knot on the clock that the command was recorded with, s.
     pub stamp: f64,
-    /// What the user should know of it.
+    /// Remarks for the user.
     pub remarks: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What the arguments ask for: the robot, its joint, pose and modes, and the belief.
+//! The setup that the arguments ask for: the robot, its joint, pose and modes, and the belief.
 
 use quell_shapers::Mode;
 
@@ -17,14 +17,14 @@ pub struct Setup {
     pub pose: Vec<f64>,
     /// Modes in the home pose without payload.
     pub modes: Vec<ModeOfJoint>,
-    /// What shapers and the model file are made for, the first mode first.
+    /// The modes that shapers and the model file are made for, the first mode first.
     pub belief: Vec<Mode>,
     /// How it is simulated.
     pub options: SimulationOptions,
 }
 
 impl Setup {
-    /// What the arguments ask for.
+    /// The scenario that the arguments ask for.
     ///
     /// # Errors
     /// [`CliError::Input`] that names the argument or the key of the robot's description.

@@ -11,7 +11,7 @@ struct Sample {
     tip_deformation: f64,
 }
 
-/// What came of a motion.
+/// The result of a motion.
 pub struct Trace {
     /// Command, encoder and tracker, each on its own clock.
     pub recording: Recording,
@@ -21,7 +21,7 @@ pub struct Trace {
     pub peak: f64,
 }
 
-/// What is left of a move.
+/// The residual vibration of a move.
 #[derive(Clone, Copy, Debug)]
 pub struct Settled {
     /// From when on the motor side stays within one encoder step of the target, s.

@@ -11,7 +11,7 @@ use crate::signal::JointArc;
 
 /// Positions that are targets where the configuration names no range, rad: a turn either way.
 const RANGE: [f64; 2] = [-core::f64::consts::TAU, core::f64::consts::TAU];
-/// What is believed of a joint of which nothing is said: the middle of the field's arms.
+/// The believed mode of a joint of which nothing is said: the middle of the field's arms.
 pub(super) const BELIEF: (f64, f64) = (10.0, 0.05);
 /// Highest value of a limit, in degrees and seconds.
 const HIGHEST: f64 = 1e9;

@@ -38,7 +38,7 @@ pub enum ConfigError {
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's error.
         reason: String,
     },
     /// The file is not TOML, or a key is unknown or of another type; the message has line and column.
@@ -58,7 +58,7 @@ pub enum ConfigError {
         key: String,
         /// The value as given.
         value: String,
-        /// What it must be.
+        /// The rule that it breaks.
         expected: String,
     },
     /// The robot's description is refused.
@@ -91,7 +91,7 @@ impl RobotKind {
     }
 }
 
-/// What the command line says instead of the file.
+/// Settings of the command line, which replace those of the file.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// Instead of `service.robot`.
@@ -319,7 +319,7 @@ fn joints(
     Ok(joints)
 }
 
-/// What is believed of the embedded arm, Hz, where nobody says anything: a quarter too much, as for
+/// The believed frequency of the embedded arm, Hz, where nobody says anything: a quarter too much, as for
 /// `quell move`, so that there is something to learn.
 fn wrong_belief(description: &Robot) -> f64 {
     let joint = description.joints.get(description.default_move.joint);

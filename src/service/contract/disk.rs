@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct DiskView {
     /// Whether all that is to be kept is kept.
     pub state: DiskState,
-    /// What cannot be written now, and why; empty where all is fine.
+    /// The files that cannot be written now, and why; empty where all is fine.
     pub faults: Vec<DiskFault>,
     /// Attempts to write that failed since the start.
     pub failures: u64,
@@ -19,20 +19,20 @@ pub struct DiskView {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DiskState {
-    /// What was written last is on the disk.
+    /// The last write reached the disk.
     #[default]
     Fine,
     /// Something cannot be written.
     Failing,
 }
 
-/// What the service keeps on the disk.
+/// The things that the service keeps on the disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DiskPart {
     /// Moves and what is recorded on demand.
     Recordings,
-    /// What was learned, and the list of moves.
+    /// The learned modes, and the list of moves.
     State,
 }
 
@@ -52,7 +52,7 @@ impl DiskPart {
 /// Something that cannot be written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiskFault {
-    /// What it is.
+    /// Its kind.
     pub what: DiskPart,
     /// The file or folder, and what the system says; as of the first failure.
     pub reason: String,

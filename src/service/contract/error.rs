@@ -27,9 +27,9 @@ pub enum ServiceError {
     Value {
         /// Which value, with its unit.
         what: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
-        /// What it must be.
+        /// The rule that it breaks.
         rule: &'static str,
     },
     /// The request changes nothing at all.
@@ -38,13 +38,13 @@ pub enum ServiceError {
     /// The move cannot be planned, or not within the limits.
     #[error("the move cannot be planned: {reason}")]
     Plan {
-        /// What the planner says.
+        /// The planner's error.
         reason: String,
     },
     /// A mode for which no train can be designed at this rate.
     #[error("no train for this mode: {reason}")]
     Train {
-        /// What the shaper says.
+        /// The shaper's error.
         reason: String,
     },
     /// Another shaper can only be taken at rest.
@@ -76,7 +76,7 @@ pub enum ServiceError {
     /// Only the embedded arm can do that.
     #[error("only the embedded arm has {what}")]
     OnlyEmbedded {
-        /// What was asked for.
+        /// The operation that was asked for.
         what: &'static str,
     },
     /// Every move must be recorded, and nothing can be.
@@ -84,7 +84,7 @@ pub enum ServiceError {
         "no move without a recording (recording.required), and nothing can be recorded: {reason}"
     )]
     NotRecorded {
-        /// What the disk says.
+        /// The disk's error.
         reason: String,
     },
     /// A stop came before the move could begin.

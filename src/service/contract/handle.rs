@@ -15,7 +15,7 @@ const BATCHES: usize = 512;
 /// A request and where its answer goes.
 #[derive(Debug)]
 pub struct Envelope {
-    /// What is asked for.
+    /// The request.
     pub request: Request,
     /// How many requests came before it.
     pub number: u64,
@@ -23,7 +23,7 @@ pub struct Envelope {
     pub reply: oneshot::Sender<Result<Accepted, ServiceError>>,
 }
 
-/// What the outside holds of the engine; cheap to clone.
+/// The outside's end of the engine; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Handle {
     stops: mpsc::Sender<Envelope>,
@@ -34,20 +34,20 @@ pub struct Handle {
     recordings: mpsc::UnboundedSender<RecordingNews>,
 }
 
-/// What the engine holds of the outside.
+/// The engine's end of the outside.
 #[derive(Debug)]
 pub struct EngineEnds {
-    /// What is asked for.
+    /// The requests, as they come.
     pub requests: Requests,
     /// Where the state of everything is published.
     pub snapshot: watch::Sender<Arc<Snapshot>>,
     /// Where batches go; nobody need listen.
     pub stream: broadcast::Sender<Arc<Batch>>,
-    /// What becomes of recordings: a few words a move.
+    /// The outcomes of recordings: a few words a move.
     pub recordings: mpsc::UnboundedReceiver<RecordingNews>,
 }
 
-/// What is asked for, as it reaches the engine: a stop before all else. What was asked before a stop has a
+/// The queue of requests, as it reaches the engine: a stop before all else. What was asked before a stop has a
 /// lower number than that, though it comes after it.
 #[derive(Debug)]
 pub struct Requests {

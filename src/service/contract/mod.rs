@@ -1,4 +1,4 @@
-//! What engine and outside say to one another: requests, the state of everything, the stream.
+//! The contract between engine and outside: requests, the state of everything, the stream.
 //!
 //! Plain data at the boundary, so that every name carries its unit. The outside holds a [`Handle`]
 //! and never waits for the tick, nor does the tick wait for it: the state is the last that was

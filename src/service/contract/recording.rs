@@ -1,6 +1,6 @@
-//! What the recorder says to the engine.
+//! The messages of the recorder to the engine.
 
-/// What became of a recording. The state names a recording only after it is [`Kept`](Self::Kept), and
+/// The outcome of a recording. The state names a recording only after it is [`Kept`](Self::Kept), and
 /// no longer once it is [`Gone`](Self::Gone).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RecordingNews {

@@ -1,9 +1,9 @@
-//! What the outside may ask for.
+//! The requests of the outside.
 
 use quell_shapers::{Mode, ModeError};
 use serde::{Deserialize, Serialize};
 
-/// What the outside may ask for.
+/// The requests of the outside.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// Move a joint to a target, from rest or in mid-move.
@@ -69,7 +69,7 @@ impl TryFrom<ModeValue> for Mode {
     }
 }
 
-/// What became of a request that was taken.
+/// The outcome of a request that was taken.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "accepted", rename_all = "snake_case")]
 pub enum Accepted {

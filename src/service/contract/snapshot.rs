@@ -25,7 +25,7 @@ pub struct Snapshot {
     pub joints: Vec<JointSnapshot>,
     /// How well the tick is kept.
     pub tick: TickStatistics,
-    /// What came over the link.
+    /// Counts of the link's messages.
     pub link: LinkHealth,
     /// How it goes with the data folder.
     pub disk: DiskView,
@@ -38,7 +38,7 @@ pub struct Snapshot {
 pub struct JointSnapshot {
     /// Name.
     pub name: String,
-    /// What it is doing.
+    /// The joint's phase.
     pub phase: Phase,
     /// Number of the move that runs or ran last; 0 before the first.
     pub move_id: u64,
@@ -94,7 +94,7 @@ pub struct JointSnapshot {
     pub sensors: Vec<SensorView>,
 }
 
-/// What a joint is doing.
+/// The phase of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
@@ -139,7 +139,7 @@ pub struct EstimateView {
     pub refused: Option<String>,
 }
 
-/// What the watchdog says.
+/// The state of the watchdog.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WatchdogState {
@@ -166,7 +166,7 @@ pub struct SensorView {
     pub age_s: f64,
     /// Samples refused since the start, by reason; reasons that never occurred are left out.
     pub refused: Vec<(&'static str, u64)>,
-    /// What is wrong with it now: `stuck`, `saturated`, `jump`.
+    /// The fault that it has now: `stuck`, `saturated`, `jump`.
     pub fault: Option<&'static str>,
 }
 
@@ -200,7 +200,7 @@ pub struct TickStatistics {
     pub records_lost: u64,
 }
 
-/// What came over the link and went out, since the start.
+/// Counts of the link's messages, in and out, since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LinkHealth {
     /// Datagrams received, of whatever kind.
@@ -235,7 +235,7 @@ pub struct LinkHealth {
     pub clock_offset_s: Option<f64>,
 }
 
-/// What a move left.
+/// The result of a move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MoveResult {
     /// Number of the move.
@@ -267,7 +267,7 @@ pub struct MoveResult {
     pub residual_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub residual_m: Option<f64>,
-    /// What the same plan would have left unshaped in the mode known best, rad. For an unshaped move
+    /// Residual of the same plan unshaped, in the mode known best, rad. For an unshaped move
     /// the measured residual itself.
     pub unshaped_rad: Option<f64>,
     /// The same along the tip's arc, m.
@@ -276,7 +276,7 @@ pub struct MoveResult {
     pub vibration_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub vibration_m: Option<f64>,
-    /// What the same plan would have made unshaped in the whole move, rad, as `unshaped_rad`.
+    /// Vibration of the same plan unshaped in the whole move, rad, as `unshaped_rad`.
     pub unshaped_vibration_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub unshaped_vibration_m: Option<f64>,

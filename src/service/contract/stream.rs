@@ -11,9 +11,9 @@ pub struct Batch {
     pub number: u64,
     /// One row a tick and joint, in order of time.
     pub ticks: Vec<TickRow>,
-    /// What was measured, in order of arrival.
+    /// Measurements, in order of arrival.
     pub measured: Vec<Measured>,
-    /// What happened, in order of time.
+    /// Events, in order of time.
     pub events: Vec<Event>,
 }
 
@@ -52,7 +52,7 @@ pub struct TickRow {
     pub move_id: u64,
 }
 
-/// What a sensor of a joint measures.
+/// The quantity that a sensor of a joint measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -90,7 +90,7 @@ pub struct Measured {
     pub stamp: f64,
     /// The joint, counted from 0.
     pub joint: usize,
-    /// What it is of.
+    /// The quantity.
     pub quantity: Quantity,
     /// Its value; a scalar stands first.
     pub value: [f64; 3],
@@ -98,7 +98,7 @@ pub struct Measured {
     pub refused: bool,
 }
 
-/// What happened between two ticks.
+/// An event between two ticks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event {

@@ -1,8 +1,8 @@
-//! What is known of the disk: what failed last and has not worked since.
+//! The health of the disk: the writes that failed last and have not worked since.
 
 use crate::service::contract::{DiskFault, DiskPart, DiskState, DiskView};
 
-/// What failed and has not worked since.
+/// A write that failed and has not worked since.
 #[derive(Debug, Default)]
 pub struct Health {
     faults: Vec<DiskFault>,

@@ -31,7 +31,7 @@ pub enum FolderError {
     System {
         /// The folder or the lock file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         error: io::Error,
     },
 }

@@ -4,7 +4,7 @@
 //! test can have a disk that is full at any call. What fails is remembered until it works again: state,
 //! metrics, page and log say so.
 //!
-//! What is lost when: `docs/disk.md`.
+//! `docs/disk.md` tells what is lost when.
 
 mod health;
 mod lock;
@@ -72,7 +72,7 @@ impl Disk {
         Self { clock, ..self }
     }
 
-    /// What does the work.
+    /// The operations themselves.
     pub fn storage(&self) -> &dyn Storage {
         &*self.storage
     }
@@ -80,7 +80,7 @@ impl Disk {
     /// Writes a file: whoever reads it finds what was there before or this, whole, whatever happens.
     ///
     /// # Errors
-    /// What the system says. What was there before is still there then.
+    /// The system's error. What was there before is still there then.
     pub fn write_whole(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let beside = beside(path);
         let written = (|| {

@@ -7,38 +7,38 @@ use std::path::Path;
 
 use crate::recording::Sink;
 
-/// What the service asks of a disk. Reading goes past it: a disk that takes nothing can still be read.
+/// The operations that the service needs of a disk. Reading goes past it: a disk that takes nothing can still be read.
 ///
 /// An implementation of a test may refuse any call, or lose what was not synced.
 pub trait Storage: Debug + Send + Sync {
     /// Makes a file, empty where it was there before, and gives what writes into it.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     fn create(&self, path: &Path) -> io::Result<Sink>;
 
     /// Makes a folder within one that is there. One that is there already is no error.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
 
     /// Waits until a file's bytes, or a folder's names, are on the medium.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     fn sync(&self, path: &Path) -> io::Result<()>;
 
     /// Gives a file or folder another name; a file of that name is replaced, at once and whole.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
 
     /// Removes a file, or a folder with all that is in it.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     fn remove(&self, path: &Path) -> io::Result<()>;
 }
 

@@ -6,7 +6,7 @@ use crate::service::contract::TickRow;
 use crate::service::ringing::{STEADY, largest};
 use crate::service::tick::FOLLOWED;
 
-/// What was measured in cruise.
+/// The vibration measured in cruise.
 #[derive(Clone, Debug)]
 pub struct Cruise {
     /// How long the command still accelerates after its plan, and the motor side follows, s.

@@ -39,7 +39,7 @@ pub struct Joint {
     pub retunes: u32,
     /// And those of the controllers before it, of corrections, and of corrections refused.
     pub before: [u64; 3],
-    /// What the tick said last.
+    /// The last report of the tick.
     pub report: Option<JointReport>,
     /// Where the command stands once it is at rest, rad.
     pub position: f64,
@@ -51,7 +51,7 @@ pub struct Joint {
     pub stop_due: bool,
     /// The move that runs, or rings out.
     pub running: Option<Running>,
-    /// What is wanted and has not begun yet.
+    /// The order that has not begun yet.
     pub asked: Option<Asked>,
     /// Plans that the tick was given and has not answered. It may have begun any of them.
     pub ordered: Vec<Ordered>,
@@ -74,9 +74,9 @@ pub enum Hearing {
     Back,
 }
 
-/// What is wanted of a joint, until the tick has begun it.
+/// An order to a joint, until the tick has begun it.
 pub struct Asked {
-    /// What it is.
+    /// Its kind.
     pub what: What,
     /// Number of the move.
     pub id: u64,
@@ -98,7 +98,7 @@ pub struct Asked {
 pub struct Ordered {
     /// Number of the plan.
     pub ticket: u64,
-    /// What it is for.
+    /// Its purpose.
     pub what: What,
     /// Number of the move.
     pub id: u64,
@@ -116,13 +116,13 @@ pub struct Ordered {
 pub struct Withdrawn {
     /// Where the answer goes.
     pub reply: Reply,
-    /// What it is where the plan was not begun.
+    /// The answer, where its plan was not begun.
     pub why: ServiceError,
     /// Time at which it is given in any case, s.
     pub until: f64,
 }
 
-/// What a plan is for.
+/// The purpose of a plan.
 #[derive(Clone, Copy)]
 pub enum What {
     /// A target, rad, and the rule for this move alone.
@@ -181,7 +181,7 @@ impl Joint {
         ordered.find(|ordered| ordered.ticket == asked.ticket)
     }
 
-    /// What it is doing.
+    /// The joint's phase.
     pub fn phase(&self) -> Phase {
         match &self.running {
             _ if !self.began => Phase::Waiting,
@@ -191,7 +191,7 @@ impl Joint {
         }
     }
 
-    /// What the watchdog says.
+    /// The state of the watchdog.
     pub fn watchdog(&self) -> WatchdogState {
         match &self.report {
             _ if self.began && self.hearing != Hearing::Heard => WatchdogState::Stopped,

@@ -73,7 +73,7 @@ pub struct Engine {
     stopping: Option<f64>,
 }
 
-/// What an engine is made of.
+/// The parts of an engine.
 pub struct EngineParts {
     /// The configuration.
     pub config: Config,
@@ -87,7 +87,7 @@ pub struct EngineParts {
     pub joints: Vec<Joint>,
     /// The embedded arm, as it is at the start.
     pub arm: Option<ArmSimulation>,
-    /// What is remembered.
+    /// The memory of earlier lives.
     pub state: State,
     /// Where states go to be kept.
     pub saver: Sender<State>,

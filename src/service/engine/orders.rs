@@ -1,4 +1,4 @@
-//! What the tick is told, and what is done about its answers.
+//! The orders to the tick, and the reactions to its answers.
 //!
 //! Each plan that goes to the tick is answered once: taken, or not. Until then it stands among a joint's
 //! `ordered`, whatever has been asked for since: the tick may have begun it already, and what begins

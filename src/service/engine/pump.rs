@@ -1,4 +1,4 @@
-//! What the rings bring: events, records, reports.
+//! The intake from the rings: events, records, reports.
 
 use std::sync::Arc;
 

@@ -20,7 +20,7 @@ const KEPT: f64 = 10.0;
 /// people are told: the deformation is wrong by the same share.
 const WRONG_RADIUS: f64 = 0.05;
 
-/// What is learned, or why not.
+/// The registration, or the reason why there is none.
 type Learned = Result<ArcRegistration, SignalError>;
 
 /// Collects what encoder and tip sensor say until the frame of the sensor is known.
@@ -69,7 +69,7 @@ impl Registrar {
         }
     }
 
-    /// What was learned, once.
+    /// The registration, once it is learned.
     fn finished(&mut self) -> Option<Learned> {
         let learned = self.working.as_ref()?.try_recv().ok()?;
         self.working = None;

@@ -1,4 +1,4 @@
-//! What the outside asks for.
+//! The requests from outside.
 
 use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 

@@ -16,7 +16,7 @@ const LONGEST: usize = 240_000;
 
 /// A move.
 pub struct Running {
-    /// What was told of it when it began.
+    /// The entry that was made when it began.
     pub start: MoveStart,
     /// Name of its recording, once that is on the disk.
     pub recording: Option<String>,
@@ -96,7 +96,7 @@ impl Running {
         &self.planned[..end.map_or(0, |last| last + 2)]
     }
 
-    /// What it left. `mode` is the one that is known best, and `sure` says whether it was learned.
+    /// Its residual vibration. `mode` is the one that is known best, and `sure` says whether it was learned.
     pub fn result(&self, mode: Mode, sure: bool, period: f64, radius: Option<f64>) -> MoveResult {
         let samples: Vec<_> = self
             .after

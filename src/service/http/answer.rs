@@ -1,4 +1,4 @@
-//! What is said to a request that is refused: a status and one sentence.
+//! The answer to a request that is refused: a status and one sentence.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ impl Refused {
         }
     }
 
-    /// What the request asks for is understood, and wrong.
+    /// A request that is understood, and wrong.
     pub fn value(sentence: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, sentence)
     }

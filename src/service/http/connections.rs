@@ -39,11 +39,11 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// that it is lost only to as many newcomers between its connection and its first bytes.
 const KEPT_FOR_STOP: usize = 16;
 
-/// What one is told whose head is overdue. The length is that of the body.
+/// The answer to one whose head is overdue. The length is that of the body.
 const TOO_SLOW: &[u8] = b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/json\r\n\
     Content-Length: 65\r\nConnection: close\r\n\r\n{\"error\": \"the head of the request was not here within a second\"}";
 
-/// What answers: all requests, or only a stop.
+/// The handler: of all requests, or only of a stop.
 #[derive(Clone)]
 pub struct Answers {
     /// For a connection that has a place.

@@ -1,4 +1,4 @@
-//! What the outside counts of itself.
+//! The counters of the outside.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 

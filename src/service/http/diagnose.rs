@@ -103,7 +103,7 @@ fn known(app: &App, id: &str) -> Result<Job, Refused> {
     })
 }
 
-/// What the service believes of the joint now, as a model file.
+/// The present belief of the joint, as a model file.
 fn believed(app: &App, about: &About) -> Result<String, Refused> {
     let snapshot: Arc<Snapshot> = app.handle.snapshot();
     let joint = snapshot

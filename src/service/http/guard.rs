@@ -1,4 +1,4 @@
-//! What every request passes: where it comes from, and what it carries.
+//! The checks that every request passes: where it comes from, and what it carries.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ pub async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) ->
     response
 }
 
-/// What the library refuses by itself (a WebSocket that is none) it refuses in plain text.
+/// A refusal of the library's own (of a WebSocket that is none) is in plain text.
 fn is_error_without_sentence(response: &Response) -> bool {
     let status = response.status();
     let json = HeaderValue::from_static("application/json");

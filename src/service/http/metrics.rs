@@ -213,7 +213,7 @@ fn sensors(text: &mut Text, joints: &[JointSnapshot]) {
     );
 }
 
-/// What the last move of each joint left.
+/// The residual vibration of each joint's last move.
 fn moves(text: &mut Text, snapshot: &Snapshot) {
     let last = |joint: &JointSnapshot| {
         let of_joint = |result: &&_| -> bool {

@@ -65,10 +65,10 @@ const STREAMS: usize = 64;
 /// Recordings sent at once: each takes a thread until it is taken.
 const DOWNLOADS: usize = 4;
 
-/// What the outside is given.
+/// The parts that the outside is given.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// What every request must carry; needed where the address is not loopback.
+    /// The token that every request must carry; needed where the address is not loopback.
     pub token: Option<String>,
     /// Most connections at once.
     pub max_connections: usize,
@@ -78,7 +78,7 @@ pub struct Settings {
     pub arcs: BTreeMap<String, JointArc>,
     /// The recorder; none where nothing is recorded.
     pub recorder: Option<Recorder>,
-    /// What makes the report of a diagnosis.
+    /// The function that makes the report of a diagnosis.
     pub report: Report,
     /// Time after which a diagnosis is given up.
     pub diagnosis_limit: Duration,
@@ -104,7 +104,7 @@ pub enum HttpError {
     System(#[from] std::io::Error),
 }
 
-/// What every handler sees.
+/// The state that every handler sees.
 struct App {
     handle: Handle,
     settings: Settings,
@@ -207,7 +207,7 @@ fn router(app: Arc<App>) -> Router {
         .with_state(app)
 }
 
-/// What a connection beyond the places is answered: a stop is obeyed, all else is refused.
+/// The answers on a connection beyond the places: a stop is obeyed, all else is refused.
 fn stop_only(app: Arc<App>) -> Router {
     Router::new()
         .route("/api/stop", post(commands::stop))

@@ -19,7 +19,7 @@ const STALL: Duration = Duration::from_secs(10);
 /// Time after which a connection ends with the answer that it is at.
 const LIFE: Duration = Duration::from_secs(600);
 
-/// What a connection waits for.
+/// The event that a connection waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Waits {
     /// For the first byte of all.

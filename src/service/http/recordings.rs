@@ -77,7 +77,7 @@ pub fn recorder(app: &App) -> Result<&Recorder, Refused> {
 /// Does what waits for the disk on a thread that may wait.
 ///
 /// # Errors
-/// What the shelf says.
+/// The shelf's error as an answer.
 pub async fn on_disk<T: Send + 'static>(
     recorder: &Recorder,
     work: impl FnOnce(&Shelf) -> Result<T, ShelfError> + Send + 'static,

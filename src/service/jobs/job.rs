@@ -53,7 +53,7 @@ pub struct Job {
     pub status: Status,
     /// The share of the work that is done, 0 to 1.
     pub progress: f64,
-    /// What is being done.
+    /// The present step.
     pub doing: String,
     /// How long it has worked, s.
     pub seconds: f64,
@@ -61,7 +61,7 @@ pub struct Job {
     pub limit_s: Option<f64>,
     /// Why it failed.
     pub error: Option<String>,
-    /// What it says.
+    /// The diagnosis, once it is there.
     pub diagnosis: Option<Diagnosis>,
     #[serde(skip)]
     report: Option<Arc<str>>,
@@ -120,7 +120,7 @@ impl Job {
         self.close(Status::Cancelled);
     }
 
-    /// What became of it.
+    /// Notes the outcome.
     pub(super) fn finish(&mut self, result: Result<Diagnosed, Failure>) {
         match result {
             Ok(done) => {

@@ -23,7 +23,7 @@ pub struct List {
 pub struct Begun {
     /// Its number.
     pub id: u64,
-    /// What is to be done.
+    /// The order.
     pub order: Order,
     /// Ends it before its time.
     pub stop: Stopper,
@@ -71,7 +71,7 @@ impl List {
         });
     }
 
-    /// What became of a job.
+    /// The outcome of a job.
     pub fn end(&mut self, id: u64, result: Result<Diagnosed, Failure>) {
         self.running = None;
         self.change(id, |job| job.finish(result));

@@ -23,16 +23,16 @@ const WAITING: usize = 4;
 /// Makes the report of a diagnosis, for a model and recordings of these names.
 pub type Report = fn(&Diagnosis, &Traces, &str, &[String]) -> Page;
 
-/// What is to be diagnosed.
+/// An order of a diagnosis.
 #[derive(Clone)]
 pub struct Order {
     /// Name of the recording.
     pub recording: String,
     /// Its folder.
     pub path: PathBuf,
-    /// What is believed of the machine.
+    /// The model that is believed in.
     pub model: Model,
-    /// What the report calls the model.
+    /// The model's name in the report.
     pub model_name: String,
 }
 
@@ -71,7 +71,7 @@ impl Jobs {
     /// Starts the thread that does them, each for at most `limit`, and makes reports by `report`.
     ///
     /// # Errors
-    /// What the system says where it makes no thread.
+    /// The system's error where it makes no thread.
     pub fn start(report: Report, limit: Duration) -> std::io::Result<Self> {
         // One call that waits is enough: the thread then does all that there is.
         let (wake, woken) = mpsc::sync_channel(1);

@@ -13,9 +13,9 @@ use crate::recording::Recording;
 /// The nicest that a thread can be: it gets what others leave.
 const NICEST: i32 = 19;
 
-/// What became of an order.
+/// The outcome of an order.
 pub struct Diagnosed {
-    /// What it says.
+    /// The diagnosis.
     pub diagnosis: Diagnosis,
     /// The page.
     pub report: String,

@@ -15,7 +15,7 @@ pub(super) const LARGEST: f64 = 1e12;
 
 /// Robot to service: `{"t": 12.345, "joint": "joint_1", "motor_position": 0.1, "link_position": 0.1}`.
 ///
-/// What else the object holds is left out of account.
+/// Other keys of the object are left out of account.
 #[derive(Clone, Debug, Deserialize)]
 pub struct FromRobot<'a> {
     /// Stamp on the robot's clock, s.
@@ -62,7 +62,7 @@ impl<'a> FromRobot<'a> {
         (something && all && usual(&datagram.t)).then_some(datagram)
     }
 
-    /// What it carries; a scalar stands first.
+    /// Its values; a scalar stands first.
     pub fn quantities(&self) -> impl Iterator<Item = (Quantity, [f64; 3])> + use<'a> {
         let scalar = |value: Option<f64>| value.map(|value| [value, 0.0, 0.0]);
         [

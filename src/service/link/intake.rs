@@ -13,7 +13,7 @@ use crate::service::contract::{LinkHealth, Measured, Quantity};
 /// Quantities that a joint may be measured in.
 const QUANTITIES: usize = 5;
 
-/// What a receiving thread hands to the tick.
+/// The items that a receiving thread hands to the tick.
 pub(super) enum Received {
     /// A measurement.
     Measured(Measured),
@@ -21,7 +21,7 @@ pub(super) enum Received {
     Peer(SocketAddr),
 }
 
-/// What a receiving thread counts; the names as in [`LinkHealth`].
+/// The counters of a receiving thread; the names as in [`LinkHealth`].
 #[derive(Debug)]
 pub(super) struct Counts {
     received: AtomicU64,
@@ -65,7 +65,7 @@ impl Counts {
         self.received.fetch_add(1, Release);
     }
 
-    /// What was counted so far; the link itself knows what it sent, and to whom.
+    /// The counts so far; the link itself knows what it sent, and to whom.
     pub fn counters(&self) -> LinkHealth {
         // First: what became of these has been counted.
         let received = self.received.load(Acquire);
@@ -117,7 +117,7 @@ impl Intake {
         }
     }
 
-    /// What is counted.
+    /// The counters.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }

@@ -24,7 +24,7 @@ use crate::plant::Load;
 /// Measurements of a joint that one tick can take; at 250 Hz that is 32 a millisecond.
 pub const INBOX: usize = 128;
 
-/// What a link does at the tick. Nothing of it allocates, blocks or fails.
+/// The link's part of the tick. Nothing of it allocates, blocks or fails.
 pub trait RobotLink: Send {
     /// Takes what has come since the last tick, oldest first: `inbox` is not grown beyond its
     /// capacity, what finds no room waits or is counted. `now` is on the service's clock, s.
@@ -42,7 +42,7 @@ pub trait RobotLink: Send {
     /// it goes now.
     fn flush(&mut self) {}
 
-    /// What came and went so far.
+    /// The counts so far.
     fn counters(&self) -> LinkHealth;
 
     /// Takes a payload up, where the robot is simulated.

@@ -1,6 +1,6 @@
 //! The stamps of one sensor: in order, doubled, out of order, and how many are missing.
 //!
-//! What is missing is judged with hindsight: a gap between two stamps is looked at when [`HALF`] younger
+//! A loss is judged with hindsight: a gap between two stamps is looked at when [`HALF`] younger
 //! ones have come. By then whatever took a longer way is there, and the sensor's usual gap is known from
 //! both sides: it is the larger one of the medians before and after. A median does not follow a burst,
 //! stamps that lie closer than usual for a while, and where the rate changes for good the larger of the
@@ -19,7 +19,7 @@ const HALF: usize = 64;
 /// Share of the usual gap below which one is short: half way to none.
 const SHORT: f64 = 0.5;
 
-/// What a stamp is, seen after those before it.
+/// The kind of a stamp, seen after those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// The newest so far.

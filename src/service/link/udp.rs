@@ -18,7 +18,7 @@ use crate::service::contract::{LinkHealth, Measured};
 use crate::service::signature::Key;
 pub use receiver::{Ear, Heard};
 
-/// What the UDP link is told.
+/// The settings of the UDP link.
 #[derive(Clone, Debug)]
 pub struct UdpSettings {
     /// Where it listens.
@@ -52,7 +52,7 @@ impl UdpLink {
     /// Binds the socket and starts the receiving thread.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn start(settings: UdpSettings, clock: ServiceClock) -> io::Result<Self> {
         let socket = UdpSocket::bind(settings.address)?;
         socket.set_nonblocking(true)?;
@@ -86,7 +86,7 @@ impl UdpLink {
     /// Where it listens.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.socket.local_addr()
     }

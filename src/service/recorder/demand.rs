@@ -1,10 +1,10 @@
-//! What the outside wants of the recorder.
+//! The demands on the recorder.
 
 use tokio::sync::oneshot;
 
 use super::RecordError;
 
-/// What somebody wants of the recorder.
+/// A demand on the recorder.
 #[derive(Debug)]
 pub enum Demand {
     /// A recording of a joint, until it is ended.

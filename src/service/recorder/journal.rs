@@ -1,4 +1,4 @@
-//! What is being recorded, on disk as it comes: a service that is killed leaves it readable up to the cut.
+//! The journal of a recording, on disk as it comes: a service that is killed leaves it readable up to the cut.
 
 use std::path::Path;
 

@@ -47,7 +47,7 @@ pub enum RecordError {
     Gone,
 }
 
-/// What the outside holds of the recorder; cheap to clone.
+/// The outside's end of the recorder; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Recorder {
     shelf: Arc<Shelf>,
@@ -65,7 +65,7 @@ impl Recorder {
         Self { shelf, requests }
     }
 
-    /// What has been recorded.
+    /// The shelf of the recordings.
     pub fn shelf(&self) -> &Arc<Shelf> {
         &self.shelf
     }

@@ -13,11 +13,11 @@ pub struct Running {
     pub id: Option<u64>,
     /// Name that it shall have.
     pub name: String,
-    /// What it is of.
+    /// Its subject.
     pub about: About,
-    /// What has come.
+    /// The samples so far.
     pub log: Log,
-    /// What is on the disk of it so far; none before the first, and where the disk has refused it.
+    /// Its file on the disk so far; none before the first, and where the disk has refused it.
     pub journal: Option<Journal>,
     /// Whether it cannot be written down while it is made, for another reason than the disk.
     pub unwritable: bool,

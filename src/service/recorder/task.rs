@@ -1,4 +1,4 @@
-//! What the recorder does: from the stream to the shelf.
+//! The recorder's task: from the stream to the shelf.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ const AGAIN: f64 = 1.0;
 pub struct Task {
     handle: Handle,
     shelf: Arc<Shelf>,
-    /// What came last, for the rest before a move.
+    /// The newest samples, for the rest before a move.
     before: VecDeque<Arc<Batch>>,
     running: Vec<Running>,
     /// When what has come was last written down, s on the service's clock.

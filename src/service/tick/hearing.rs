@@ -9,7 +9,7 @@ pub const MOVED: f64 = 1e-3;
 /// 20 Hz, to 1 in 1000.
 pub const FOLLOWED: f64 = 0.06;
 
-/// What is done about a joint that is not heard.
+/// The watchdog of a joint that is not heard.
 #[derive(Clone, Copy, Debug)]
 pub struct Watchdog {
     /// Silence after which a joint counts as not heard, s.
@@ -18,7 +18,7 @@ pub struct Watchdog {
     pub stops: bool,
 }
 
-/// What has changed.
+/// A change of what is heard of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// The joint is not heard any more.

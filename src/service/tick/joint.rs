@@ -240,7 +240,7 @@ impl JointTick {
         rests && self.hearing.is_displaced(self.sent.position)
     }
 
-    /// What is to be sent after a stride, if the joint is commanded.
+    /// The setpoint after a stride, if the joint is commanded.
     pub fn setpoint(&mut self, stride: &Stride, period: f64) -> Option<Setpoint> {
         self.controller.as_ref()?;
         let at = within_limits(self.command, 1.0 - stride.behind, period);

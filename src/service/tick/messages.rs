@@ -1,4 +1,4 @@
-//! What crosses the rings between the tick and the engine. What allocated comes back to be dropped.
+//! The messages on the rings between the tick and the engine. What allocated comes back to be dropped.
 
 use quell_shapers::{GridTrain, ImpulseTrain, Setpoint, Shaper, ShaperError, UncertainMode};
 use quell_trajectories::SampledTrajectory;
@@ -147,7 +147,7 @@ pub struct WholeReport {
     pub time: f64,
     /// How well the tick is kept.
     pub statistics: TickStatistics,
-    /// What came over the link.
+    /// Counts of the link's messages.
     pub link: LinkHealth,
 }
 
@@ -156,18 +156,18 @@ pub struct WholeReport {
 pub struct JointReport {
     /// The joint.
     pub joint: usize,
-    /// What is commanded and believed; absent while the joint is not commanded.
+    /// Command and belief; absent while the joint is not commanded.
     pub axis: Option<AxisReport>,
     /// The watchdog.
     pub watchdog: WatchdogState,
-    /// What the guard of the sensors says.
+    /// The findings of the sensors' guard.
     pub guard: GuardReport,
 }
 
-/// What is commanded and believed of a joint.
+/// Command and belief of a joint.
 #[derive(Clone)]
 pub struct AxisReport {
-    /// What the axis believes and does.
+    /// The state of the axis: its belief, its train, its counts.
     pub status: AxisStatus,
     /// The train in force.
     pub train: ImpulseTrain,

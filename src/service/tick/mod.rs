@@ -41,13 +41,13 @@ const RECORDS: f64 = 4.0;
 /// Rounds of reports that may wait.
 const ROUNDS: usize = 8;
 
-/// What the engine holds of the tick.
+/// The engine's end of the tick.
 pub struct EngineRings {
     /// Orders to the tick.
     pub orders: Producer<ToTick>,
-    /// What happened.
+    /// The events.
     pub events: Consumer<Event>,
-    /// What was commanded and measured.
+    /// Commands and measurements.
     pub records: Consumer<Record>,
     /// The joints, now and then.
     pub joints: Consumer<JointReport>,

@@ -42,7 +42,7 @@ use quell_trajectories::Limits;
 
 use crate::service::bridged::bridged;
 
-/// What the command does with a tick.
+/// The way in which the command takes a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stride {
     /// Control periods that every joint goes on by.

@@ -1,4 +1,4 @@
-//! What a tick can ask of the system: priority before everything else, and memory that stays.
+//! Requests of the tick to the system: priority before everything else, and memory that stays.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, getrlimit};

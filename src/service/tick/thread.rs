@@ -24,7 +24,7 @@ impl TickThread {
     /// Starts it.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn start(pulse: Pulse, settings: TickThreadSettings) -> io::Result<Self> {
         let ending = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&ending);

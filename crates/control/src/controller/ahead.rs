@@ -1,4 +1,4 @@
-//! What the plan still has in store for the axis.
+//! The rest of the plan ahead of the axis.
 
 use quell_shapers::Setpoint;
 use quell_trajectories::SampledTrajectory;

@@ -12,12 +12,12 @@ use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
 use quell_signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
 
-/// What an axis believes and does; plain numbers for logs and displays.
+/// The state of an axis: belief, train, counts; plain numbers for logs and displays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisStatus {
     /// The estimator's present estimate.
     pub estimate: Option<Estimate>,
-    /// What the adaptation said of the last estimate.
+    /// The adaptation's answer to the last estimate.
     pub decision: Option<Decision>,
     /// The mode that the train in force was designed for, and how well it was known then.
     pub shaped_for: UncertainMode,
@@ -92,7 +92,7 @@ impl Axis {
         })
     }
 
-    /// What the axis believes and does.
+    /// The state of the axis: its belief, its train, its counts.
     pub fn status(&self) -> &AxisStatus {
         &self.status
     }

@@ -1,4 +1,4 @@
-//! What may be changed about a controller between two ticks.
+//! Changes of a controller between two ticks.
 
 use quell_shapers::{GridTrain, Shaper, ShaperError, UncertainMode};
 

@@ -1,4 +1,4 @@
-//! What runs at the tick: target to trajectory to shaper to setpoint, sample to estimate to train.
+//! The controller at the tick: target to trajectory to shaper to setpoint, sample to estimate to train.
 //!
 //! [`Controller::tick`] composes everything for one axis. It does no I/O, does not allocate, block or
 //! fail; what allocates (planning, building an axis) happens off the tick and is handed over. Several
@@ -17,7 +17,7 @@ pub use axis::{Axis, AxisStatus};
 pub use path::KeptPath;
 pub use quell_shapers::Setpoint;
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
-pub use slow_down::{SlowedPlan, plan_shaped};
+pub use slow_down::{SlowedPlan, plan_shaped, plan_shaped_by};
 
 use quell_shapers::{Refusal, ShaperError};
 use quell_trajectories::SampledTrajectory;
@@ -135,7 +135,7 @@ impl Controller {
         }
     }
 
-    /// What the axis believes and does.
+    /// The axis: its belief, its trains, its counts.
     pub fn axis(&self) -> &Axis {
         &self.axis
     }

@@ -1,4 +1,4 @@
-//! What an axis is told before its first tick.
+//! Settings of an axis, told before its first tick.
 
 use quell_shapers::{Mode, MotionLimits, Shaper};
 use quell_trajectories::Limits;
@@ -16,7 +16,7 @@ pub enum RetunePolicy {
     InMotion,
 }
 
-/// What an axis is told before its first tick.
+/// Settings of an axis, told before its first tick.
 pub struct AxisSettings {
     /// Control period, s.
     pub sample_time: f64,
@@ -32,11 +32,11 @@ pub struct AxisSettings {
     pub retune: RetunePolicy,
     /// Method of estimation.
     pub estimator: &'static EstimatorEntry,
-    /// What the estimator is told.
+    /// The settings of the estimator.
     pub estimation: Settings,
-    /// What the adaptation believes and acts on.
+    /// The settings of the adaptation.
     pub adaptation: AdaptationSettings,
-    /// What counts as rest of the motor side.
+    /// The rule for rest of the motor side.
     pub rest: RestRule,
     /// From measurements to deformation.
     pub sensor: DeformationSensor,

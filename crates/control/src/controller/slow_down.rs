@@ -34,6 +34,21 @@ pub fn plan_shaped(
     limits: Limits,
     train: &GridTrain,
 ) -> Result<SlowedPlan, PlanError> {
+    let trains = core::slice::from_ref(train);
+    plan_shaped_by(planner, [from, to], limits, (train.sample_time(), trains))
+}
+
+/// As [`plan_shaped`], at a control period (s), until each of several trains alone keeps the limits: of axes that move
+/// on one path, each with a train of its own.
+///
+/// # Errors
+/// [`PlanError`] where the move cannot be planned.
+pub fn plan_shaped_by(
+    planner: &Planner,
+    [from, to]: [f64; 2],
+    limits: Limits,
+    (period, trains): (f64, &[GridTrain]),
+) -> Result<SlowedPlan, PlanError> {
     let mut speed: f64 = 1.0;
     let mut attempt = 1;
     loop {
@@ -45,13 +60,24 @@ pub fn plan_shaped(
         let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
         let plan = planner
             .plan(&ends[..1], &ends[1..], &[slowed])?
-            .sample(train.sample_time())?;
-        let peaks = shaped_peaks(&plan, limits, train);
+            .sample(period)?;
+        let peaks = trains
+            .iter()
+            .map(|train| shaped_peaks(&plan, limits, train));
+        let peaks = peaks.fold(PeakRatios::default(), worst_of);
         if peaks.worst() <= 1.0 + ROUNDING || attempt == ATTEMPTS {
             return Ok(SlowedPlan { plan, speed, peaks });
         }
         speed /= peaks.stretch();
         attempt += 1;
+    }
+}
+
+fn worst_of(one: PeakRatios, other: PeakRatios) -> PeakRatios {
+    PeakRatios {
+        velocity: one.velocity.max(other.velocity),
+        acceleration: one.acceleration.max(other.acceleration),
+        jerk: one.jerk.max(other.jerk),
     }
 }
 

@@ -53,7 +53,7 @@ impl Sample {
     }
 }
 
-/// What an estimator believes after its last sample.
+/// The estimate after the last sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Time of the last sample used, s.
@@ -94,7 +94,7 @@ pub trait Estimator: Send {
 pub struct EstimatorEntry {
     /// Name on the command line and in files.
     pub name: &'static str,
-    /// What it is, in one sentence.
+    /// Its description, in one sentence.
     pub summary: &'static str,
     /// Whether its model holds while the motor side moves; where not, feed it from the start of
     /// the free decay on.

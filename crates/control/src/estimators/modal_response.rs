@@ -217,7 +217,7 @@ impl ModalResponse {
         self.free_slope = self.free * self.time;
     }
 
-    /// What this mode says of one sample: sensitivities, nuisance columns, residual.
+    /// The row of one sample for this mode: sensitivities, nuisance columns, residual.
     pub fn row(&self, input: f64, deformation: f64) -> [f64; WIDTH] {
         let rate = self.lambda * self.state;
         let rate_slope = self.state + self.lambda * self.sensitivity;

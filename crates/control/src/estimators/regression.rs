@@ -30,7 +30,7 @@ impl Settling {
 
     /// Takes `alpha_1 = w^2`, `alpha_2 = 2 xi w` and a gain.
     ///
-    /// What is no vibratory mode in the range that is looked for is no estimate: it is passed over.
+    /// Solutions that are no vibratory mode in the range that is looked for are passed over.
     pub fn push(&mut self, time: f64, stiffness: f64, damping: f64, gain: f64) {
         let w = stiffness.sqrt();
         if !(w >= self.range.0 && w <= self.range.1) {

@@ -1,8 +1,8 @@
-//! What an estimator is told before its first sample.
+//! Settings of an estimator, told before its first sample.
 
 use quell_shapers::Mode;
 
-/// What an estimator is told before its first sample.
+/// Settings of an estimator, told before its first sample.
 ///
 /// Standard deviations here are of zero-mean Gaussian priors on what real sensors add; infinity
 /// leaves the quantity free.
@@ -12,7 +12,7 @@ pub struct Settings {
     pub sample_time: f64,
     /// One standard deviation of the deformation's noise, rad; `None`: from the residual.
     pub noise_std: Option<f64>,
-    /// What the engineer believes; a start, never a constraint.
+    /// The engineer's belief; a start, never a constraint.
     pub belief: Option<Mode>,
     /// Lowest and highest natural frequency that are looked for, rad/s.
     pub frequency_range: (f64, f64),

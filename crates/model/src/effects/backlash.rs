@@ -21,7 +21,7 @@ impl Backlash {
 }
 
 impl Force for Backlash {
-    /// What the model's spring and damper did is taken away; a flank pushes and never pulls.
+    /// The force of the model's spring and damper is taken away; a flank pushes and never pulls.
     fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
         let side = memory.state;
         let lost = motion.stiffness * x + (1.0 - self.film) * motion.damping * v;

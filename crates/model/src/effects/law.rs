@@ -24,7 +24,7 @@ impl Motion {
     }
 }
 
-/// What a law with memory knows of its past: the start of the present step.
+/// The memory of a law: its state at the start of the present step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Memory {
     /// Time at the start of the step, s.
@@ -133,7 +133,7 @@ impl Friction {
     }
 }
 
-/// What the drive makes of its input (a force, a current or a commanded position).
+/// The drive's output for an input (a force, a current or a commanded position).
 pub trait Drive: Send + Sync {
     /// Static map of one value.
     fn map(&self, value: f64) -> f64 {
@@ -181,7 +181,7 @@ pub struct Resonance {
     pub share: f64,
 }
 
-/// What a sensor sees at one stamp.
+/// The motion that a sensor sees at one stamp.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
     /// True time, s.
@@ -192,7 +192,7 @@ pub struct Reading {
     pub motor: f64,
 }
 
-/// What a sensor makes of the motion.
+/// The reading that a sensor makes of the motion.
 pub trait Sensor: Send + Sync {
     /// The instant that the sensor shows at this time: a delay, a clock that runs fast.
     fn instant(&self, time: f64) -> f64 {

@@ -11,7 +11,7 @@ pub enum Likeness {
     Pose,
     /// To first order a shift in time, as a lag, a delay and drag are.
     ShiftInTime,
-    /// What differs happens at rest and at the lowest speeds.
+    /// The difference shows at rest and at the lowest speeds.
     LowSpeed,
 }
 
@@ -25,7 +25,7 @@ pub const LIKENESSES: &[Likeness] = &[
 ];
 
 impl Likeness {
-    /// What would tell effects apart that are alike in this way: a change of payload, mounting or sensor.
+    /// Advice that tells effects apart that are alike in this way: a change of payload, mounting or sensor.
     pub fn remedy(self) -> &'static str {
         match self {
             Self::Resonance => "a sensor on the base, which a second mode of the arm leaves still",

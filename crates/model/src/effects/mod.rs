@@ -136,17 +136,17 @@ impl Place {
 pub struct Effect {
     /// Name in files, as the literature names it.
     pub name: &'static str,
-    /// What it is called within a sentence.
+    /// Its name within a sentence.
     pub title: &'static str,
     /// Where it can sit.
     pub places: &'static [Place],
-    /// What happens, in a few sentences, with a source.
+    /// The physics, in a few sentences, with a source.
     pub physics: &'static str,
-    /// What an engineer may do about it, in a sentence.
+    /// The remedy, in a sentence.
     pub remedy: &'static str,
-    /// What describes it.
+    /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// What else must be known of it.
+    /// Its further properties.
     pub properties: &'static [Property],
     /// The law for values of the parameters, in their order, SI.
     pub law: fn(&[f64]) -> Law,

@@ -1,4 +1,4 @@
-//! What describes an effect: a number with a unit and a range.
+//! A parameter of an effect: a number with a unit and a range.
 
 use super::Scales;
 
@@ -42,7 +42,7 @@ impl Quantity {
     pub const TIME: Self = Self::new(0, 0, 1);
     /// A frequency or an angular frequency.
     pub const FREQUENCY: Self = Self::new(0, 0, -1);
-    /// What the drive is given.
+    /// The drive's input.
     pub const INPUT: Self = Self::driven(1, 0);
 
     /// The product of these powers.
@@ -116,7 +116,7 @@ impl Quantity {
     }
 }
 
-/// What a parameter says of an effect.
+/// The role of a parameter in its effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRole {
     /// How large it is: the effect vanishes at the neutral value, whatever its other parameters are. Every
@@ -132,7 +132,7 @@ pub enum ParameterRole {
     Order,
     /// Phase of what is periodic.
     Phase,
-    /// What its law looks like at a given size: a ratio, an exponent, a length, a time constant.
+    /// The shape of its law at a given size: a ratio, an exponent, a length, a time constant.
     Shape,
     /// Value of a learned law at a knot; the effect vanishes where all of them are neutral.
     Ordinate,
@@ -146,7 +146,7 @@ pub enum ParameterRole {
 pub struct Parameter {
     /// Name in files.
     pub name: &'static str,
-    /// What it says of the effect.
+    /// Its role in the effect.
     pub role: ParameterRole,
     /// Its unit.
     pub quantity: Quantity,

@@ -1,4 +1,4 @@
-//! What the rest of the program must know of an effect beside its law.
+//! Properties of an effect that the rest of the program must know beside its law.
 
 use super::{Effect, Likeness, Parameter, ParameterRole, Slot};
 

@@ -69,7 +69,7 @@ impl<'s> Table<'s> {
         }
     }
 
-    /// What is missing is told with the line of this entry.
+    /// Takes this entry's line for what is missing from here on.
     pub fn anchor(&mut self, entry: &Entry) {
         self.start = entry.start;
     }

@@ -1,4 +1,4 @@
-//! What ends a step early, and where.
+//! The events that end a step early, and where.
 
 use super::super::chain::{Instant, State, coordinate};
 use super::super::roots::{first_root, root_of_parabola};

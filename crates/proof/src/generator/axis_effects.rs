@@ -1,4 +1,4 @@
-//! What can be hidden in a driven axis.
+//! The effects that can be hidden in a driven axis.
 
 use super::axis::Axis;
 use super::plan::Table;

@@ -6,7 +6,7 @@ pub const STATES: usize = 18;
 /// All states of a plant; which is which the plant knows.
 pub type State = [f64; STATES];
 
-/// What dry friction does at the moment.
+/// The present state of dry friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Contact {
     /// The two sides move together.
@@ -28,7 +28,7 @@ pub trait Plant {
     fn arrest(&self, time: f64, state: &mut State);
     /// Functions whose changes of sign end a step: distances to what may be touched.
     fn edges(&self, time: f64, state: &State) -> [f64; 4];
-    /// What a sensor is shown, and its rate.
+    /// The target of a sensor, and its rate.
     fn shown(&self, time: f64, state: &State, rates: &State) -> [f64; 2];
 }
 

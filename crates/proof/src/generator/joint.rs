@@ -103,7 +103,7 @@ pub struct Joint {
     pub payload: Option<[f64; 2]>,
     /// A further body on the link, and whether the tip is on it.
     pub outer: Option<(Body, bool)>,
-    /// What the motor stands on.
+    /// The body that the motor stands on.
     pub base: Option<Body>,
     /// A hose that swings.
     pub hose: Option<Hose>,
@@ -132,7 +132,7 @@ impl Joint {
     }
 }
 
-/// What the sensor is fixed to.
+/// The motion that the sensor sees, by the body that it is fixed to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seen {
     /// The link's angle.

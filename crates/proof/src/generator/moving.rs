@@ -28,9 +28,9 @@ const SLIDER: usize = 13;
 pub struct Moving<'a> {
     /// The joint.
     pub joint: &'a Joint,
-    /// What the motor does.
+    /// The motion of the motor.
     pub programme: &'a Programme,
-    /// What the sensor sees.
+    /// The motion that the sensor sees.
     pub seen: Seen,
 }
 
@@ -311,7 +311,7 @@ impl Plant for Moving<'_> {
 }
 
 impl Moving<'_> {
-    /// What the sensor shows of its target, and the rate of that.
+    /// The sensor's reading of its target, and the rate of that.
     fn lag(&self, time: f64, state: &State, rates: &mut State) {
         let behind = |time_constant: f64| (self.tip(time, state)[0] - state[LAG]) / time_constant;
         match self.joint.lag {

@@ -1,4 +1,4 @@
-//! What the motor side does: jerk-limited moves with pauses between them.
+//! The motion of the motor side: jerk-limited moves with pauses between them.
 
 use super::random::Draw;
 use quell_trajectories::{AxisState, Limits, PlanError, Planner};
@@ -21,7 +21,7 @@ pub struct Programme {
     pub duration: f64,
 }
 
-/// What the moves of an arm may be.
+/// The ranges of an arm's moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Style {
     /// Natural frequency of the arm, rad/s: it scales the jerk.

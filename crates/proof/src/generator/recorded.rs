@@ -114,7 +114,7 @@ pub fn rounded(value: f64, step: f64) -> f64 {
 pub struct TrueTest {
     /// The arm.
     pub arm: Arm,
-    /// What it did.
+    /// Its motion.
     pub programme: Programme,
     /// One standard deviation of the noise.
     pub noise: f64,

@@ -1,4 +1,4 @@
-//! What the nominal structure leaves when all that it has is fitted again.
+//! The residual of the nominal structure when all that it has is fitted again.
 
 use super::Channel;
 use super::joint::Joint;

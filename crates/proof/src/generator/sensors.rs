@@ -1,4 +1,4 @@
-//! What the sensors make of the motion, and the noise they add.
+//! The sensors' readings of the motion, and the noise they add.
 
 use super::joint::{Joint, Seen};
 use super::moving::Moving;
@@ -7,7 +7,7 @@ use super::random::Draw;
 use super::{Channel, integrate};
 use nalgebra::{Rotation3, Vector3};
 
-/// What is wrong with a sensor; 0 where nothing is.
+/// The faults of a sensor; 0 where there is none.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
     /// Relative error of the scale.
@@ -33,7 +33,7 @@ pub struct Arm {
     pub joint: Joint,
     /// Static faults and the clock.
     pub faults: Faults,
-    /// What is recorded beside the motor side.
+    /// The channel beside the motor side.
     pub channel: Channel,
     /// Distance of the tip from the axis, m.
     pub lever_arm: f64,

@@ -17,7 +17,7 @@ pub const HIDDEN: f64 = 1.05;
 /// Samples on which sizes are judged.
 const SAMPLES: usize = 1200;
 
-/// What an effect is measured against: the arm without it.
+/// The reference of an effect's size: the arm without it.
 pub struct Bench<'a> {
     /// The arm as it is before the effect.
     pub arm: &'a Arm,
@@ -34,7 +34,7 @@ pub struct Bench<'a> {
 
 /// Something hidden at a chosen size.
 pub struct Concealed {
-    /// What it is.
+    /// Its kind.
     pub entry: &'static Entry,
     /// Its place and shape, as four numbers in [0, 1).
     pub shape: [f64; 4],

@@ -25,7 +25,7 @@ use serde::Serialize;
 ///   catalogue every name is one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
-    /// What was hidden.
+    /// Its kind, by the truth.
     pub kind: Kind,
     /// Whether something hidden was noticed.
     pub detected: bool,

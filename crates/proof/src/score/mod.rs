@@ -27,9 +27,9 @@ use std::collections::BTreeMap;
 pub struct Judged {
     /// Its name.
     pub name: String,
-    /// What was hidden.
+    /// The truth.
     pub truth: Truth,
-    /// What was said.
+    /// The answer.
     pub verdict: Verdict,
     /// Rms over the noise on the test with the true machine; absent where the generator is not ours.
     pub oracle: Option<f64>,
@@ -63,11 +63,11 @@ pub struct Score {
 pub struct Line {
     /// Name in JSON.
     pub key: &'static str,
-    /// What is counted.
+    /// The counter.
     pub name: &'static str,
     /// How often it was so.
     pub rate: Rate,
-    /// What is aimed at.
+    /// The aim.
     pub aim: &'static str,
 }
 

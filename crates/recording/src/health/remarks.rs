@@ -1,4 +1,4 @@
-//! What looks wrong with a channel, in plain words.
+//! Remarks on what looks wrong with a channel, in plain words.
 
 use super::{ColumnHealth, Flat, FlatKind, Health};
 use crate::{Channel, plain};

@@ -1,4 +1,4 @@
-//! What of a column cannot be motion: runs of one value, jumps by a turn, lone samples.
+//! Stretches of a column that cannot be motion: runs of one value, jumps by a turn, lone samples.
 
 use super::median;
 use std::f64::consts::PI;
@@ -14,11 +14,11 @@ pub struct Flat {
     pub samples: usize,
     /// The value.
     pub value: f64,
-    /// What the run is taken for.
+    /// The meaning of the run.
     pub kind: FlatKind,
 }
 
-/// What a run of one value is taken for.
+/// The meaning of a run of one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlatKind {
     /// The machine rests: the run begins and ends gently.

@@ -87,7 +87,7 @@ pub struct Decoder<'a> {
 pub struct Damage {
     /// Byte of the message.
     pub offset: usize,
-    /// What is wrong there.
+    /// The fault there.
     pub what: String,
 }
 

@@ -74,7 +74,7 @@ impl<'a> Chunk<'a> {
         }
     }
 
-    /// What a decoder gives, one byte more than the chunk is to have at the most. The decoder of a chunk
+    /// The output of a decoder, one byte more than the chunk is to have at the most. The decoder of a chunk
     /// that is cut fails at the cut; its size may not have been written yet.
     fn read(&self, decoder: impl Read) -> Result<Cow<'a, [u8]>, String> {
         let mut unpacked = Vec::new();

@@ -11,7 +11,7 @@ const DEPTH: usize = 32;
 /// Names that a message to the user lists.
 const SHOWN: usize = 40;
 
-/// What one element of a field is.
+/// The type of one element of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
     Number(Number),

@@ -89,7 +89,7 @@ impl McapFile {
         self.cut
     }
 
-    /// What has to be known of the file as a whole: that it is cut, and where.
+    /// Remarks on the file as a whole: that it is cut, and where.
     pub fn remarks(&self) -> Vec<String> {
         let words = |cut: Cut| {
             let (file, Cut { at, length }) = (self.path.display(), cut);
@@ -135,7 +135,7 @@ impl Topic {
     }
 }
 
-/// What the first walk over a file finds.
+/// The findings of the first walk over a file.
 #[derive(Default)]
 struct Index {
     schemas: HashMap<u16, (String, Result<Arc<Layout>, String>)>,
@@ -216,7 +216,7 @@ impl Topic {
     }
 }
 
-/// What is wrong at a byte of a file, in a field of a topic where it is one.
+/// A fault at a byte of a file, in a field of a topic where it is one.
 pub(super) fn at_byte(
     path: &Path,
     broken: Broken,

@@ -14,7 +14,7 @@ pub struct Found {
     pub topic: String,
     /// The fields of its messages, one a column.
     pub fields: Vec<String>,
-    /// What stamps it, where that is not the default.
+    /// The source of its stamps, where that is not the default.
     time: Option<&'static str>,
 }
 
@@ -107,7 +107,7 @@ impl McapFile {
         Ok(series.since(topic, self.zero()))
     }
 
-    /// What is there instead of a field that no message has.
+    /// The names that are there instead of a field that no message has.
     fn none_has(&self, topic: &str, fields: &[&str]) -> RecordingError {
         let entry = self.topics().iter().find(|entry| entry.name == topic);
         let names = entry.map_or(String::new(), |entry| entry.names.join(", "));

@@ -14,14 +14,14 @@ use ::mcap::{McapError, Writer};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-/// What was found in a file, as a file of its own that is whole.
+/// A whole file of the messages that were found in a damaged one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mended {
     /// The file: index, summary and footer as the format wants them.
     pub bytes: Vec<u8>,
     /// Messages in it.
     pub messages: u64,
-    /// What ended the messages, where it was not the end of the file: a record that is damaged. What
+    /// The end of the messages, where it was not the end of the file: a record that is damaged. What
     /// stands behind it is not in `bytes`.
     pub damage: Option<String>,
 }

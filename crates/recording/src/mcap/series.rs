@@ -19,7 +19,7 @@ pub(super) struct Series {
     pub columns: Vec<Vec<f64>>,
 }
 
-/// What stamps a message.
+/// The source of a message's stamp.
 #[derive(Debug)]
 pub(super) enum Clock {
     /// Seconds and nanoseconds of a field.

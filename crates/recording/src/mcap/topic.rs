@@ -24,7 +24,7 @@ pub(super) struct Carrier {
     pub fields: &'static [&'static str],
 }
 
-/// What carries so many columns of a role.
+/// The type of message that carries so many columns of a role.
 ///
 /// Where ROS 2 has no stamped scalar for a role it is a `Float64`, and its publish time is the sensor's stamp.
 pub(super) fn carrier(role: Role, columns: usize) -> Carrier {

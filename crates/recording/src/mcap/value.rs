@@ -3,7 +3,7 @@
 use super::cdr::{Damage, Decoder};
 use super::definition::{Count, Field, Kind, Layout, Number};
 
-/// What a field holds.
+/// The type of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value<'a> {
     Number(f64),

@@ -10,10 +10,8 @@ use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
 use ::mcap::{Compression, McapError, WriteOptions, Writer};
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Bytes after which a chunk is closed: 0.1 s of three sensors at 1 kHz.
 const CHUNK: usize = 1 << 16;
@@ -25,14 +23,15 @@ const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 /// Writes commands and measurements into an MCAP file that other tools of ROS 2 read, chunk by chunk: a file
 /// that is cut in the middle lacks a quarter of a second.
 ///
-/// Times are s, values SI. The recorder's clock counts from `create`, the wall time of which stands in the
-/// file; the stamp of a sample is of the sensor's own clock and may have any offset to it.
+/// Times are s, values SI. The recorder's clock counts from a wall time that stands in the file; the stamp of a
+/// sample is of the sensor's own clock and may have any offset to it.
 ///
 /// # Example
 /// ```
 /// use quell_recording::{McapWriter, Recording, Role};
 /// let path = std::env::temp_dir().join("quell-doc.mcap");
-/// let mut writer = McapWriter::create(&path, &["joint_1"])?;
+/// let file = std::fs::File::create(&path)?;
+/// let mut writer = McapWriter::on(Box::new(file), &path, &["joint_1"], 1_700_000_000_000_000_000)?;
 /// for tick in 0..10 {
 ///     let t = f64::from(tick) / 1000.0;
 ///     writer.write_command(t, "joint_1", 0.5, 0.0, 0.0)?;
@@ -41,7 +40,7 @@ const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 /// writer.finish()?;
 /// let recording = Recording::from_path(&path)?;
 /// assert_eq!(recording.channel(Role::MotorPosition).unwrap().time[9], 0.009);
-/// # Ok::<(), quell_recording::RecordingError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct McapWriter {
     path: PathBuf,
@@ -57,26 +56,8 @@ pub struct McapWriter {
 }
 
 impl McapWriter {
-    /// Begins a file; one that is there is overwritten. The zero of all times is now.
-    ///
-    /// # Errors
-    /// [`RecordingError`] where the file cannot be made.
-    pub fn create(path: &Path, joints: &[&str]) -> Result<Self, RecordingError> {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH);
-        let now = now.map_or(0, |since| since.as_nanos() as i64);
-        Self::create_at(path, joints, now)
-    }
-
-    /// As [`Self::create`], the zero of all times at a wall time in ns since 1970.
-    ///
-    /// # Errors
-    /// [`RecordingError`] where the file cannot be made.
-    pub fn create_at(path: &Path, joints: &[&str], origin: i64) -> Result<Self, RecordingError> {
-        let file = File::create(path).map_err(|error| RecordingError::io(path, &error))?;
-        Self::on(Box::new(file), path, joints, origin)
-    }
-
-    /// As [`Self::create_at`], into a file that is open; `path` stands in errors.
+    /// Begins a file that is open, the zero of all times at a wall time in ns since 1970; `path` stands in
+    /// errors.
     ///
     /// # Errors
     /// [`RecordingError`] where the file cannot be written.

@@ -7,7 +7,9 @@ use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
 use crate::plant::{ArmSimulation, Command, MeasurementLog, Robot, SimulationOptions};
 use quell_control::adaptation::AdaptationSettings;
-use quell_control::controller::{AxisSettings, Controller, RetunePolicy, Setpoint, plan_shaped};
+use quell_control::controller::{
+    AxisSettings, AxisStatus, Controller, RetunePolicy, Setpoint, SlowedPlan, plan_shaped,
+};
 use quell_control::estimators::{EstimatorEntry, Settings};
 use quell_signal::{ArcRegistration, DeformationSensor, Measurement, RestRule};
 
@@ -22,7 +24,7 @@ const FOLLOWED: f64 = 1e-6;
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
 
-/// What a cell is made of.
+/// The parts of a cell.
 #[derive(Clone)]
 pub struct CellSettings {
     /// The robot.
@@ -45,6 +47,35 @@ pub struct CellSettings {
     pub retune: RetunePolicy,
     /// Method of estimation.
     pub estimator: &'static EstimatorEntry,
+}
+
+/// A move that is under way.
+pub(super) struct Running {
+    target: f64,
+    planned_end: f64,
+    slowed_to: Option<f64>,
+    /// Length of the train that the move met, s.
+    train: f64,
+    /// The axis before the move.
+    before: AxisStatus,
+    ticks: Vec<Tick>,
+    /// Time since the command has ended, s.
+    quiet: f64,
+    log: MeasurementLog,
+}
+
+/// A plan, unless the shaped command exceeds the limits at every speed that was tried.
+///
+/// # Errors
+/// [`ClosedLoopError::Limits`].
+pub(super) fn within_limits(slowed: SlowedPlan) -> Result<SlowedPlan, ClosedLoopError> {
+    match slowed.peaks.worst() {
+        ratio if ratio > 1.0 + ROUNDING => Err(ClosedLoopError::Limits {
+            ratio,
+            percent: slowed.speed * 100.0,
+        }),
+        _ => Ok(slowed),
+    }
 }
 
 /// A simulated arm and its controller.
@@ -119,59 +150,93 @@ impl Cell {
     /// [`ClosedLoopError::Plan`] where the move cannot be planned; [`ClosedLoopError::Limits`] where a
     /// train with negative impulses exceeds the limits however slow the move.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
-        let train = self.controller.axis().next_train().clone();
         let ends = [self.position(), target];
-        let slowed = plan_shaped(&self.planner, ends, self.limits, &train)?;
-        if slowed.peaks.worst() > 1.0 + ROUNDING {
-            return Err(ClosedLoopError::Limits {
-                ratio: slowed.peaks.worst(),
-                percent: slowed.speed * 100.0,
-            });
+        let train = self.controller.axis().next_train();
+        let slowed = plan_shaped(&self.planner, ends, self.limits, train)?;
+        let mut running = self.begin(within_limits(slowed)?, target)?;
+        while !self.is_over(&running) {
+            self.tick(&mut running);
         }
-        let sampled = slowed.plan;
-        let before_it = train.duration();
-        let planned_end = (sampled.samples() - 1) as f64 * sampled.period();
-        let before = *self.controller.axis().status();
-        self.controller.load(sampled).map_err(|(_, error)| error)?;
-        let mut log = MeasurementLog::new();
-        let ticks = self.run_until_quiet(&mut log);
+        Ok(self.end(running))
+    }
+
+    /// The controller, for moves that several cells make together.
+    pub(super) fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The same, to join it with others.
+    pub(super) fn controller_mut(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
+
+    /// Loads a plan to `target` (rad), which begins with the next tick.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError::Load`] where the controller refuses it.
+    pub(super) fn begin(
+        &mut self,
+        slowed: SlowedPlan,
+        target: f64,
+    ) -> Result<Running, ClosedLoopError> {
+        let plan = slowed.plan;
         let axis = self.controller.axis();
-        let after = axis.status();
-        Ok(MoveTrace {
+        let running = Running {
+            target,
+            planned_end: (plan.samples() - 1) as f64 * plan.period(),
+            slowed_to: (slowed.speed < 1.0).then_some(slowed.speed),
+            train: axis.next_train().duration(),
+            before: *axis.status(),
+            ticks: Vec::new(),
+            quiet: 0.0,
+            log: MeasurementLog::new(),
+        };
+        self.controller.load(plan).map_err(|(_, error)| error)?;
+        Ok(running)
+    }
+
+    /// Whether the arm has been watched for long enough after its command has ended.
+    pub(super) fn is_over(&self, running: &Running) -> bool {
+        let time = running.ticks.len() as f64 * self.controller.sample_time();
+        running.quiet >= self.watch || time >= LONGEST_MOVE
+    }
+
+    /// One control period of controller and arm.
+    pub(super) fn tick(&mut self, running: &mut Running) {
+        let period = self.controller.sample_time();
+        let setpoint = self.controller.tick(&self.inbox);
+        let time = running.ticks.len() as f64 * period;
+        running.ticks.push(self.observe(time, setpoint));
+        self.move_arm(setpoint, period, &mut running.log);
+        running.quiet = match self.controller.is_settled() {
+            true => running.quiet + period,
+            false => 0.0,
+        };
+    }
+
+    /// The trace of a move that is over.
+    pub(super) fn end(&self, running: Running) -> MoveTrace {
+        let Running { target, ticks, .. } = running;
+        let axis = self.controller.axis();
+        let (before, after) = (running.before, axis.status());
+        MoveTrace {
             period: self.controller.sample_time(),
             target,
-            planned_end,
+            planned_end: running.planned_end,
             command_end: command_end(&ticks),
             motor_end: motor_end(&ticks, target, FOLLOWED / self.arm.arc().radius()),
             arc: *self.arm.arc(),
             registration: self.registration.clone(),
             train: axis.train(),
-            longest_train: axis.next_train().duration().max(before_it),
-            slowed_to: (slowed.speed < 1.0).then_some(slowed.speed),
+            longest_train: axis.next_train().duration().max(running.train),
+            slowed_to: running.slowed_to,
             shaped_for: after.shaped_for,
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,
             corrections: after.corrections - before.corrections,
             ticks,
-            recording: log.into_recording(&self.arm.robot().name),
-        })
-    }
-
-    fn run_until_quiet(&mut self, log: &mut MeasurementLog) -> Vec<Tick> {
-        let period = self.controller.sample_time();
-        let mut ticks: Vec<Tick> = Vec::new();
-        let mut quiet = 0.0;
-        while quiet < self.watch && ticks.len() as f64 * period < LONGEST_MOVE {
-            let setpoint = self.controller.tick(&self.inbox);
-            ticks.push(self.observe(ticks.len() as f64 * period, setpoint));
-            self.move_arm(setpoint, period, log);
-            quiet = if self.controller.is_settled() {
-                quiet + period
-            } else {
-                0.0
-            };
+            recording: running.log.into_recording(&self.arm.robot().name),
         }
-        ticks
     }
 
     fn move_arm(&mut self, setpoint: Setpoint, period: f64, log: &mut MeasurementLog) {

@@ -52,7 +52,7 @@ pub fn commission(
 
 /// Samples of one sensor: stamps and readings.
 type Samples<T> = (Vec<f64>, Vec<T>);
-/// What encoder and tracker saw.
+/// The samples of encoder and tracker.
 type Seen = (Samples<f64>, Samples<Point3<f64>>);
 
 fn there_and_back(

@@ -54,7 +54,7 @@ pub struct Scenario {
     pub limits: Limits,
     /// How the arm is simulated.
     pub simulation: SimulationOptions,
-    /// What the engineer believes of the mode.
+    /// The mode that the engineer believes in.
     pub belief: Mode,
     /// The rule that designs trains.
     pub shaper: &'static dyn Shaper,

@@ -1,4 +1,4 @@
-//! What happened in one move, and the figures that people ask of it.
+//! The record of one move, and the figures that people ask of it.
 
 use quell_shapers::{ImpulseTrain, PeakRatios, Setpoint, UncertainMode, peak_ratios};
 use quell_trajectories::Limits;
@@ -53,7 +53,7 @@ pub struct MoveTrace {
     pub arc: JointArc,
     /// Frame and clock of the tracker, as commissioning found them.
     pub registration: ArcRegistration,
-    /// What encoder and tracker said, each on its own clock, and the command.
+    /// The samples of encoder and tracker, each on its own clock, and the command.
     pub recording: Recording,
     /// Train in force when the move ended.
     pub train: ImpulseTrain,
@@ -126,7 +126,7 @@ impl MoveTrace {
             .map_or(f64::INFINITY, |tick| (tick.position - self.target).abs())
     }
 
-    /// What shaping and corrections added to the duration of the command, s.
+    /// The delay that shaping and corrections added to the command, s.
     pub fn added_delay(&self) -> f64 {
         self.command_end - self.planned_end
     }

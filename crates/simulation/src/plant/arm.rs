@@ -148,7 +148,7 @@ impl ArmSimulation {
         &self.measurements
     }
 
-    /// What the last [`step`](Self::step) returned.
+    /// The measurements that the last [`step`](Self::step) returned.
     pub fn last_measurements(&self) -> &[Measurement] {
         &self.measurements
     }
@@ -201,7 +201,7 @@ impl ArmSimulation {
         Ok(())
     }
 
-    /// What the joint is with a payload (kg) at the present pose, for [`carry`](Self::carry). Allocates.
+    /// The joint's modes with a payload (kg) at the present pose, for [`carry`](Self::carry). Allocates.
     ///
     /// # Errors
     /// As [`set_payload`](Self::set_payload).

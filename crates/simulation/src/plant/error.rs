@@ -14,7 +14,7 @@ pub enum RobotError {
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's error.
         reason: String,
     },
     /// The file is not TOML, or a key is missing, unknown or of another type.
@@ -34,7 +34,7 @@ pub enum RobotError {
         key: String,
         /// The value as given.
         value: String,
-        /// What it must be.
+        /// The rule that it breaks.
         expected: &'static str,
     },
     /// The kinematics cannot be used.
@@ -63,7 +63,7 @@ pub enum SimulationError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The rule that it breaks.
         expected: &'static str,
     },
 }

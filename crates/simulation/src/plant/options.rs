@@ -1,4 +1,4 @@
-//! What a simulation may have otherwise than the robot's description, checked.
+//! Deviations of a simulation from the robot's description, checked.
 
 use arrayvec::ArrayVec;
 use quell_shapers::Mode;
@@ -7,7 +7,7 @@ use super::axis::{MAX_MODES, Oscillator};
 use super::error::SimulationError;
 use super::robot::{Damping, ModeOfJoint, Robot};
 
-/// What a simulation may have otherwise than the robot's description.
+/// Deviations of a simulation from the robot's description.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulationOptions {
     /// Seed of the tracker's noise and phase.

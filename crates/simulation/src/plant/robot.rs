@@ -28,7 +28,7 @@ pub struct ModeOfJoint {
     pub participation: f64,
 }
 
-/// What the description says of one joint beside its kinematics.
+/// The description of one joint beside its kinematics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotJoint {
     /// Position in the reference pose, rad, or m for a joint that slides.

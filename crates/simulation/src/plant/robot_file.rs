@@ -130,7 +130,7 @@ fn home(joint: &JointKeys, at: &str, kind: JointKind, check: &Check) -> Result<f
     ))
 }
 
-/// What is said of a key in deg at a joint that slides, or in m at one that turns.
+/// The error for a key in deg at a joint that slides, or in m at one that turns.
 const UNFIT: &str = "keys in deg are for joints that turn, keys in m for joints that slide";
 
 fn si(value: f64, kind: JointKind) -> f64 {

@@ -1,4 +1,4 @@
-//! What is told of each joint.
+//! The metrics of each joint.
 
 use crate::service::contract::{JointSnapshot, WatchdogState};
 

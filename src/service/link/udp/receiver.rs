@@ -1,4 +1,4 @@
-//! What takes datagrams apart, and the thread that it runs on.
+//! The reader of datagrams, and the thread that it runs on.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub struct Ear {
     replay: Replay,
 }
 
-/// What an [`Ear`] has heard: the tick's end.
+/// The messages that an [`Ear`] has heard: the tick's end.
 pub struct Heard {
     ring: Consumer<Received>,
     counts: Arc<Counts>,
@@ -54,7 +54,7 @@ impl Heard {
         self.peer
     }
 
-    /// What came so far.
+    /// The messages so far.
     pub fn counters(&self) -> LinkHealth {
         LinkHealth {
             peer: self.peer,

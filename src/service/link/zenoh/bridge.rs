@@ -1,4 +1,4 @@
-//! What ROS 2 asks for, and what it is told beside the setpoints: moves in, modes and impulses out.
+//! The bridge to ROS 2 beside the setpoints: moves in, modes and impulses out.
 
 use std::io;
 use std::sync::Arc;
@@ -19,11 +19,11 @@ use crate::service::contract::{Handle, JointSnapshot, Request};
 const WAITING: usize = 16;
 /// How often modes and impulses are told: whoever comes later has them soon, and a person reads no faster.
 const TOLD: Duration = Duration::from_millis(100);
-/// What stands in a message of a mode.
+/// The fields of a mode's message.
 const MODE: &str = "frequency_hz,damping_ratio,estimated_frequency_hz,estimated_frequency_std_hz,\
                     estimated_damping_ratio,estimated_damping_ratio_std,converged";
 
-/// What comes over the channel to the bridge's thread.
+/// The messages to the bridge's thread.
 enum Word {
     /// Joints and where they shall end, rad.
     Targets(Vec<(String, f64)>),
@@ -37,7 +37,7 @@ pub struct ZenohBridge {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What is told of one joint.
+/// The publishers of one joint.
 struct Told {
     mode: Publisher,
     impulses: Publisher,
@@ -47,7 +47,7 @@ impl ZenohBridge {
     /// Subscribes to the targets and starts the thread.
     ///
     /// # Errors
-    /// What Zenoh or the system says.
+    /// The error of Zenoh or of the system.
     pub fn start(node: Arc<Node>, config: &Config, handle: Handle) -> io::Result<Self> {
         let (words, heard) = sync_channel(WAITING);
         let joints = config.joints.iter();

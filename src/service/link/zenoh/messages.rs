@@ -36,7 +36,7 @@ pub(super) const FLOAT64_MULTI_ARRAY: MessageType = MessageType {
     hash: "RIHS01_1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f",
 };
 
-/// What is read of `sensor_msgs/msg/JointState`.
+/// The fields that are read of `sensor_msgs/msg/JointState`.
 #[derive(Debug, PartialEq)]
 pub(super) struct JointState<'a> {
     /// Stamp, ns since 1970; 0 where the sender does not set it.
@@ -45,7 +45,7 @@ pub(super) struct JointState<'a> {
     pub positions: Vec<(&'a str, f64)>,
 }
 
-/// What is read of `sensor_msgs/msg/Imu`.
+/// The fields that are read of `sensor_msgs/msg/Imu`.
 #[derive(Debug, PartialEq)]
 pub(super) struct Imu {
     /// Stamp, ns since 1970; 0 where the sender does not set it.

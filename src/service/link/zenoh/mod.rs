@@ -52,7 +52,7 @@ pub struct ZenohLink {
     sender: Option<JoinHandle<()>>,
 }
 
-/// What the sending thread is told, and counts.
+/// The orders to the sending thread, and its counts.
 #[derive(Default)]
 struct Sending {
     ending: AtomicBool,
@@ -64,7 +64,7 @@ impl ZenohLink {
     /// Subscribes to the robot's topics, and starts the sending thread.
     ///
     /// # Errors
-    /// What Zenoh or the system says.
+    /// The error of Zenoh or of the system.
     pub fn start(node: &Node, config: &Config, clock: ServiceClock) -> io::Result<Self> {
         let joints = config.joints.len();
         let (producer, ring) = RingBuffer::new(8 * INBOX * joints);
@@ -187,7 +187,7 @@ impl Sending {
     }
 }
 
-/// What takes messages apart.
+/// The reader of messages.
 struct Ears {
     names: Vec<String>,
     intake: Mutex<Intake>,

@@ -53,7 +53,7 @@ impl Node {
     /// Opens a session. Endpoints that cannot be reached yet are tried again and again.
     ///
     /// # Errors
-    /// What Zenoh says, of an endpoint that it does not understand or cannot listen at.
+    /// Zenoh's error, of an endpoint that it does not understand or cannot listen at.
     pub fn open(config: &ZenohConfig) -> io::Result<Self> {
         let settings = settings(config)?;
         // Zenoh does not start on a thread that runs an asynchronous runtime of one thread.
@@ -74,7 +74,7 @@ impl Node {
     /// A publisher of a topic. Where the network does not keep up, messages are dropped: the next is newer.
     ///
     /// # Errors
-    /// What Zenoh says.
+    /// Zenoh's error.
     pub(super) fn publisher(
         &self,
         topic: &str,
@@ -99,7 +99,7 @@ impl Node {
     /// Has `take` called with the body of each message of a topic, on a thread of Zenoh's.
     ///
     /// # Errors
-    /// What Zenoh says.
+    /// Zenoh's error.
     pub(super) fn subscribe(
         &self,
         topic: &str,

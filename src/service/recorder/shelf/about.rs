@@ -1,4 +1,4 @@
-//! What a recording is of: the file beside its manifest, and its name.
+//! The subject of a recording: the file beside its manifest, and its name.
 
 use std::fs;
 use std::io;
@@ -13,7 +13,7 @@ pub const ABOUT: &str = "about.json";
 /// The longest name, bytes: file systems take 255, and some letters are put before and behind it.
 const LONGEST_NAME: usize = 128;
 
-/// What a recording is of.
+/// The subject of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct About {
@@ -30,7 +30,7 @@ pub struct About {
     pub mode: Option<ModeValue>,
     /// Payload of the embedded arm, kg.
     pub payload_kg: Option<f64>,
-    /// What the move left; absent where the recording was made on demand, or the service was killed.
+    /// The result of the move; absent where the recording was made on demand, or the service was killed.
     pub result: Option<MoveResult>,
     /// Batches that were lost while it was made.
     pub batches_lost: u64,
@@ -43,7 +43,7 @@ pub struct Entry {
     pub name: String,
     /// Bytes on disk.
     pub bytes: u64,
-    /// What it is of.
+    /// Its subject.
     #[serde(flatten)]
     pub about: About,
 }
@@ -80,7 +80,7 @@ pub fn bytes(folder: &Path) -> Option<u64> {
     )
 }
 
-/// What the recording in a folder is of; nothing is known where the file cannot be understood.
+/// The subject of the recording in a folder; nothing is known where the file cannot be understood.
 pub fn read(folder: &Path) -> io::Result<About> {
     let text = fs::read(folder.join(ABOUT))?;
     Ok(serde_json::from_slice(&text).unwrap_or_default())

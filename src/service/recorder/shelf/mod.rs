@@ -63,7 +63,7 @@ pub enum ShelfError {
     Disk {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
 }
@@ -144,7 +144,7 @@ impl Shelf {
         self.next.fetch_add(1, Relaxed)
     }
 
-    /// What it writes to.
+    /// The disk that it writes to.
     pub fn disk(&self) -> &Disk {
         &self.disk
     }
@@ -161,7 +161,7 @@ impl Shelf {
         }
     }
 
-    /// What is there, oldest first.
+    /// The recordings, oldest first.
     ///
     /// # Errors
     /// [`ShelfError::Disk`] where the folder cannot be read.
@@ -211,7 +211,7 @@ impl Shelf {
         }
     }
 
-    /// What a recording is of.
+    /// The subject of a recording.
     ///
     /// # Errors
     /// As [`Shelf::path`].

@@ -1,4 +1,4 @@
-//! What was left unfinished, by a kill or by a full disk: put onto the shelf as far as it came.
+//! Recordings left unfinished, by a kill or by a full disk: put onto the shelf as far as it came.
 
 use std::fs;
 use std::io;
@@ -9,7 +9,7 @@ use super::{DAMAGED, Draft, MCAP, Shelf, ShelfError, UNFINISHED, UNREADABLE, dis
 use crate::recording::{McapFile, Mended, Recording, RecordingError, Role};
 use crate::service::disk::beside;
 
-/// What there is in the folder of something unfinished.
+/// The content of an unfinished recording's folder.
 enum Left {
     /// Nothing was measured yet.
     Nothing,

@@ -1,4 +1,4 @@
-//! What has to go when there is too much: the oldest by their numbers, never the last ones.
+//! The clearing of the shelf when there is too much: the oldest go, by their numbers, never the last ones.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::about::{self, Entry};
 use super::{LEAVING, Shelf, ShelfError, UNREADABLE, disk};
 
-/// What recordings may take.
+/// The room that recordings may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Most bytes of all together.

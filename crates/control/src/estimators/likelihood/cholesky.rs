@@ -1,6 +1,6 @@
 //! A small Cholesky factor that grows row by row.
 
-/// What rounding of the sums may leave on an exactly dependent pair of columns.
+/// The pivot that rounding of the sums may leave of an exactly dependent pair of columns.
 const RIDGE: f64 = 1e-13;
 
 /// `A + 1e-13 diag(A) = L D L^T`, the diagonal of `L` 1: no square roots, and no scale of the unknowns, of

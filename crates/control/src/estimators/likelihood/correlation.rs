@@ -1,4 +1,4 @@
-//! What a coloured residual does to standard deviations.
+//! The effect of a coloured residual on standard deviations.
 
 /// Running first autocorrelation of the residual, which widens the standard deviations where the
 /// model leaves more than white noise.

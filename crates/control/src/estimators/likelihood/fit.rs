@@ -27,7 +27,7 @@ const PLACE: [Option<usize>; 8] = [
     Some(1),
 ];
 
-/// What the moments say at and near their linearisation.
+/// The fit by the moments at and near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
     /// Sum of squares at the linearisation point itself, linear unknowns at their best.

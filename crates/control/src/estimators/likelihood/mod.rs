@@ -72,7 +72,7 @@ pub(super) const RULED_OUT: f64 = 30.0;
 pub struct Likelihood {
     settings: Settings,
     region: Region,
-    /// What does not change of the priors.
+    /// The constant part of the priors.
     belief: Priors,
     window: Window,
     grid: Vec<Track>,

@@ -1,4 +1,4 @@
-//! What is known of the unknowns before the first sample.
+//! The priors of the unknowns before the first sample.
 
 use crate::estimators::Settings;
 

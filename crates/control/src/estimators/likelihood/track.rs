@@ -24,7 +24,7 @@ pub struct Track {
     pub response: ModalResponse,
     /// Sums over the rows of the present stretch.
     pub moments: Moments,
-    /// What past stretches say, when the vibration was set free again after them.
+    /// The evidence of past stretches, when the vibration was set free again after them.
     pub past: Past,
     /// Whether there is any.
     pub has_past: bool,

@@ -3,7 +3,7 @@
 use super::window::Window;
 use crate::estimators::Sample;
 
-/// What lies between a sample and the one before.
+/// The step between a sample and the one before.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
     /// Nothing: it is the window's first.

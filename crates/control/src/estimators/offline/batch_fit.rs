@@ -14,7 +14,7 @@ use crate::estimators::{Sample, Settings};
 /// times that of each with the others known.
 const ROUNDING: f64 = 1e-13;
 
-/// What a batch fit found.
+/// The result of a batch fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchFit {
     /// The mode.

@@ -10,7 +10,7 @@ use crate::estimators::likelihood::noise::Noise;
 use crate::estimators::likelihood::region::{Region, TRUST};
 use crate::estimators::likelihood::{RULED_OUT, Window};
 
-/// What a new linearisation must promise to gain, in variances of the noise: a tenth of a standard deviation
+/// The gain that a new linearisation must promise, in variances of the noise: a tenth of a standard deviation
 /// squared.
 const WORTH: f64 = 0.01;
 /// Step of `ln w` or `xi` below which rounding is all that moves it: well above a double's own, 2e-16, for what normal
@@ -51,10 +51,10 @@ pub struct Descent {
     pub noise: Noise,
 }
 
-/// What a descent must know of the rest.
+/// The context of a descent.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// What was told before the first sample.
+    /// The settings from before the first sample.
     pub settings: &'a Settings,
     /// The window.
     pub window: &'a Window,

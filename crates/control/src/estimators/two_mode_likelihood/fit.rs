@@ -41,7 +41,7 @@ pub struct Priors {
     pub precision: [f64; UNKNOWNS],
 }
 
-/// What the moments say at and near their linearisation.
+/// The fit by the moments at and near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
     /// Sum of squares at the linearisation point itself, linear unknowns at their best.

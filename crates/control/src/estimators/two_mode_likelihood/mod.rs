@@ -172,7 +172,7 @@ impl TwoModeLikelihood {
         self.converged = [false; 2];
     }
 
-    /// What is told of two modes, if there are two.
+    /// The estimate of two modes, if there are two.
     fn conclude(&mut self, time: f64) {
         let replays = |active: &Descent| active.best().is_none() && !active.rests();
         let replays = |active| replays(active) || self.one.least_cost().is_none();

@@ -52,7 +52,7 @@ pub struct Pair {
     pub taken: f64,
     /// Weights of a row's columns that give the residual, once there is a solution.
     pub weights: Option<Row>,
-    /// What the residual's neighbours have in common.
+    /// The correlation of the residual's neighbours.
     pub correlation: Correlation,
 }
 

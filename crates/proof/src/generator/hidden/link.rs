@@ -155,7 +155,7 @@ fn knocks(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramet
     parameters
 }
 
-/// What half a sine of force leaves of the mode's ringing: as much as an impulse of so many times its
+/// The ringing that half a sine of force leaves of the mode: as much as an impulse of so many times its
 /// area, so much after its middle.
 ///
 /// With `s` the mode's pole, mirrored, and the length `L` its integral with `exp(s t)` is that of an

@@ -1,4 +1,4 @@
-//! What can be hidden in an arm: one table, from the transmission to the world outside.
+//! The effects that can be hidden in an arm: one table, from the transmission to the world outside.
 //!
 //! Each entry has one size, without a unit, that is about the share of the deformation that it makes.
 //! Its shape (a corner, a wave length, an instant) follows from four numbers in [0, 1).

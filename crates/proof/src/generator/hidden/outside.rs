@@ -1,4 +1,4 @@
-//! What no catalogue of the usual physics holds.
+//! Effects that no catalogue of the usual physics holds.
 
 use super::super::Channel;
 use super::super::joint::Hose;

@@ -1,0 +1,185 @@
+//! A move of several joints on a straight path in joint space, with a train for each joint and with one for all.
+
+use quell_shapers::{Mode, Shaper};
+use quell_trajectories::Limits;
+
+use super::side_by_side::Cells;
+use super::{CellSettings, ClosedLoopError, PathTrace};
+use crate::plant::{Robot, SimulationOptions};
+use quell_control::controller::RetunePolicy;
+use quell_control::estimators::EstimatorEntry;
+
+/// One of the moves on a path that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PathKind {
+    /// The plan as it is.
+    Unshaped,
+    /// Each joint shaped by a train of its own, for the belief until the mode is known.
+    OwnTrainsFirst,
+    /// The next move of the same controllers: back, with what they have learned.
+    OwnTrainsNext,
+    /// Each joint shaped by the trains of all, for the beliefs: new trains wait for rest.
+    CommonTrainFirst,
+    /// The next move of the same controllers: back, with what they have learned.
+    CommonTrainNext,
+}
+
+impl PathKind {
+    /// All five, in the order in which they are told.
+    pub const ALL: [Self; 5] = [
+        Self::Unshaped,
+        Self::OwnTrainsFirst,
+        Self::OwnTrainsNext,
+        Self::CommonTrainFirst,
+        Self::CommonTrainNext,
+    ];
+
+    /// Name in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unshaped => "unshaped",
+            Self::OwnTrainsFirst => "own_trains_first",
+            Self::OwnTrainsNext => "own_trains_next",
+            Self::CommonTrainFirst => "common_train_first",
+            Self::CommonTrainNext => "common_train_next",
+        }
+    }
+}
+
+/// A joint that moves on the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathJoint {
+    /// The joint, counted from 0.
+    pub joint: usize,
+    /// Its displacement, rad, not 0.
+    pub displacement: f64,
+    /// Its limits.
+    pub limits: Limits,
+    /// The mode that is believed in; none for a stiff joint, which has no train of its own.
+    pub belief: Option<Mode>,
+}
+
+/// A move on a path, and the robot that makes it.
+#[derive(Clone)]
+pub struct PathScenario {
+    /// The robot.
+    pub robot: Robot,
+    /// The joints that move, at least one of them with a mode.
+    pub joints: Vec<PathJoint>,
+    /// How the arms are simulated.
+    pub simulation: SimulationOptions,
+    /// The rule that designs trains.
+    pub shaper: &'static dyn Shaper,
+    /// Method of estimation.
+    pub estimator: &'static EstimatorEntry,
+}
+
+/// The five moves side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathComparison {
+    /// The moves, in the order of [`PathKind::ALL`].
+    pub moves: Vec<(PathKind, PathTrace)>,
+}
+
+impl PathComparison {
+    /// Puts the moves of the three sets of cells side by side.
+    pub fn new(unshaped: PathTrace, own: [PathTrace; 2], common: [PathTrace; 2]) -> Self {
+        let traces = [unshaped].into_iter().chain(own).chain(common);
+        Self {
+            moves: PathKind::ALL.into_iter().zip(traces).collect(),
+        }
+    }
+
+    /// The move of that kind.
+    pub fn trace(&self, kind: PathKind) -> &PathTrace {
+        &self.moves[kind as usize].1
+    }
+
+    /// Residual vibration of a joint, by its place in the scenario, over that of its unshaped move; not a number for a
+    /// stiff joint.
+    pub fn ratio(&self, kind: PathKind, joint: usize) -> f64 {
+        let of = |kind| self.trace(kind).joints[joint].residual();
+        of(kind) / of(PathKind::Unshaped)
+    }
+}
+
+impl PathScenario {
+    /// The plan as it is.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError`] where the robot cannot be simulated or the move cannot be planned.
+    pub fn unshaped(&self) -> Result<PathTrace, ClosedLoopError> {
+        let mut cells = Cells::new(&self.cells(false), false)?;
+        let targets = self.targets(&cells.positions());
+        cells.run_move(&targets, self.limits())
+    }
+
+    /// There and back, every joint with a train of its own.
+    ///
+    /// # Errors
+    /// As [`PathScenario::unshaped`].
+    pub fn own_trains(&self) -> Result<[PathTrace; 2], ClosedLoopError> {
+        self.there_and_back(Cells::new(&self.cells(true), false)?)
+    }
+
+    /// There and back, every joint with the trains of all.
+    ///
+    /// # Errors
+    /// As [`PathScenario::unshaped`].
+    pub fn common_train(&self) -> Result<[PathTrace; 2], ClosedLoopError> {
+        self.there_and_back(Cells::new(&self.cells(true), true)?)
+    }
+
+    fn there_and_back(&self, mut cells: Cells) -> Result<[PathTrace; 2], ClosedLoopError> {
+        let start = cells.positions();
+        let there = cells.run_move(&self.targets(&start), self.limits())?;
+        Ok([there, cells.run_move(&start, self.limits())?])
+    }
+
+    fn targets(&self, start: &[f64]) -> Vec<f64> {
+        let ends = start.iter().zip(&self.joints);
+        ends.map(|(start, joint)| start + joint.displacement)
+            .collect()
+    }
+
+    /// Limits of the path parameter: those of the joint that they bind most. A joint that goes `d` while the parameter
+    /// goes 1 has `|d|` times its velocity, acceleration and jerk.
+    fn limits(&self) -> Limits {
+        let least = |of: fn(&Limits) -> f64| {
+            let each = self
+                .joints
+                .iter()
+                .map(|one| of(&one.limits) / one.displacement.abs());
+            each.fold(f64::INFINITY, f64::min)
+        };
+        Limits {
+            velocity: least(|limits| limits.velocity),
+            acceleration: least(|limits| limits.acceleration),
+            jerk: least(|limits| limits.jerk),
+        }
+    }
+
+    fn cells(&self, shaped: bool) -> Vec<CellSettings> {
+        // A stiff joint is watched as long as one that rings.
+        let any = self.joints.iter().find_map(|joint| joint.belief);
+        let cell = |(index, joint): (u64, &PathJoint)| {
+            let shaped = shaped && joint.belief.is_some();
+            Some(CellSettings {
+                robot: self.robot.clone(),
+                joint: joint.joint,
+                displacement: joint.displacement,
+                simulation: SimulationOptions {
+                    seed: self.simulation.seed.wrapping_add(index),
+                    ..self.simulation.clone()
+                },
+                limits: joint.limits,
+                shaper: shaped.then_some(self.shaper),
+                belief: joint.belief.or(any)?,
+                adaptive: shaped,
+                retune: RetunePolicy::InMotion,
+                estimator: self.estimator,
+            })
+        };
+        (0..).zip(&self.joints).filter_map(cell).collect()
+    }
+}

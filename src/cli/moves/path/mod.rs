@@ -1,0 +1,129 @@
+//! `quell move --path`: several joints on a straight line in joint space, with a train each and with one for all.
+
+mod document;
+mod files;
+mod page;
+
+use std::path::Path;
+
+use super::{Args, finished, refused, scenario};
+use crate::cli::{CliError, output};
+use crate::closed_loop::{
+    ClosedLoopError, PathComparison, PathJoint, PathKind, PathScenario, PathTrace,
+};
+use crate::plant::Robot;
+use crate::signal::JointKind;
+
+/// Runs the verb with `--path`.
+///
+/// # Errors
+/// [`CliError::Input`] where the robot, a belief or the move is refused.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let scenario = from(args)?;
+    let reads: Vec<&Path> = args.robot.robot.as_deref().into_iter().collect();
+    let out = files::open(&args.out, args.force, &reads, &scenario)?;
+    let comparison = side_by_side(&scenario)?;
+    files::write(&out, &scenario, &comparison)?;
+    if args.json {
+        return output::json(&document::document(&scenario, &comparison));
+    }
+    output::text(&document::text(&scenario, &comparison))?;
+    let report = args.out.join(files::REPORT);
+    output::text(&format!("\nReport: {}\n", report.display()))
+}
+
+/// The scenario of the arguments.
+fn from(args: &Args) -> Result<PathScenario, CliError> {
+    let robot = super::super::robot_args::robot(args.robot.robot.as_deref())?;
+    let joints = joints(args, &robot)?;
+    if joints.iter().all(|joint| joint.belief.is_none()) {
+        let text = format!(
+            "no joint of {} that moves has a mode: none rings",
+            robot.name
+        );
+        return Err(CliError::input(text));
+    }
+    Ok(PathScenario {
+        joints,
+        simulation: args.simulation.options(),
+        shaper: args.shaper,
+        estimator: args.estimator,
+        robot,
+    })
+}
+
+/// The joints that move, two at least.
+fn joints(args: &Args, robot: &Robot) -> Result<Vec<PathJoint>, CliError> {
+    let chain = robot.chain.joints();
+    if args.target.len() > chain.len() {
+        let text = format!(
+            "--target: {} targets, and {} has joints 1 to {}",
+            args.target.len(),
+            robot.name,
+            chain.len()
+        );
+        return Err(CliError::input(text));
+    }
+    let mut joints = Vec::new();
+    for (joint, target) in args
+        .target
+        .iter()
+        .enumerate()
+        .filter(|(_, target)| **target != 0.0)
+    {
+        if chain[joint].kind == JointKind::Prismatic {
+            let text = format!(
+                "--target: joint {} slides; only joints that turn can move",
+                joint + 1
+            );
+            return Err(CliError::input(text).with_help("a target of 0 leaves it where it stands"));
+        }
+        let own = &robot.joints[joint];
+        joints.push(PathJoint {
+            joint,
+            displacement: target.to_radians(),
+            limits: scenario::limits(args, own.limits),
+            belief: scenario::belief_of(args, own)?,
+        });
+    }
+    match joints.len() {
+        0 | 1 => Err(CliError::input("--path: at least two joints must move")
+            .with_help("--target takes one angle for each joint, from joint 1 on: --target 30,45")),
+        _ => Ok(joints),
+    }
+}
+
+/// The cells of one way to shape do not know those of another: they run side by side.
+fn side_by_side(scenario: &PathScenario) -> Result<PathComparison, CliError> {
+    let (unshaped, (own, common)) = rayon::join(
+        || cells(scenario, PathScenario::unshaped),
+        || {
+            rayon::join(
+                || cells(scenario, PathScenario::own_trains),
+                || cells(scenario, PathScenario::common_train),
+            )
+        },
+    );
+    // A move that was cut off is told before what it broke in the next.
+    let unshaped = unshaped?;
+    all_finished(PathKind::Unshaped, &unshaped)?;
+    let comparison = PathComparison::new(unshaped, own?, common?);
+    for (kind, trace) in &comparison.moves {
+        all_finished(*kind, trace)?;
+    }
+    Ok(comparison)
+}
+
+fn all_finished(kind: PathKind, trace: &PathTrace) -> Result<(), CliError> {
+    let mut joints = trace.joints.iter();
+    joints.try_for_each(|joint| finished(kind.name(), joint))
+}
+
+/// The cells of one way to shape, named in the log by the shaper.
+fn cells<T>(
+    scenario: &PathScenario,
+    run: fn(&PathScenario) -> Result<T, ClosedLoopError>,
+) -> Result<T, CliError> {
+    let _span = tracing::info_span!("cells", shaper = scenario.shaper.name()).entered();
+    run(scenario).map_err(refused)
+}
