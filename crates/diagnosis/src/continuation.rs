@@ -27,10 +27,7 @@ impl Search<'_> {
         let winding = |effect: &EffectAt| {
             effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
         };
-        let all = match self.table {
-            Table::Named => candidates(self.problem, Table::Named),
-            Table::Learned => Vec::new(),
-        };
+        let all = candidates(self.problem, Table::Named);
         let continued = all.into_iter().filter(winding);
         let candidate = |effect: EffectAt| Candidate {
             effect,

@@ -23,7 +23,7 @@ const POOR: f64 = 0.25;
 
 /// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
 /// many as there are unknowns.
-const LEARNED: usize = 12;
+const LEARNED: usize = 40;
 
 /// A fit on its way.
 pub struct Descent<'a> {

@@ -18,7 +18,8 @@ const SIZES: usize = 4;
 
 impl Search<'_> {
     /// Candidates on top of an explanation, fitted and judged.
-    pub fn extend(&self, from: &Explanation, temperature: f64) -> Vec<Explanation> {
+    pub fn extend(&self, from: &Explanation, table: Table, temperature: f64) -> Vec<Explanation> {
+        let before = quell_model::simulations();
         let located = Problem {
             scales: self.problem.located_in(from),
             ..self.problem.clone()
@@ -33,28 +34,44 @@ impl Search<'_> {
         if let Some(linear) = &linear {
             // What a further effect must gain to be worth its prior odds.
             let fall = -2.0 * temperature * problem.log_prior_of_one();
-            found = search.screened(from, linear, fall);
+            found = search.screened(from, linear, table, fall);
         }
         search.add_known(from, &mut found);
         let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
         halving.lead();
-        let continued = search.continued(from, &halving);
-        halving.enter(continued);
+        if table == Table::Named {
+            let continued = search.continued(from, &halving);
+            halving.enter(continued);
+        }
         let found = halving.finish();
         found.iter().for_each(|own| self.log(own, from, temperature));
+        tracing::debug!(
+            from = ?point.structure(),
+            ?table,
+            temperature,
+            simulations = quell_model::simulations() - before,
+            fitted = found.len(),
+            "extended"
+        );
         found
     }
 
     /// The best candidates of a screen.
-    fn screened(&self, from: &Explanation, linear: &Linearised, fall: f64) -> Vec<Candidate> {
+    fn screened(
+        &self,
+        from: &Explanation,
+        linear: &Linearised,
+        table: Table,
+        fall: f64,
+    ) -> Vec<Candidate> {
         let (problem, point) = (self.problem, &from.fitted.point);
         // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
         let mut believed = point.clone();
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
         }
-        let starts = screen(problem, point, linear, self.projector, (self.table, SIZES));
+        let starts = screen(problem, point, linear, self.projector, (table, SIZES));
         let candidate = |starts: Vec<Start>| {
             let with = |from: &Point, s: &Start| from.with(s.effect, s.place, s.values.clone());
             let near = starts.iter().map(|start| with(point, start));
@@ -65,7 +82,7 @@ impl Search<'_> {
                 far: Vec::new(),
             }
         };
-        let most = match self.table {
+        let most = match table {
             Table::Named => FITTED,
             Table::Learned => LEARNED,
         };

@@ -2,13 +2,12 @@
 
 use super::explanation::{Explanation, Judge};
 use super::point::Point;
-use super::screen::Table;
 use rayon::prelude::*;
 
-/// An explanation, and the tables by whose effects it was extended.
+/// An explanation, and whether it was extended by further effects.
 struct Entry {
     own: Explanation,
-    extended: Vec<Table>,
+    extended: bool,
 }
 
 /// Explanations, each with a structure of its own.
@@ -23,7 +22,7 @@ impl Pool {
         Self {
             all: vec![Entry {
                 own: baseline,
-                extended: Vec::new(),
+                extended: false,
             }],
         }
     }
@@ -35,7 +34,7 @@ impl Pool {
             Some(_) => {}
             None => self.all.push(Entry {
                 own: next,
-                extended: Vec::new(),
+                extended: false,
             }),
         }
     }
@@ -44,7 +43,7 @@ impl Pool {
     pub fn map(&self, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
         let entry = |entry: &Entry| Entry {
             own: refit(&entry.own),
-            extended: entry.extended.clone(),
+            extended: entry.extended,
         };
         Self {
             all: self.all.par_iter().map(entry).collect(),
@@ -67,22 +66,21 @@ impl Pool {
         self.ranked(self.temperature(judge))[0].0
     }
 
-    /// Marks a structure as extended by the effects of a table.
-    pub fn mark(&mut self, own: &Explanation, table: Table) {
+    /// Marks a structure as extended.
+    pub fn mark(&mut self, own: &Explanation) {
         let like = |entry: &&mut Entry| entry.own.is_like(own);
-        let entries = self.all.iter_mut().filter(like);
-        entries.for_each(|entry| entry.extended.push(table));
+        self.all.iter_mut().filter(like).for_each(|entry| entry.extended = true);
     }
 
-    /// Whether a structure was extended by the effects of a table.
-    pub fn is_extended(&self, own: &Explanation, table: Table) -> bool {
-        let extended = |entry: &&Entry| entry.extended.contains(&table);
-        self.all.iter().filter(extended).any(|entry| entry.own.is_like(own))
+    /// Whether a structure was extended.
+    pub fn is_extended(&self, own: &Explanation) -> bool {
+        let mut extended = self.all.iter().filter(|entry| entry.extended);
+        extended.any(|entry| entry.own.is_like(own))
     }
 
-    /// How often a structure was extended.
+    /// Number of structures that were extended.
     pub fn extended(&self) -> usize {
-        self.all.iter().map(|entry| entry.extended.len()).sum()
+        self.all.iter().filter(|entry| entry.extended).count()
     }
 
     /// Chi-squared a row of what is left by the explanation that leaves least, at least 1: of what was fitted and

@@ -12,7 +12,8 @@ use super::fit::{Linearised, Projector, orthonormal};
 use super::point::{EffectAt, Point};
 use super::problem::{Problem, Run};
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
-use quell_model::effects::{Effect, LEARNED, Place};
+use quell_model::chain::RESONANCES;
+use quell_model::effects::{Effect, LEARNED, Law, Place};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -110,9 +111,12 @@ pub fn screen(
         basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
+    let modes = point.terms.iter().filter(|term| is_mode(term.effect, &term.values));
+    let full = modes.count() >= RESONANCES;
     let there = |effect: EffectAt| {
         let once = point.terms.iter().any(|term| term.identity() == effect);
-        once && !effect.0.may_repeat()
+        let mode = || is_mode(effect.0, &effect.0.neutral());
+        once && !effect.0.may_repeat() || full && mode()
     };
     let tried: Vec<Vec<Start>> = candidates(problem, table)
         .into_par_iter()
@@ -266,6 +270,11 @@ struct Promise {
 fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     let all = rows.iter().flat_map(|part| part.iter().copied());
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
+}
+
+/// Whether an effect is a further mode, of which the chain has so many at most.
+fn is_mode(effect: &Effect, values: &[f64]) -> bool {
+    matches!((effect.law)(values), Law::Resonance(_))
 }
 
 /// The pseudo-inverse of the directions, by their normal equations.

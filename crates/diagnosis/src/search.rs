@@ -23,8 +23,6 @@ pub struct Search<'a> {
     pub projector: &'a Projector,
     /// Judges its fits.
     pub judge: &'a Judge<'a>,
-    /// Where candidates come from.
-    pub table: Table,
     /// Explanations that were looked at elsewhere.
     pub known: &'a Known,
     /// Told how far the work is, 0 to 1, and what is being done.
@@ -38,28 +36,8 @@ impl Search<'_> {
         self.judge.judge(self.problem, self.projector, fitted)
     }
 
-    /// Extends structures of a pool until nothing raises the evidence: by laws of the catalogue and, where these leave
-    /// more than noise, by laws whose shape is learned.
-    pub fn run(&self, pool: &mut Pool) {
-        let learning = Search {
-            table: Table::Learned,
-            ..*self
-        };
-        loop {
-            self.by_own_table(pool);
-            let best = pool.best(self.judge).clone();
-            if self.known.alone || self.leaves_noise(&best) {
-                return;
-            }
-            learning.by_own_table(pool);
-            if pool.best(self.judge).is_like(&best) {
-                return;
-            }
-        }
-    }
-
     /// Extends the best structures of each size until nothing raises the evidence.
-    fn by_own_table(&self, pool: &mut Pool) {
+    pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
             if !self.exchange(pool) {
@@ -78,13 +56,19 @@ impl Search<'_> {
         true
     }
 
-    /// Extends a structure of a pool.
+    /// Extends a structure of a pool: by laws of the catalogue and, where these leave more than noise, by laws whose
+    /// shape is learned.
     fn extend_in(&self, pool: &mut Pool, own: &Explanation) {
-        for child in self.extend(own, pool.temperature(self.judge)) {
-            pool.add(child);
+        for table in [Table::Named, Table::Learned] {
+            if table == Table::Learned && self.leaves_noise(pool.best(self.judge)) {
+                break;
+            }
+            for child in self.extend(own, table, pool.temperature(self.judge)) {
+                pool.add(child);
+            }
+            self.thin_out(pool);
         }
-        pool.mark(own, self.table);
-        self.thin_out(pool);
+        pool.mark(own);
     }
 
     /// The next structure to extend: of the beam of each number of effects, as long as the best of so many is not
@@ -103,7 +87,7 @@ impl Search<'_> {
                 return None;
             }
             least = best;
-            let open = level.iter().find(|own| !pool.is_extended(own.0, self.table));
+            let open = level.iter().find(|own| !pool.is_extended(own.0));
             if let Some((next, _)) = open {
                 return Some((*next).clone());
             }
@@ -143,7 +127,7 @@ impl Search<'_> {
         };
         for term in terms {
             let kept = pool.like(&point.without(term)).cloned();
-            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept, self.table)) {
+            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept)) {
                 self.extend_in(pool, &kept);
             }
         }

@@ -9,7 +9,6 @@ use super::found::Found;
 use super::outcome::Progress;
 use super::pool::Pool;
 use super::problem::Problem;
-use super::screen::Table;
 use super::search::Search;
 use super::thresholds::LONG;
 use super::weights::measured_again;
@@ -72,7 +71,6 @@ pub fn search<'a>(
         problem,
         projector,
         judge,
-        table: Table::Named,
         known,
         progress,
     }

@@ -15,6 +15,9 @@ use rayon::prelude::*;
 /// the winner than to none.
 const NEARER: f64 = 0.5;
 
+/// Candidates that are carried to their ends.
+const HALF: usize = 5;
+
 /// Candidates on top of an explanation, and how far each is fitted.
 pub(super) struct Halving<'a> {
     search: &'a Search<'a>,
@@ -118,10 +121,12 @@ impl<'a> Halving<'a> {
     pub fn finish(mut self) -> Vec<Explanation> {
         let entrants = std::mem::take(&mut self.entrants);
         let winner = self.winner().unwrap_or(f64::INFINITY);
-        let chosen: Vec<Descent> = entrants
+        let mut chosen: Vec<Descent> = entrants
             .into_par_iter()
             .filter_map(|entrant| self.chosen(entrant, winner))
             .collect();
+        chosen.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        chosen.truncate(HALF);
         let costs = chosen.iter().map(Descent::cost);
         let leader = self.leader.as_ref();
         let ahead = costs.chain(leader.map(|own| own.fitted.cost));
