@@ -40,6 +40,13 @@ impl Explanation {
         self.fitted.point.terms.len() - self.fitted.point.given_terms
     }
 
+    /// Whether one of its laws was learned.
+    pub fn is_learned(&self) -> bool {
+        let point = &self.fitted.point;
+        let mut added = point.terms[point.given_terms..].iter();
+        added.any(|term| term.effect.is_learned())
+    }
+
     /// Whether another one has the same effects at the same places, as often, in whatever order.
     pub fn is_like(&self, other: &Self) -> bool {
         self.has_structure_of(&other.fitted.point)

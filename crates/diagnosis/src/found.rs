@@ -28,51 +28,67 @@ pub struct Found {
     pub temperature: f64,
 }
 
+/// What is told of a pool.
+struct Told {
+    best: Explanation,
+    /// Without each of its effects.
+    ablated: Vec<Explanation>,
+    /// More probable ones that are not told.
+    refused: Vec<Explanation>,
+}
+
 impl Search<'_> {
     /// Tells what a pool says.
     pub fn found(&self, mut pool: Pool) -> Found {
-        let (best, ablated) = self.told(&mut pool);
+        let told = self.told(&mut pool);
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature);
-        let sound = |own: &Explanation| own.terms() == 0 || self.problem.is_meaningful(own, temperature);
-        let first = best.log_evidence(temperature);
+        let first = told.best.log_evidence(temperature);
         let weigh = |(own, log): (&Explanation, f64)| {
-            let weight = if sound(own) { (log - first).min(0.0).exp() } else { 0.0 };
-            (own.clone(), weight)
+            let sound = !told.refused.iter().any(|other| other.is_like(own))
+                && self.problem.is_meaningful(own, temperature);
+            (own.clone(), if sound { (log - first).exp() } else { 0.0 })
         };
         let mut ranked: Vec<(Explanation, f64)> = ranked.into_iter().map(weigh).collect();
         let all: f64 = ranked.iter().map(|own| own.1).sum();
         ranked.iter_mut().for_each(|own| own.1 /= all);
         Found {
-            equals: credible(&ranked, &best),
+            equals: credible(&ranked, &told.best),
             baseline: pool.baseline().clone(),
-            best,
-            ablated,
+            best: told.best,
+            ablated: told.ablated,
             ranked,
             temperature,
         }
     }
 
-    /// The most probable explanation whose parameters mean something, and of whose effects none makes the prediction
-    /// of what was held out worse; with it what is left without each of its effects.
-    fn told(&self, pool: &mut Pool) -> (Explanation, Vec<Explanation>) {
+    /// The most probable explanation whose parameters mean something, that predicts what was held out better than the
+    /// model without it, and of whose effects none makes that prediction worse.
+    fn told(&self, pool: &mut Pool) -> Told {
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature).into_iter().map(|own| own.0.clone());
-        let ranked: Vec<Explanation> = ranked.collect();
+        let ranked: Vec<Explanation> = ranked.take_while(|own| own.terms() > 0).collect();
+        let mut refused = Vec::new();
         for own in ranked {
-            if own.terms() == 0 {
-                break;
+            let better = own.held_out <= pool.baseline().held_out;
+            if better && self.problem.is_meaningful(&own, temperature) {
+                let ablated = self.ablated(&own, pool);
+                let held = |own: &Explanation| own.evidence.of_held_out(temperature);
+                if ablated.iter().all(|without| held(without) < held(&own) + BARE_MENTION) {
+                    return Told {
+                        best: own,
+                        ablated,
+                        refused,
+                    };
+                }
             }
-            if !self.problem.is_meaningful(&own, temperature) {
-                continue;
-            }
-            let ablated = self.ablated(&own, pool);
-            let held = |own: &Explanation| own.evidence.of_held_out(temperature);
-            if ablated.iter().all(|without| held(without) < held(&own) + BARE_MENTION) {
-                return (own, ablated);
-            }
+            refused.push(own);
         }
-        (pool.baseline().clone(), Vec::new())
+        Told {
+            best: pool.baseline().clone(),
+            ablated: Vec::new(),
+            refused,
+        }
     }
 
     /// An explanation without each of its effects, refitted.

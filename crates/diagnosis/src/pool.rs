@@ -2,12 +2,13 @@
 
 use super::explanation::{Explanation, Judge};
 use super::point::Point;
+use super::screen::Table;
 use rayon::prelude::*;
 
-/// An explanation, and whether it was extended by further effects.
+/// An explanation, and the tables by whose effects it was extended.
 struct Entry {
     own: Explanation,
-    extended: bool,
+    extended: Vec<Table>,
 }
 
 /// Explanations, each with a structure of its own.
@@ -22,7 +23,7 @@ impl Pool {
         Self {
             all: vec![Entry {
                 own: baseline,
-                extended: false,
+                extended: Vec::new(),
             }],
         }
     }
@@ -34,7 +35,7 @@ impl Pool {
             Some(_) => {}
             None => self.all.push(Entry {
                 own: next,
-                extended: false,
+                extended: Vec::new(),
             }),
         }
     }
@@ -43,7 +44,7 @@ impl Pool {
     pub fn map(&self, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
         let entry = |entry: &Entry| Entry {
             own: refit(&entry.own),
-            extended: entry.extended,
+            extended: entry.extended.clone(),
         };
         Self {
             all: self.all.par_iter().map(entry).collect(),
@@ -66,21 +67,22 @@ impl Pool {
         self.ranked(self.temperature(judge))[0].0
     }
 
-    /// Marks a structure as extended.
-    pub fn mark(&mut self, own: &Explanation) {
+    /// Marks a structure as extended by the effects of a table.
+    pub fn mark(&mut self, own: &Explanation, table: Table) {
         let like = |entry: &&mut Entry| entry.own.is_like(own);
-        self.all.iter_mut().filter(like).for_each(|entry| entry.extended = true);
+        let entries = self.all.iter_mut().filter(like);
+        entries.for_each(|entry| entry.extended.push(table));
     }
 
-    /// Whether a structure was extended.
-    pub fn is_extended(&self, own: &Explanation) -> bool {
-        let mut extended = self.all.iter().filter(|entry| entry.extended);
+    /// Whether a structure was extended by the effects of a table.
+    pub fn is_extended(&self, own: &Explanation, table: Table) -> bool {
+        let mut extended = self.all.iter().filter(|entry| entry.extended.contains(&table));
         extended.any(|entry| entry.own.is_like(own))
     }
 
-    /// Number of structures that were extended.
+    /// How often a structure was extended.
     pub fn extended(&self) -> usize {
-        self.all.iter().filter(|entry| entry.extended).count()
+        self.all.iter().map(|entry| entry.extended.len()).sum()
     }
 
     /// Chi-squared a row of what is left by the explanation that leaves least, at least 1: of what was fitted and

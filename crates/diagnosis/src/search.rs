@@ -40,7 +40,7 @@ impl Search<'_> {
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
-            if !self.exchange(pool) {
+            if !(self.learn(pool) || self.exchange(pool)) {
                 return;
             }
         }
@@ -56,43 +56,49 @@ impl Search<'_> {
         true
     }
 
-    /// Extends a structure of a pool: by laws of the catalogue and, where these leave more than noise, by laws whose
+    /// Extends a structure of a pool by laws of the catalogue and, where these leave more than noise, by laws whose
     /// shape is learned.
     fn extend_in(&self, pool: &mut Pool, own: &Explanation) {
-        for table in [Table::Named, Table::Learned] {
-            if table == Table::Learned && self.leaves_noise(pool.best(self.judge)) {
-                break;
-            }
-            for child in self.extend(own, table, pool.temperature(self.judge)) {
-                pool.add(child);
-            }
-            self.thin_out(pool);
+        self.extend_by(pool, own, Table::Named);
+        if !self.leaves_noise(pool.best(self.judge)) {
+            self.extend_by(pool, own, Table::Learned);
         }
-        pool.mark(own);
     }
 
-    /// The next structure to extend: of the beam of each number of effects, as long as the best of so many is not
-    /// worse than one with less.
-    fn next(&self, pool: &Pool) -> Option<Explanation> {
-        let temperature = pool.temperature(self.judge);
-        let ranked = pool.ranked(temperature);
-        // Nothing masks an effect where only noise is left.
-        let beam = if self.leaves_noise(ranked[0].0) { 1 } else { BEAM };
-        let mut least = f64::NEG_INFINITY;
-        for count in 0..MOST_EFFECTS {
-            let level = ranked.iter().filter(|own| own.0.terms() == count);
-            let level: Vec<_> = level.take(beam).collect();
-            let best = level.first()?.1;
-            if best < least {
-                return None;
-            }
-            least = best;
-            let open = level.iter().find(|own| !pool.is_extended(own.0));
-            if let Some((next, _)) = open {
-                return Some((*next).clone());
-            }
+    /// Extends a structure of a pool by the laws of a table.
+    fn extend_by(&self, pool: &mut Pool, own: &Explanation, table: Table) {
+        for child in self.extend(own, table, pool.temperature(self.judge)) {
+            pool.add(child);
         }
-        None
+        self.thin_out(pool);
+        pool.mark(own, table);
+    }
+
+    /// Looks for one learned law in the place of several laws of the catalogue, which may be parts of one curve.
+    /// Whether there is a better explanation.
+    fn learn(&self, pool: &mut Pool) -> bool {
+        let best = pool.best(self.judge).clone();
+        let baseline = pool.baseline().clone();
+        if best.terms() < 2 || pool.is_extended(&baseline, Table::Learned) {
+            return false;
+        }
+        self.extend_by(pool, &baseline, Table::Learned);
+        !pool.best(self.judge).is_like(&best)
+    }
+
+    /// The next structure to extend: of those of named laws alone, which a learned law would outrun before they are
+    /// complete, or, where it is the best of all, one that has a learned law.
+    fn next(&self, pool: &Pool) -> Option<Explanation> {
+        let ranked = pool.ranked(pool.temperature(self.judge));
+        let (learned, named): (Vec<_>, Vec<_>) = ranked.iter().partition(|own| own.0.is_learned());
+        let best = ranked[0].0;
+        // Nothing masks an effect where only noise is left.
+        let beam = if self.leaves_noise(best) { 1 } else { BEAM };
+        let next = match best.is_learned() && beam == 1 {
+            true => None,
+            false => open(pool, &named, beam),
+        };
+        next.or_else(|| best.is_learned().then(|| open(pool, &learned, 1)).flatten())
     }
 
     /// Drops from the best explanation every term without which the evidence is no less.
@@ -127,10 +133,32 @@ impl Search<'_> {
         };
         for term in terms {
             let kept = pool.like(&point.without(term)).cloned();
-            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept)) {
+            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept, Table::Named)) {
                 self.extend_in(pool, &kept);
             }
         }
         !pool.best(self.judge).is_like(&best)
     }
+}
+
+/// The best structure of a beam of each number of effects that was not extended, as long as the best of so many is not
+/// worse than one with less.
+fn open(pool: &Pool, ranked: &[(&Explanation, f64)], beam: usize) -> Option<Explanation> {
+    let mut least = f64::NEG_INFINITY;
+    for count in 0..MOST_EFFECTS {
+        let level = ranked.iter().filter(|own| own.0.terms() == count);
+        let level: Vec<_> = level.take(beam).collect();
+        let Some(best) = level.first() else {
+            continue;
+        };
+        if best.1 < least {
+            return None;
+        }
+        least = best.1;
+        let open = level.iter().find(|own| !pool.is_extended(own.0, Table::Named));
+        if let Some((next, _)) = open {
+            return Some((*next).clone());
+        }
+    }
+    None
 }
