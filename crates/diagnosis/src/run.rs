@@ -50,8 +50,10 @@ pub(super) fn attempt(
                 // What was fitted best may be right all the same: a force that is wrong by little drifts away
                 // in what was held out.
                 points.extend(known.points.iter().cloned());
-                let alone = known.alone;
-                let known = Known { points, alone };
+                let known = Known {
+                    points,
+                    ..known.clone()
+                };
                 ending = investigate(model, &data, &known, options, progress, told, true)?;
             }
         }
@@ -120,6 +122,11 @@ fn investigate(
     }
     options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
+    if options.enough.was_asked() {
+        let remark = "The search was ended before its time: this is the best explanation so far, and further \
+            effects may be missing.";
+        remarks.push(remark.into());
+    }
     let (mut diagnosis, scale) = conclude(&search, &found, &located, remarks, options.seed);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);

@@ -40,7 +40,7 @@ impl Search<'_> {
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
-            if !(self.learn(pool) || self.exchange(pool)) {
+            if self.known.enough.now() || !(self.learn(pool) || self.exchange(pool)) {
                 return;
             }
         }
@@ -48,6 +48,10 @@ impl Search<'_> {
 
     /// Extends the next structure of a pool, if there is one.
     pub fn grow(&self, pool: &mut Pool) -> bool {
+        let first = !pool.is_extended(pool.baseline(), Table::Named);
+        if !first && self.known.enough.now() {
+            return false;
+        }
         let Some(next) = self.next(pool) else {
             return false;
         };
@@ -133,7 +137,8 @@ impl Search<'_> {
         };
         for term in terms {
             let kept = pool.like(&point.without(term)).cloned();
-            if let Some(kept) = kept.filter(|kept| !pool.is_extended(kept, Table::Named)) {
+            let kept = kept.filter(|kept| !pool.is_extended(kept, Table::Named));
+            if let Some(kept) = kept.filter(|_| !self.known.enough.now()) {
                 self.extend_in(pool, &kept);
             }
         }
