@@ -2,6 +2,7 @@
 
 use super::search::Search;
 use super::descent::Descent;
+use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::point::{Global, Point};
 use super::thresholds::SHORT;
@@ -23,7 +24,7 @@ impl Search<'_> {
         };
         let candidates = &self.problem.scales.candidate_events;
         let (effect, place) = (event.effect, event.place);
-        let temperature = self.judge.unit(&explanation);
+        let temperature = CALIBRATED * self.judge.unit(&explanation);
         let mut best = explanation.clone();
         for &time in candidates {
             let point = &best.fitted.point;

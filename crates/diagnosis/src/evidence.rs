@@ -31,6 +31,14 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// Width of the prior of what a recording alone has (a clock's offset, how it starts), in typical sizes.
 const LOCAL: f64 = 10.0;
 
+/// Temperature of the evidence where only noise is left.
+///
+/// The likelihood takes the noise for Gaussian, of known level and colour, and the input for exact. Neither is so: the
+/// level is known within a tenth, and an encoder's rounding is coherent with the motion. On recordings in which nothing
+/// was hidden the best effect lowered the criterion by up to 29, on such with an effect the true one by 88 or more; at
+/// this temperature the former pays less, the latter more, than what one more effect costs.
+pub const CALIBRATED: f64 = 4.0;
+
 /// Log of the prior probability that a law has exactly the shape of the catalogue, and that it has not.
 const EXACT_OR_NOT: f64 = -std::f64::consts::LN_2;
 

@@ -24,8 +24,10 @@ pub struct Found {
     pub ablated: Vec<Explanation>,
     /// All that were looked at, the most probable first, with the share of probability.
     pub ranked: Vec<(Explanation, f64)>,
-    /// Chi-squared a row of what is left, at least 1.
+    /// Temperature of the evidence.
     pub temperature: f64,
+    /// Chi-squared a row of what is left, at least 1.
+    pub unit: f64,
 }
 
 /// What is told of a pool.
@@ -59,6 +61,7 @@ impl Search<'_> {
             ablated: told.ablated,
             ranked,
             temperature,
+            unit: pool.unit(self.judge),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The explanations that were looked at, one of each structure, and what is believed of each.
 
+use super::evidence::CALIBRATED;
 use super::explanation::{Explanation, Judge};
 use super::point::Point;
 use super::screen::Table;
@@ -87,12 +88,17 @@ impl Pool {
 
     /// Chi-squared a row of what is left by the explanation that leaves least, at least 1: of what was fitted and
     /// of what was held out, there beyond the errors of the fit.
-    pub fn temperature(&self, judge: &Judge) -> f64 {
+    pub fn unit(&self, judge: &Judge) -> f64 {
         let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
         let left = |entry: &Entry| {
             (entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()) / rows
         };
         self.all.iter().map(left).fold(f64::INFINITY, f64::min).max(1.0)
+    }
+
+    /// Temperature of the evidence: what the best explanation leaves, [`CALIBRATED`].
+    pub fn temperature(&self, judge: &Judge) -> f64 {
+        CALIBRATED * self.unit(judge)
     }
 
     /// All of them with the logarithms of their marginal likelihoods, the most probable first.

@@ -57,7 +57,7 @@ pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<Nex
             .map(|pair| Rival::new(search.problem, pair.right, pair.wrong))
             .collect(),
         ideas: &ideas,
-        unit: found.temperature,
+        unit: found.unit,
     };
     let payload = Payload::HALF_MORE.changes(search.problem);
     Some(propose(&contest, &pairs, payload))
