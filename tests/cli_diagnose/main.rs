@@ -65,7 +65,14 @@ fn owed(case: &Case) -> Vec<String> {
     for finding in findings {
         let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
         owed.extend(names.map(|name| case.catalogue.title(name)));
-        owed.extend(finding.parameters.iter().flat_map(number_and_unit));
+        match finding.learned() {
+            None => owed.extend(finding.parameters.iter().flat_map(number_and_unit)),
+            Some(learned) => {
+                owed.push(learned.sentence.clone());
+                let nearest = learned.nearest.iter();
+                owed.extend(nearest.map(|nearest| case.catalogue.title(&nearest.effect)));
+            }
+        }
     }
     owed
 }
@@ -127,6 +134,11 @@ fn page_and_text_say_what_the_diagnosis_says() {
         }
         for words in *unsaid {
             assert!(!html.contains(words), "{name}: {words}");
+        }
+        let curves = diagnosis.findings.iter().filter_map(|f| f.curve.as_ref());
+        for curve in curves {
+            let title = format!("{} over the {}", curve.law, curve.coordinate);
+            assert!(html.contains(&title), "{name}: {title}");
         }
         assert_eq!(
             html.contains("What to do next"),

@@ -27,6 +27,7 @@ use super::problem::Problem;
 use input_error::InputError;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
+use quell_model::effects::ParameterRole;
 use quell_model::{Experiment, Value};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -51,9 +52,15 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds.
+    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds. The end of a range
+    /// is as it was set.
     pub fn interval(&self, problem: &Problem, point: &Point, global: Global) -> [f64; 2] {
         let value = problem.get(point, global);
+        if let Global::Parameter(term, index) = global
+            && point.terms[term].effect.parameters[index].role == ParameterRole::Range
+        {
+            return [value; 2];
+        }
         let (low, high) = problem.limits(point, global);
         let index = self.globals.iter().position(|g| *g == global);
         let reach = index.map_or(f64::INFINITY, |i| {

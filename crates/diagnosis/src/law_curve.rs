@@ -242,3 +242,66 @@ fn visited(slot: Slot, place: Place, scales: &Scales) -> Option<(f64, f64)> {
     }
     .filter(|(from, to)| from < to)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Finding;
+
+    #[test]
+    fn a_curve_is_read_back_and_none_is_needed() {
+        let finding = Finding {
+            effect: "learned_spring".into(),
+            place: "transmission".into(),
+            probability: 0.9,
+            parameters: Vec::new(),
+            evidence: String::new(),
+            alternatives: Vec::new(),
+            curve: Some(LawCurve {
+                law: "spring force".into(),
+                unit: "N".into(),
+                coordinate: "deformation".into(),
+                coordinate_unit: "m".into(),
+                points: vec![-0.1, 0.1],
+                values: vec![-1.0 / 3.0, 1.0 / 3.0],
+                ci95: vec![[-0.5, -0.2], [0.2, 0.5]],
+                learned: Some(LearnedLaw {
+                    sentence: "The learned spring is odd.".into(),
+                    nearest: None,
+                }),
+            }),
+        };
+        let written = serde_json::to_string(&finding).unwrap();
+        assert_eq!(serde_json::from_str::<Finding>(&written).unwrap(), finding);
+        // As it was written before there were curves.
+        let old = Finding {
+            curve: None,
+            ..finding
+        };
+        let written = serde_json::to_string(&old).unwrap();
+        assert!(!written.contains("curve"), "{written}");
+        assert_eq!(serde_json::from_str::<Finding>(&written).unwrap(), old);
+    }
+
+    #[test]
+    fn what_was_visited_is_told_for_every_slot_and_place() {
+        let scales = Scales {
+            deformation: 1e-3,
+            deformation_rate: 0.1,
+            position: (-1.0, 2.0),
+            velocity: 1.5,
+            span: (0.0, 8.0),
+            input: 3.0,
+            ..Scales::default()
+        };
+        for effect in LEARNED {
+            let slot = effect.slot().unwrap();
+            for place in effect.places {
+                let range = visited(slot, *place, &scales).unwrap();
+                let points = points(slot, range);
+                assert!(points.is_sorted() && points[0] < points[1], "{effect:?}");
+                assert_eq!(*points.last().unwrap(), range.1, "{effect:?}");
+            }
+        }
+    }
+}
