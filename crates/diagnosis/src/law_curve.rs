@@ -290,9 +290,21 @@ mod tests {
             deformation_rate: 0.1,
             position: (-1.0, 2.0),
             velocity: 1.5,
-            span: (0.0, 8.0),
+            acceleration: 9.0,
+            force: 3.0,
             input: 3.0,
-            ..Scales::default()
+            natural_frequency: 40.0,
+            damping_ratio: 0.02,
+            span: (0.0, 8.0),
+            sample_time: 1e-3,
+            candidate_events: Vec::new(),
+            candidate_frequencies: Vec::new(),
+            candidate_orders: Vec::new(),
+            candidate_stops: Vec::new(),
+            forced: true,
+            tracked: false,
+            rigid: false,
+            visited: quell_model::effects::Visited::default(),
         };
         for effect in LEARNED {
             let slot = effect.slot().unwrap();

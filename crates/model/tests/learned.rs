@@ -2,7 +2,7 @@
 
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
 use quell_model::effects::{
-    Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Visited,
+    Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Slot, Visited,
 };
 use quell_model::{Grid, Hold, Timed, Trace, integrate};
 

@@ -166,5 +166,7 @@ fn set_size(case: &Case, finding: &Finding) -> Figure {
 
 fn probability(case: &Case, finding: &Finding) -> Figure {
     let note = format!("for {}, among what was tried", case.title(&finding.effect));
-    Figure::text("probability", words::percent(finding.probability)).unit("%").note(note)
+    Figure::text("probability", words::percent(finding.probability))
+        .unit("%")
+        .note(note)
 }

@@ -101,13 +101,26 @@ fn picture(case: &Case, finding: &Finding, curve: &LawCurve) -> Chart {
         let values = curve.ci95.iter().map(|band| band[edge] * up.factor);
         values.collect()
     };
-    let title = format!("{}: {} over the {}", words::capital(&name), curve.law, curve.coordinate);
+    let title = format!(
+        "{}: {} over the {}",
+        words::capital(&name),
+        curve.law,
+        curve.coordinate
+    );
     let axes = [along.unit.clone(), up.unit.clone()];
     let [x_unit, y_unit] = axes;
-    let chart = Chart::lines(title, curve.coordinate.clone(), x_unit, curve.law.clone(), y_unit)
-        .band(&name, "95 % band", &x, &edge(0), &edge(1))
-        .series(&name, &x, &up.values(&curve.values));
-    let nearest = finding.learned().and_then(|learned| learned.nearest.as_ref());
+    let chart = Chart::lines(
+        title,
+        curve.coordinate.clone(),
+        x_unit,
+        curve.law.clone(),
+        y_unit,
+    )
+    .band(&name, "95 % band", &x, &edge(0), &edge(1))
+    .series(&name, &x, &up.values(&curve.values));
+    let nearest = finding
+        .learned()
+        .and_then(|learned| learned.nearest.as_ref());
     let chart = match nearest {
         Some(nearest) => {
             let name = format!("nearest named law: {}", case.title(&nearest.effect));
