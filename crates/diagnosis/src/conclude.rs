@@ -5,6 +5,7 @@ use super::search::Search;
 use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
+use super::law_curve::law_curve;
 use super::locate::Located;
 use super::point::{EffectAt, Global};
 use super::quality::{level, quality};
@@ -112,7 +113,9 @@ fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let told = |effect| {
         let gain = found.without(effect).train - best.train;
         let parameters = parameters(search, best, effect, scatter);
-        (gain, finding(search, found, effect, parameters))
+        let mut finding = finding(search, found, effect, parameters);
+        finding.curve = law_curve(search.problem, &best.fitted.point, effect, scatter);
+        (gain, finding)
     };
     let mut findings: Vec<(f64, Finding)> = best.effects().into_iter().map(told).collect();
     findings.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -155,6 +158,7 @@ fn finding(
             .into_iter()
             .map(|other| other.name.to_string())
             .collect(),
+        curve: None,
     }
 }
 

@@ -21,6 +21,7 @@ mod explanation;
 mod extend;
 mod fit;
 mod found;
+mod law_curve;
 mod left;
 mod locate;
 mod meaning;
@@ -63,6 +64,7 @@ pub use document::{
     Verdict,
 };
 pub use error::DiagnosisError;
+pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;
 pub use outcome::{Options, Outcome, Progress};

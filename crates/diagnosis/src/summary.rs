@@ -70,7 +70,7 @@ pub fn times(ratio: f64) -> String {
 
 fn names(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
     let name = |finding: &Finding| {
-        let title = catalogue.title(&finding.effect);
+        let title = finding.title(catalogue);
         match finding.place.as_str() {
             "environment" => title,
             "sensor" => format!("{title} (in the sensor)"),

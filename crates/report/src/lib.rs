@@ -4,6 +4,7 @@ mod case;
 mod findings;
 mod follows;
 mod head;
+mod law;
 mod motion;
 mod next;
 mod page;
