@@ -14,9 +14,9 @@
 //! ln p(y_held | y) = -q' (I + H S H')^-1 q / 2T - ln det(I + H S H') / 2
 //! ```
 //!
-//! Both together are the marginal likelihood of the whole recording. The temperature `T`, at least 1, is the
-//! chi-squared a row of the best explanation: where that leaves more than noise, what is left is no better known
-//! than by its own size.
+//! Both together are the marginal likelihood of the whole recording. The temperature `T` is the chi-squared a row of
+//! what the best explanation leaves, times the samples of it that say as much as one independent one: where that is
+//! more than noise, what is left is no better known than by its own size and correlation.
 //!
 //! Source: MacKay, Neural Computation 4 (1992); Kass and Raftery, J. American Statistical Association 90 (1995).
 
@@ -25,7 +25,7 @@ use super::fit::Fitted;
 use super::point::{Global, Point};
 use super::problem::Problem;
 use super::shape::Corrections;
-use super::views::{Views, joined, local_sizes};
+use super::views::{Both, Views, joined, local_sizes};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Width of the prior of what a recording alone has (a clock's offset, how it starts), in typical sizes.
@@ -69,6 +69,8 @@ struct Marginal {
     information: DMatrix<f64>,
     /// `q' (I + H S H')^-1 q` and `ln det(I + H S H')`.
     beyond: (f64, f64),
+    /// Samples of what is left that say as much as one independent one.
+    correlation: f64,
 }
 
 impl Evidence {
@@ -78,7 +80,7 @@ impl Evidence {
         let here = views.see(point);
         let (scale, curves) = scale(problem, point);
         let slopes = views.slopes(point, &here).map(|slopes| slopes * &scale);
-        let exact = Marginal::new(fitted.cost, &here[1], &slopes);
+        let exact = Marginal::new(fitted.cost, &here, &slopes);
         let shaped = shaped.then(|| Corrections::new(problem, views, point, &here));
         let shaped = shaped.filter(|corrections| !corrections.columns.is_empty());
         let shaped = shaped.map(|corrections| {
@@ -92,7 +94,7 @@ impl Evidence {
             let there = views.see(&corrections.applied(&moved, &sizes));
             let beliefs = fitted.cost - here[0].norm_squared();
             let cost = there[0].norm_squared() + beliefs + sizes.norm_squared();
-            Marginal::new(cost, &there[1], &both)
+            Marginal::new(cost, &there, &both)
         });
         Self {
             exact,
@@ -148,6 +150,11 @@ impl Evidence {
         self.likelier(1.0).0.left
     }
 
+    /// Samples of what is left that say as much as one independent one.
+    pub fn correlation(&self) -> f64 {
+        self.likelier(1.0).0.correlation
+    }
+
     /// Sum of squares of what was held out.
     pub fn held_out(&self) -> f64 {
         self.held_out
@@ -161,13 +168,14 @@ impl Evidence {
 
 impl Marginal {
     /// From a cost, held-out residuals, and derivatives of fitted and held-out rows.
-    fn new(left: f64, held_out: &DVector<f64>, slopes: &[DMatrix<f64>; 2]) -> Self {
+    fn new(left: f64, [fitted, held_out]: &Both, slopes: &[DMatrix<f64>; 2]) -> Self {
         let information = slopes[0].tr_mul(&slopes[0]);
         let (_, root) = inverse(&information);
         Self {
             left,
             information,
             beyond: beyond(held_out, &(&slopes[1] * root)),
+            correlation: correlation(fitted),
         }
     }
 
@@ -184,6 +192,25 @@ impl Marginal {
     fn of_held_out(&self, temperature: f64) -> f64 {
         -0.5 * (self.beyond.0 / temperature + self.beyond.1)
     }
+}
+
+/// Most lags over which a correlation is summed.
+const LAGS: usize = 1000;
+
+/// `sum rho_k^2` over all lags of the correlation of a series, without what chance makes of it, at least 1: by so much
+/// the variance of its mean square is above that of as many independent samples.
+///
+/// Source: Bartlett, J. Royal Statistical Society B 8 (1946).
+fn correlation(series: &DVector<f64>) -> f64 {
+    let values = series.as_slice();
+    let (n, square) = (values.len(), series.norm_squared());
+    let at = |lag: usize| {
+        let product: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
+        (product / square).powi(2) - 1.0 / n as f64
+    };
+    let sum: f64 = (1..LAGS.min(n / 4)).map(at).sum();
+    let whole = 1.0 + 2.0 * sum;
+    if whole.is_finite() { whole.max(1.0) } else { 1.0 }
 }
 
 /// Columns beside others.

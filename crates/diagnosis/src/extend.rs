@@ -1,9 +1,11 @@
 //! Candidates on top of an explanation: located in what it leaves, screened, and fitted by successive halving.
 
 use super::candidate::Candidate;
+use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
+use super::pool::Pool;
 use super::problem::Problem;
 use super::screen::{Start, Table, screen};
 use super::search::Search;
@@ -18,7 +20,8 @@ const SIZES: usize = 4;
 
 impl Search<'_> {
     /// Candidates on top of an explanation, fitted and judged.
-    pub fn extend(&self, from: &Explanation, table: Table, temperature: f64) -> Vec<Explanation> {
+    pub fn extend(&self, from: &Explanation, table: Table, pool: &Pool) -> Vec<Explanation> {
+        let temperature = pool.temperature(self.judge);
         let before = quell_model::simulations();
         let located = Problem {
             scales: self.problem.located_in(from),
@@ -32,8 +35,9 @@ impl Search<'_> {
         let linear = (!self.known.alone).then(|| problem.linearise(point, self.projector));
         let mut found = Vec::new();
         if let Some(linear) = &linear {
-            // What a further effect must gain to be worth its prior odds.
-            let fall = -2.0 * temperature * problem.log_prior_of_one();
+            // What a further effect must gain to be worth its prior odds, were what is left not correlated: of
+            // a residual that is, an effect may take all.
+            let fall = -2.0 * CALIBRATED * pool.unit(self.judge) * problem.log_prior_of_one();
             found = search.screened(from, linear, table, fall);
         }
         search.add_known(from, &mut found);

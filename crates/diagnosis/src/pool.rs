@@ -96,9 +96,14 @@ impl Pool {
         self.all.iter().map(left).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
-    /// Temperature of the evidence: what the best explanation leaves, [`CALIBRATED`].
+    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`].
     pub fn temperature(&self, judge: &Judge) -> f64 {
-        CALIBRATED * self.unit(judge)
+        let left = |entry: &&Entry| {
+            entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()
+        };
+        let best = self.all.iter().min_by(|a, b| left(a).total_cmp(&left(b)));
+        let correlation = best.map_or(1.0, |entry| entry.own.evidence.correlation());
+        CALIBRATED * self.unit(judge) * correlation
     }
 
     /// All of them with the logarithms of their marginal likelihoods, the most probable first.

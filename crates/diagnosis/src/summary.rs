@@ -87,7 +87,12 @@ fn alternatives(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
         .findings
         .iter()
         .flat_map(|finding| &finding.alternatives);
-    let names: Vec<String> = all.map(|name| catalogue.title(name)).collect();
+    let mut names: Vec<String> = Vec::new();
+    for name in all.map(|name| catalogue.title(name)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
     names.join(" or ")
 }
 
