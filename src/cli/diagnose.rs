@@ -67,7 +67,9 @@ pub struct Args {
 
 /// A time above 0.
 fn seconds(text: &str) -> Result<Duration, String> {
-    let number: f64 = text.parse().map_err(|_| format!("\"{text}\" is no number of seconds"))?;
+    let number: f64 = text
+        .parse()
+        .map_err(|_| format!("\"{text}\" is no number of seconds"))?;
     match number > 0.0 {
         true => Duration::try_from_secs_f64(number).map_err(|error| error.to_string()),
         false => Err(format!("{text} s leave no time to look")),

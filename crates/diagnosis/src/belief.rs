@@ -20,7 +20,10 @@ impl Problem<'_> {
         let beliefs = self.beliefs_of_model(point);
         let of_model: f64 = beliefs.iter().map(|b| b.departure * b.departure).sum();
         let terms = point.terms.iter();
-        of_model + terms.map(|term| curves::cost(&self.scales, term)).sum::<f64>()
+        of_model
+            + terms
+                .map(|term| curves::cost(&self.scales, term))
+                .sum::<f64>()
     }
 
     /// Beliefs on keys, on the effects of the given model, and on the curves of learned laws.

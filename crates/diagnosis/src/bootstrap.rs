@@ -18,12 +18,12 @@
 mod input_error;
 mod output_noise;
 
-use super::search::Search;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::normal::{deviations, solve};
 use super::point::{Global, Point};
 use super::problem::Problem;
+use super::search::Search;
 use input_error::InputError;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;

@@ -1,7 +1,6 @@
 //! From what the search found to verdict, findings and the better model.
 
 use super::bootstrap::{Scatter, bootstrap};
-use super::search::Search;
 use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
@@ -9,6 +8,7 @@ use super::law_curve::law_curve;
 use super::locate::Located;
 use super::point::{EffectAt, Global};
 use super::quality::{level, quality};
+use super::search::Search;
 use super::summary::{summary, times, whole};
 use super::tracker_scale::TrackerScale;
 use quell_model::effects::Effect;
@@ -48,7 +48,11 @@ pub fn conclude(
         fit,
         nuisances: nuisances(search, reported(verdict, found)),
         next_move: None,
-        candidates: found.ranked.iter().filter_map(|own| candidate(found, own)).collect(),
+        candidates: found
+            .ranked
+            .iter()
+            .filter_map(|own| candidate(found, own))
+            .collect(),
         remarks,
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);

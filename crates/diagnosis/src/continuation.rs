@@ -4,11 +4,11 @@
 //! Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
 
 use super::candidate::Candidate;
-use super::search::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};
 use super::screen::{Table, candidates};
+use super::search::Search;
 use super::successive_halving::Halving;
 use super::thresholds::{LOST, SECOND, SHORT};
 

@@ -55,7 +55,9 @@ pub fn root(effect: &Effect) -> DMatrix<f64> {
 pub fn size(scales: &Scales, effect: &Effect) -> f64 {
     let first = effect.parameters.iter();
     let mut first = first.filter(|parameter| parameter.role == ParameterRole::Ordinate);
-    first.next().map_or(1.0, |parameter| (parameter.typical)(scales).abs())
+    first
+        .next()
+        .map_or(1.0, |parameter| (parameter.typical)(scales).abs())
 }
 
 /// Ordinates in units of their deviations, and `q`.
@@ -91,7 +93,10 @@ pub fn beliefs(scales: &Scales, index: usize, term: &Term) -> Vec<Belief> {
     let weight = tightness(q, indices.len()).sqrt();
     let row = |i: usize| {
         let slope = |(j, &parameter): (usize, &usize)| {
-            (Global::Parameter(index, parameter), weight * inverse[(i, j)])
+            (
+                Global::Parameter(index, parameter),
+                weight * inverse[(i, j)],
+            )
         };
         Belief {
             departure: weight * white[i],
@@ -116,11 +121,16 @@ pub fn effective(scales: &Scales, term: &Term) -> (DMatrix<f64>, f64) {
     // ln [Gamma((nu + n) / 2) / Gamma(nu / 2) (nu / 2)^(-n / 2)] - n / 2 ln(tight), Gamma(1 / 2) = sqrt(pi).
     let log_gamma = |half: usize| -> f64 {
         let steps = (1..half).step_by(2).map(|k| (k as f64 / 2.0).ln());
-        let start = if half % 2 == 1 { 0.5 * std::f64::consts::PI.ln() } else { 0.0 };
-        start + match half % 2 {
-            1 => steps.sum::<f64>(),
-            _ => (1..half / 2).map(|k| (k as f64).ln()).sum::<f64>(),
-        }
+        let start = if half % 2 == 1 {
+            0.5 * std::f64::consts::PI.ln()
+        } else {
+            0.0
+        };
+        start
+            + match half % 2 {
+                1 => steps.sum::<f64>(),
+                _ => (1..half / 2).map(|k| (k as f64).ln()).sum::<f64>(),
+            }
     };
     let whole = log_gamma(count + 1) - log_gamma(1) - 0.5 * n * (NU / 2.0).ln();
     let root = root(term.effect) * (size(scales, term.effect) / tight.sqrt());

@@ -1,10 +1,10 @@
 //! Events that happen more than once: a machine that was hit once is hit again.
 
-use super::search::Search;
 use super::descent::Descent;
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::point::{Global, Point};
+use super::search::Search;
 use super::thresholds::SHORT;
 use quell_model::Term;
 use std::cmp::Ordering;

@@ -142,7 +142,11 @@ impl Evidence {
         let covariance = inverse(&(information / temperature)).0;
         let own = self.scale.nrows();
         let whole = &self.scale * covariance.view((0, 0), (own, own)) * self.scale.transpose();
-        whole.diagonal().iter().map(|variance| variance.sqrt()).collect()
+        whole
+            .diagonal()
+            .iter()
+            .map(|variance| variance.sqrt())
+            .collect()
     }
 
     /// Sum of squares of the fitted rows beyond what the laws' shapes could be wrong by.
@@ -210,7 +214,11 @@ fn correlation(series: &DVector<f64>) -> f64 {
     };
     let sum: f64 = (1..LAGS.min(n / 4)).map(at).sum();
     let whole = 1.0 + 2.0 * sum;
-    if whole.is_finite() { whole.max(1.0) } else { 1.0 }
+    if whole.is_finite() {
+        whole.max(1.0)
+    } else {
+        1.0
+    }
 }
 
 /// Columns beside others.
@@ -238,12 +246,19 @@ fn scale(problem: &Problem, point: &Point) -> (DMatrix<f64>, f64) {
     let all = shared.chain(own.into_iter().map(|size| LOCAL * size));
     let mut scale = DMatrix::from_diagonal(&DVector::from_vec(all.collect()));
     let mut whole = 0.0;
-    for (index, term) in point.terms.iter().enumerate().filter(|own| own.1.effect.is_learned()) {
+    for (index, term) in point
+        .terms
+        .iter()
+        .enumerate()
+        .filter(|own| own.1.effect.is_learned())
+    {
         let (root, density) = curves::effective(&problem.scales, term);
         let first = Global::Parameter(index, curves::ordinates(term.effect)[0]);
         if let Some(first) = globals.iter().position(|global| *global == first) {
             let count = root.nrows();
-            scale.view_mut((first, first), (count, count)).copy_from(&root);
+            scale
+                .view_mut((first, first), (count, count))
+                .copy_from(&root);
             whole += density;
         }
     }

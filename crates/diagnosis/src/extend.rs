@@ -49,7 +49,9 @@ impl Search<'_> {
             halving.enter(continued);
         }
         let found = halving.finish();
-        found.iter().for_each(|own| self.log(own, from, temperature));
+        found
+            .iter()
+            .for_each(|own| self.log(own, from, temperature));
         tracing::debug!(
             from = ?point.structure(),
             ?table,
@@ -90,7 +92,10 @@ impl Search<'_> {
             Table::Named => FITTED,
             Table::Learned => LEARNED,
         };
-        chosen(starts, fall, most).into_iter().map(candidate).collect()
+        chosen(starts, fall, most)
+            .into_iter()
+            .map(candidate)
+            .collect()
     }
 
     /// What is known with one effect more than the explanation has.

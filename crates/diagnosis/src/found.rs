@@ -69,7 +69,10 @@ impl Search<'_> {
     /// model without it, and of whose effects none makes that prediction worse.
     fn told(&self, pool: &mut Pool) -> Told {
         let temperature = pool.temperature(self.judge);
-        let ranked = pool.ranked(temperature).into_iter().map(|own| own.0.clone());
+        let ranked = pool
+            .ranked(temperature)
+            .into_iter()
+            .map(|own| own.0.clone());
         let ranked: Vec<Explanation> = ranked.take_while(|own| own.terms() > 0).collect();
         let mut refused = Vec::new();
         for own in ranked {
@@ -77,7 +80,10 @@ impl Search<'_> {
             if better && self.problem.is_meaningful(&own, temperature) {
                 let ablated = self.ablated(&own, pool);
                 let held = |own: &Explanation| own.evidence.of_held_out(temperature);
-                if ablated.iter().all(|without| held(without) < held(&own) + BARE_MENTION) {
+                if ablated
+                    .iter()
+                    .all(|without| held(without) < held(&own) + BARE_MENTION)
+                {
                     return Told {
                         best: own,
                         ablated,
@@ -113,7 +119,10 @@ impl Search<'_> {
 
 /// The most probable explanations beside the one that is told that hold, with it, the share of the credible set.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
-    let of_best = ranked.iter().find(|own| own.0.is_like(best)).map_or(0.0, |own| own.1);
+    let of_best = ranked
+        .iter()
+        .find(|own| own.0.is_like(best))
+        .map_or(0.0, |own| own.1);
     let mut held = of_best;
     let mut set = Vec::new();
     for (own, weight) in ranked.iter().filter(|own| !own.0.is_like(best)) {
@@ -137,7 +146,10 @@ impl Found {
 
     /// Probability that an effect is missing: of all explanations together that have it.
     pub fn probability(&self, effect: EffectAt) -> f64 {
-        let with = self.ranked.iter().filter(|own| own.0.effects().contains(&effect));
+        let with = self
+            .ranked
+            .iter()
+            .filter(|own| own.0.effects().contains(&effect));
         with.map(|own| own.1).sum::<f64>().min(1.0)
     }
 

@@ -15,7 +15,10 @@ impl Search<'_> {
     /// Whether what an explanation leaves, beyond what the shapes of its laws could be wrong by, is noise: of what was
     /// fitted, and of what was held out beyond the errors of the fit and rounding at rest.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
-        let (fitted, held) = (self.judge.train_rows as f64, self.judge.held_out_rows as f64);
+        let (fitted, held) = (
+            self.judge.train_rows as f64,
+            self.judge.held_out_rows as f64,
+        );
         let beyond = own.evidence.held_out_beyond_fit();
         own.evidence.left() <= FLOOR * fitted && beyond <= FLOOR * held + self.rounding()
     }

@@ -79,7 +79,14 @@ fn look(
         drives an axis freely add up without bound.";
     in_windows.diagnosis.remarks.push(remark.into());
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
-    let (in_one, _) = once(whole, &Known { points, alone, ..unknown.clone() })?;
+    let (in_one, _) = once(
+        whole,
+        &Known {
+            points,
+            alone,
+            ..unknown.clone()
+        },
+    )?;
     if explains(&in_one) {
         return Ok(in_one);
     }

@@ -32,9 +32,7 @@ impl Problem<'_> {
             let value = point.terms[term].values[index];
             let (low, high) = self.limits(point, global);
             let near = |bound: f64| (value - bound).abs() < AT_END * (high - low);
-            let whole = |bound: f64| {
-                parameter.quantity == Quantity::NUMBER && bound.abs() == 1.0
-            };
+            let whole = |bound: f64| parameter.quantity == Quantity::NUMBER && bound.abs() == 1.0;
             let end = |bound: f64| near(bound) && bound != parameter.neutral && !whole(bound);
             let wide = 2.0 * NORMAL_95 * deviation > high - low;
             match parameter.role {

@@ -77,7 +77,10 @@ impl Pool {
 
     /// Whether a structure was extended by the effects of a table.
     pub fn is_extended(&self, own: &Explanation, table: Table) -> bool {
-        let mut extended = self.all.iter().filter(|entry| entry.extended.contains(&table));
+        let mut extended = self
+            .all
+            .iter()
+            .filter(|entry| entry.extended.contains(&table));
         extended.any(|entry| entry.own.is_like(own))
     }
 
@@ -93,14 +96,17 @@ impl Pool {
         let left = |entry: &Entry| {
             (entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()) / rows
         };
-        self.all.iter().map(left).fold(f64::INFINITY, f64::min).max(1.0)
+        self.all
+            .iter()
+            .map(left)
+            .fold(f64::INFINITY, f64::min)
+            .max(1.0)
     }
 
     /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`].
     pub fn temperature(&self, judge: &Judge) -> f64 {
-        let left = |entry: &&Entry| {
-            entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()
-        };
+        let left =
+            |entry: &&Entry| entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit();
         let best = self.all.iter().min_by(|a, b| left(a).total_cmp(&left(b)));
         let correlation = best.map_or(1.0, |entry| entry.own.evidence.correlation());
         CALIBRATED * self.unit(judge) * correlation
@@ -109,8 +115,11 @@ impl Pool {
     /// All of them with the logarithms of their marginal likelihoods, the most probable first.
     pub fn ranked(&self, temperature: f64) -> Vec<(&Explanation, f64)> {
         let scored = |entry: &'_ Entry| entry.own.log_evidence(temperature);
-        let mut ranked: Vec<(&Explanation, f64)> =
-            self.all.iter().map(|entry| (&entry.own, scored(entry))).collect();
+        let mut ranked: Vec<(&Explanation, f64)> = self
+            .all
+            .iter()
+            .map(|entry| (&entry.own, scored(entry)))
+            .collect();
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
         ranked
     }

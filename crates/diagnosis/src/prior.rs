@@ -65,7 +65,11 @@ impl Problem<'_> {
         let of = |term: &quell_model::Term| {
             let (effect, _): EffectAt = term.identity();
             // Two laws that are told as one are two all the same.
-            let laws = if effect.parts(&term.values).is_some() { 2.0 } else { 1.0 };
+            let laws = if effect.parts(&term.values).is_some() {
+                2.0
+            } else {
+                1.0
+            };
             let odd = effect.is_of_deformation_only() && self.sees_positions();
             laws * each + if odd { NOT_BY_ITSELF } else { 0.0 }
         };
@@ -81,6 +85,8 @@ impl Problem<'_> {
     /// Whether no output is a deformation.
     fn sees_positions(&self) -> bool {
         let outputs = &self.experiments[0].outputs;
-        outputs.iter().all(|output| output.role != Role::Deformation)
+        outputs
+            .iter()
+            .all(|output| output.role != Role::Deformation)
     }
 }

@@ -3,7 +3,6 @@
 use super::baseline::{Data, problem, refit};
 use super::candidate::Known;
 use super::conclude::{better_model, conclude, reported};
-use super::search::Search;
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::Untold;
@@ -15,6 +14,7 @@ use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
 use super::problem::Problem;
 use super::remarks::recorded;
+use super::search::Search;
 use super::settled::{search, settled};
 use super::start::ringing;
 use super::thresholds::LONG;
@@ -163,7 +163,10 @@ fn surprised(search: &Search, found: &Found) -> bool {
         return true;
     }
     let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
-    let held = per_row(found.best.evidence.held_out_beyond_fit(), judge.held_out_rows);
+    let held = per_row(
+        found.best.evidence.held_out_beyond_fit(),
+        judge.held_out_rows,
+    );
     held > SURPRISE * per_row(found.best.train, judge.train_rows).max(1.0)
 }
 
@@ -182,4 +185,3 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     projector = Projector::new(problem);
     (problem.fit(&first.point, &projector, LONG), projector)
 }
-

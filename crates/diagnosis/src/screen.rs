@@ -111,7 +111,10 @@ pub fn screen(
         basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
-    let modes = point.terms.iter().filter(|term| is_mode(term.effect, &term.values));
+    let modes = point
+        .terms
+        .iter()
+        .filter(|term| is_mode(term.effect, &term.values));
     let full = modes.count() >= RESONANCES;
     let there = |effect: EffectAt| {
         let once = point.terms.iter().any(|term| term.identity() == effect);
@@ -167,7 +170,11 @@ impl Screen<'_> {
     fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
         let starts = (effect.starts)(&self.problem.scales).into_iter();
         let curve = |neutral: Vec<f64>| self.curve(effect, place, neutral);
-        starts.filter_map(curve).max_by(|a, b| a.score.total_cmp(&b.score)).into_iter().collect()
+        starts
+            .filter_map(curve)
+            .max_by(|a, b| a.score.total_cmp(&b.score))
+            .into_iter()
+            .collect()
     }
 
     fn curve(&self, effect: &'static Effect, place: Place, neutral: Vec<f64>) -> Option<Start> {
@@ -178,7 +185,10 @@ impl Screen<'_> {
             let mut values = neutral.clone();
             values[index] += step;
             let moved = self.point.with(effect, place, values);
-            let run = |e: usize| self.problem.run_again(&moved, e, last, &self.linear.runs[e]);
+            let run = |e: usize| {
+                self.problem
+                    .run_again(&moved, e, last, &self.linear.runs[e])
+            };
             let change = self.change(run) / step;
             &change - &self.basis * self.basis.tr_mul(&change)
         };

@@ -168,7 +168,9 @@ fn open(pool: &Pool, ranked: &[(&Explanation, f64)], beam: usize) -> Option<Expl
             return None;
         }
         least = best.1;
-        let open = level.iter().find(|own| !pool.is_extended(own.0, Table::Named));
+        let open = level
+            .iter()
+            .find(|own| !pool.is_extended(own.0, Table::Named));
         if let Some((next, _)) = open {
             return Some((*next).clone());
         }

@@ -13,8 +13,8 @@ use super::point::Point;
 use super::problem::Problem;
 use super::views::{Both, Views, joined};
 use nalgebra::{DMatrix, DVector};
-use quell_model::effects::{Effect, LEARNED};
 use quell_model::Term;
+use quell_model::effects::{Effect, LEARNED};
 
 /// Amplitude of the correction over that of the law.
 const TENTH: f64 = 0.1;
@@ -91,7 +91,11 @@ impl Corrections {
 impl Correction {
     /// Derivatives, mixed as the prior correlates the ordinates.
     fn columns(&self, problem: &Problem, views: &Views, point: &Point, here: &Both) -> Vec<Both> {
-        let Term { effect, place, values } = &self.neutral;
+        let Term {
+            effect,
+            place,
+            values,
+        } = &self.neutral;
         let slope = |&index: &usize| {
             let step = STEP * (effect.parameters[index].typical)(&problem.scales);
             let mut values = values.clone();

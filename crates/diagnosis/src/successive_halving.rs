@@ -3,11 +3,11 @@
 //! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
 
 use super::candidate::Candidate;
-use super::search::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
+use super::search::Search;
 use super::thresholds::{LONG, LOST, SECOND, SHORT};
 use rayon::prelude::*;
 
@@ -142,7 +142,9 @@ impl<'a> Halving<'a> {
     /// Cost of the one that went ahead where it leaves nothing but noise.
     fn winner(&self) -> Option<f64> {
         let leader = self.leader.as_ref()?;
-        self.search.leaves_noise(leader).then_some(leader.fitted.cost)
+        self.search
+            .leaves_noise(leader)
+            .then_some(leader.fitted.cost)
     }
 
     /// The best of a candidate's starts, on its way to a rival.

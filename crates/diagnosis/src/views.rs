@@ -72,7 +72,11 @@ impl<'a> Views<'a> {
             held = apart.see(point);
         }
         for row in &mut held {
-            *row = if row.is_finite() { row.clamp(-1e12, 1e12) } else { 1e12 };
+            *row = if row.is_finite() {
+                row.clamp(-1e12, 1e12)
+            } else {
+                1e12
+            };
         }
         [fitted, held].map(DVector::from_vec)
     }
@@ -100,7 +104,9 @@ impl<'a> Views<'a> {
             // Of what a fitted recording alone has nothing shows in what was held out.
             let all = problem.linearise(point, self.projector).stacked();
             let own = all.columns_range(globals.len()..);
-            let both = own.column_iter().map(|column| [column.into_owned(), DVector::zeros(here[1].len())]);
+            let both = own
+                .column_iter()
+                .map(|column| [column.into_owned(), DVector::zeros(here[1].len())]);
             return both.collect();
         }
         let mut way = DVector::zeros(problem.unknowns(point, globals));
@@ -152,7 +158,11 @@ pub fn joined(columns: &[Both], here: &Both) -> [DMatrix<f64>; 2] {
 pub fn local_sizes(problem: &Problem, point: &Point, globals: &[Global]) -> Vec<f64> {
     let of = |e: usize| {
         let sizes = problem.sizes(point, globals, e);
-        sizes.iter().skip(globals.len()).copied().collect::<Vec<_>>()
+        sizes
+            .iter()
+            .skip(globals.len())
+            .copied()
+            .collect::<Vec<_>>()
     };
     (0..problem.experiments.len()).flat_map(of).collect()
 }

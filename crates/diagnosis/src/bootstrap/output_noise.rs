@@ -4,8 +4,8 @@
 //! colour: blocks of it, a few periods of the mode long, are put together at random, so that what
 //! hangs together within a block stays so. Source: Kuensch, Annals of Statistics 17 (1989).
 
-use crate::search::Search;
 use crate::explanation::Explanation;
+use crate::search::Search;
 use crate::whitening::Whitening;
 use quell_model::Output;
 use quell_recording::health::quantum;

@@ -14,11 +14,11 @@ mod programme;
 mod seen;
 mod words;
 
-use super::search::Search;
 use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
 use super::point::EffectAt;
+use super::search::Search;
 use advice::advice;
 use contest::Contest;
 use distance::Rival;

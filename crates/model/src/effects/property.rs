@@ -115,7 +115,8 @@ impl Effect {
     /// own.
     pub fn may_repeat(&self) -> bool {
         use ParameterRole::{Frequency, Order, Position, Time};
-        let own = |parameter: &Parameter| matches!(parameter.role, Time | Position | Frequency | Order);
+        let own =
+            |parameter: &Parameter| matches!(parameter.role, Time | Position | Frequency | Order);
         self.parameters.iter().any(own)
     }
 
