@@ -117,15 +117,13 @@ impl Search<'_> {
     }
 }
 
-/// The most probable explanations beside the one that is told that hold, with it, the share of the credible set.
+/// The most probable explanations beside the one that is told that hold, with it, the share of the credible set. One
+/// whose law contains that of the told one as a limit, as Stribeck's friction contains Coulomb's, says the same.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
-    let of_best = ranked
-        .iter()
-        .find(|own| own.0.is_like(best))
-        .map_or(0.0, |own| own.1);
-    let mut held = of_best;
+    let same = |own: &Explanation| own.is_like(best) || contains(own, best);
+    let mut held: f64 = ranked.iter().filter(|own| same(&own.0)).map(|own| own.1).sum();
     let mut set = Vec::new();
-    for (own, weight) in ranked.iter().filter(|own| !own.0.is_like(best)) {
+    for (own, weight) in ranked.iter().filter(|own| !same(&own.0)) {
         if held >= CREDIBLE {
             break;
         }
@@ -133,6 +131,18 @@ fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanatio
         set.push(own.clone());
     }
     set
+}
+
+/// Whether an explanation differs from a simpler one only by laws that contain those of it as limits.
+fn contains(own: &Explanation, simpler: &Explanation) -> bool {
+    let (own, theirs) = (own.effects(), simpler.effects());
+    let mut new = own.iter().filter(|effect| !theirs.contains(effect));
+    let gone: Vec<_> = theirs.iter().filter(|effect| !own.contains(effect)).collect();
+    let is_limit = |law: &EffectAt| {
+        let limit = |simple: &&&EffectAt| simple.1 == law.1 && law.0.contains(simple.0);
+        gone.iter().any(|simple| limit(&simple))
+    };
+    own.len() == theirs.len() && new.all(is_limit)
 }
 
 impl Found {
@@ -144,12 +154,14 @@ impl Found {
         ablated.unwrap_or(&self.baseline)
     }
 
-    /// Probability that an effect is missing: of all explanations together that have it.
+    /// Probability that an effect is missing: of all explanations together that have it, or a law of which it is a
+    /// limit.
     pub fn probability(&self, effect: EffectAt) -> f64 {
+        let is = |own: &EffectAt| own.1 == effect.1 && own.0.contains(effect.0) || *own == effect;
         let with = self
             .ranked
             .iter()
-            .filter(|own| own.0.effects().contains(&effect));
+            .filter(|own| own.0.effects().iter().any(is));
         with.map(|own| own.1).sum::<f64>().min(1.0)
     }
 

@@ -15,8 +15,9 @@ use rayon::prelude::*;
 /// single one.
 const BEAM: usize = 2;
 
-/// Extensions of structures after which the search ends with the best so far: the catalogue's most hidden triples took
-/// eight, and what then still leaves more than noise is mended by one filler after the other.
+/// Extensions of structures after which the search ends with the best so far. A beam of two comes to three effects
+/// with six, and chooses each of them anew with three more; what then still leaves more than noise has no short
+/// explanation.
 const MOST_EXTENDED: usize = 12;
 
 /// Everything that the search needs.

@@ -134,6 +134,3 @@ fn picture(case: &Case, finding: &Finding, curve: &LawCurve) -> Chart {
         None => "What the law adds to the model, where the motion was.",
     })
 }
-
-#[cfg(test)]
-mod tests;

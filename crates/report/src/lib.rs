@@ -13,6 +13,8 @@ mod ranking;
 mod record;
 mod shares;
 mod shown;
+#[cfg(test)]
+mod tests;
 mod text;
 mod words;
 

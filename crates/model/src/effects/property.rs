@@ -14,8 +14,6 @@ pub enum Property {
     /// It acts as this simpler effect where its own frequency is far above the motion: what else it has
     /// is not determined then.
     Becomes(&'static Effect),
-    /// Beside a delay it acts as a size below 0 of this effect, by `(omega_n T)^2 / 2`.
-    Lessens(&'static Effect),
     /// It acts as two simpler effects together; these for its values.
     Parts(fn(&[f64]) -> [Part; 2]),
     /// Motions of this sort show it as they show the others that have the likeness.
@@ -71,11 +69,6 @@ impl Effect {
     /// Whether the law may act as that of another effect wherever the recording looks.
     pub fn becomes(&self, simpler: &Self) -> bool {
         self.is(|own| matches!(own, Property::Becomes(other) if *other == simpler))
-    }
-
-    /// Whether, beside a delay, it acts as a size below 0 of another effect.
-    pub fn lessens(&self, other: &Self) -> bool {
-        self.is(|own| matches!(own, Property::Lessens(than) if *than == other))
     }
 
     /// The two simpler effects that the law acts as for these values, with theirs.

@@ -1,7 +1,6 @@
 //! A sensor that follows the motion with a first-order lag.
 
 use super::cubic::cubic_coefficients;
-use super::deformation_gain::DEFORMATION_GAIN;
 use super::shared_parameters::SENSOR_TIME_CONSTANT;
 use super::{Effect, Law, Likeness, Place, Property, Sensor};
 
@@ -79,7 +78,6 @@ pub const SENSOR_LAG: Effect = Effect {
     remedy: "Lower the filtering in the sensor, or put its lag into the model.",
     parameters: &[SENSOR_TIME_CONSTANT],
     properties: &[
-        Property::Lessens(&DEFORMATION_GAIN),
         Property::Alike(Likeness::ShiftInTime),
     ],
     law: |p| {

@@ -1,5 +1,8 @@
-use super::*;
-use quell_diagnosis::{Diagnosis, Traces};
+//! Pages and text of a law that was learned, and of a named one.
+
+use super::law::lines;
+use super::{Case, page_of, text};
+use quell_diagnosis::{Diagnosis, Finding, Traces};
 
 /// A learned spring that was visited to 2 mrad in both directions, with a nearest law that leaves its band in these
 /// ranges.
@@ -50,11 +53,11 @@ fn with<T>(finding: &Finding, told: impl Fn(&Case) -> T) -> T {
 #[test]
 fn a_learned_law_is_told_as_a_curve() {
     let finding = finding("[]");
-    let (page, text) = with(&finding, |case| {
-        let page = crate::page_of(case, "model.toml", &[]).render();
-        (page, crate::text(case, &[]))
+    let (page, words) = with(&finding, |case| {
+        let page = page_of(case, "model.toml", &[]).render();
+        (page, text(case, &[]))
     });
-    for told in [&page, &text] {
+    for told in [&page, &words] {
         for words in [
             "The learned spring is odd.",
             "It is like cubic stiffness",
@@ -87,7 +90,7 @@ fn a_law_that_leaves_the_band_is_no_likeness() {
         "{lines}"
     );
     let page = with(&finding, |case| {
-        crate::page_of(case, "model.toml", &[]).render()
+        page_of(case, "model.toml", &[]).render()
     });
     assert!(page.contains("Learned spring, in the transmission"));
 }
@@ -100,12 +103,12 @@ fn a_named_law_has_a_picture_and_its_numbers() {
     finding.parameters[0].name = "k3".into();
     let page = with(&finding, |case| {
         assert!(lines(case, &finding).is_empty());
-        crate::page_of(case, "model.toml", &[]).render()
+        page_of(case, "model.toml", &[]).render()
     });
     assert!(page.contains("Cubic stiffness: spring force over the deformation"));
     assert!(page.contains("0.00 to 0.20") && !page.contains("nearest named law"));
     // What has no curve has no picture.
     finding.curve = None;
-    let page = with(&finding, |case| crate::page_of(case, "m", &[]).render());
+    let page = with(&finding, |case| page_of(case, "m", &[]).render());
     assert!(!page.contains("spring force over the deformation"));
 }
