@@ -43,7 +43,12 @@ impl Search<'_> {
         search.add_known(from, &mut found);
         let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
-        halving.lead();
+        // Laws that are learned are held against those of the catalogue that are known.
+        let rival = match table {
+            Table::Named => f64::INFINITY,
+            Table::Learned => pool.best(self.judge).fitted.cost,
+        };
+        halving.lead(rival);
         if table == Table::Named {
             let continued = search.continued(from, &halving);
             halving.enter(continued);

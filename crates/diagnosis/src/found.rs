@@ -121,7 +121,11 @@ impl Search<'_> {
 /// whose law contains that of the told one as a limit, as Stribeck's friction contains Coulomb's, says the same.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
     let same = |own: &Explanation| own.is_like(best) || contains(own, best);
-    let mut held: f64 = ranked.iter().filter(|own| same(&own.0)).map(|own| own.1).sum();
+    let mut held: f64 = ranked
+        .iter()
+        .filter(|own| same(&own.0))
+        .map(|own| own.1)
+        .sum();
     let mut set = Vec::new();
     for (own, weight) in ranked.iter().filter(|own| !same(&own.0)) {
         if held >= CREDIBLE {
@@ -137,7 +141,10 @@ fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanatio
 fn contains(own: &Explanation, simpler: &Explanation) -> bool {
     let (own, theirs) = (own.effects(), simpler.effects());
     let mut new = own.iter().filter(|effect| !theirs.contains(effect));
-    let gone: Vec<_> = theirs.iter().filter(|effect| !own.contains(effect)).collect();
+    let gone: Vec<_> = theirs
+        .iter()
+        .filter(|effect| !own.contains(effect))
+        .collect();
     let is_limit = |law: &EffectAt| {
         let limit = |simple: &&&EffectAt| simple.1 == law.1 && law.0.contains(simple.0);
         gone.iter().any(|simple| limit(&simple))

@@ -43,6 +43,7 @@ impl Search<'_> {
 
     /// Extends the best structures of each size until nothing raises the evidence.
     pub fn run(&self, pool: &mut Pool) {
+        self.learn(pool);
         loop {
             while self.grow(pool) {}
             if self.is_over(pool) || !(self.learn(pool) || self.exchange(pool)) {
@@ -79,7 +80,7 @@ impl Search<'_> {
     }
 
     /// Extends a structure of a pool by the laws of a table.
-    fn extend_by(&self, pool: &mut Pool, own: &Explanation, table: Table) {
+    pub fn extend_by(&self, pool: &mut Pool, own: &Explanation, table: Table) {
         for child in self.extend(own, table, pool) {
             pool.add(child);
         }
@@ -87,12 +88,13 @@ impl Search<'_> {
         pool.mark(own, table);
     }
 
-    /// Looks for one learned law in the place of several laws of the catalogue, which may be parts of one curve.
-    /// Whether there is a better explanation.
+    /// Looks for one learned law where more than noise is left, or in the place of several laws of the catalogue,
+    /// which may be parts of one curve. Whether there is a better explanation.
     fn learn(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
         let baseline = pool.baseline().clone();
-        if best.terms() < 2 || pool.is_extended(&baseline, Table::Learned) {
+        let explained = best.terms() < 2 && self.leaves_noise(&best);
+        if explained || pool.is_extended(&baseline, Table::Learned) {
             return false;
         }
         self.extend_by(pool, &baseline, Table::Learned);

@@ -9,6 +9,7 @@ use super::found::Found;
 use super::outcome::Progress;
 use super::pool::Pool;
 use super::problem::Problem;
+use super::screen::Table;
 use super::search::Search;
 use super::thresholds::LONG;
 use super::weights::measured_again;
@@ -25,7 +26,9 @@ pub fn settled(
     told: (&Known, Progress),
 ) -> Found {
     let mut pool = Pool::new(baseline);
-    search(problem, projector, judge, told).grow(&mut pool);
+    // By single laws of the catalogue first: what these leave tells the noise, and whether there is more to look for.
+    let baseline = pool.baseline().clone();
+    search(problem, projector, judge, told).extend_by(&mut pool, &baseline, Table::Named);
     for _ in 0..AGAIN {
         let measured = with_noise_of_best(problem, projector, judge, &pool, told);
         pool = measured.unwrap_or(pool);

@@ -94,16 +94,16 @@ impl<'a> Halving<'a> {
         }
     }
 
-    /// Carries the one that is ahead to its end before the others. None whose misfit has many minima: its
+    /// Carries the one that is ahead to its end, or to where it cannot reach a rival any more, before the others. None whose misfit has many minima: its
     /// starts may not all be there yet.
-    pub fn lead(&mut self) {
+    pub fn lead(&mut self, rival: f64) {
         let plain = |index: &usize| !self.entrants[*index].effect.0.has_many_minima();
         let cost = |index: &usize| self.entrants[*index].cost();
         let all = (0..self.entrants.len()).filter(plain);
         if let Some(first) = all.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
             let entrant = self.entrants.remove(first);
-            let chosen = self.chosen(entrant, f64::INFINITY);
-            self.leader = chosen.map(|descent| self.carried(descent, f64::INFINITY));
+            let chosen = self.chosen(entrant, rival);
+            self.leader = chosen.map(|descent| self.carried(descent, rival));
         }
     }
 

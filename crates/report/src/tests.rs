@@ -89,9 +89,7 @@ fn a_law_that_leaves_the_band_is_no_likeness() {
         lines.contains("leaves it from \u{2212}2 to \u{2212}1 and at 1.5 mrad"),
         "{lines}"
     );
-    let page = with(&finding, |case| {
-        page_of(case, "model.toml", &[]).render()
-    });
+    let page = with(&finding, |case| page_of(case, "model.toml", &[]).render());
     assert!(page.contains("Learned spring, in the transmission"));
 }
 
