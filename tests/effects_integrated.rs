@@ -1,6 +1,6 @@
 //! The laws of the catalogue in the chain: what the integration makes of them.
 
-use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales, Visited};
+use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide};
 use quell::model::{Grid, Hold, Kick, Timed, Trace, integrate};
 use std::f64::consts::TAU;
@@ -130,14 +130,7 @@ fn scales(base: &Trace) -> Scales {
         damping_ratio: DAMPING_RATIO,
         span: (0.0, 6.5),
         sample_time: 0.003,
-        candidate_events: Vec::new(),
-        candidate_frequencies: Vec::new(),
-        candidate_orders: Vec::new(),
-        candidate_stops: Vec::new(),
-        forced: false,
-        tracked: false,
-        rigid: false,
-        visited: Visited::default(),
+        ..Scales::default()
     }
 }
 

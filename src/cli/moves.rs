@@ -133,11 +133,11 @@ fn finished(name: &str, trace: &MoveTrace) -> Result<(), CliError> {
 /// The three cells do not know each other: they run side by side.
 fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
     let (unshaped, (wrong_belief, adaptive)) = rayon::join(
-        || cell(scenario, Scenario::unshaped),
+        || named(scenario.shaper, || scenario.unshaped()),
         || {
             rayon::join(
-                || cell(scenario, Scenario::wrong_belief),
-                || cell(scenario, Scenario::adaptive),
+                || named(scenario.shaper, || scenario.wrong_belief()),
+                || named(scenario.shaper, || scenario.adaptive()),
             )
         },
     );
@@ -151,13 +151,13 @@ fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
     Ok(Comparison::new(unshaped, wrong_belief, adaptive))
 }
 
-/// One cell, named in the log by its shaper.
-fn cell<T>(
-    scenario: &Scenario,
-    run: fn(&Scenario) -> Result<T, ClosedLoopError>,
+/// A simulation, named in the log by its shaper.
+fn named<T>(
+    shaper: &dyn Shaper,
+    run: impl FnOnce() -> Result<T, ClosedLoopError>,
 ) -> Result<T, CliError> {
-    let _span = tracing::info_span!("cell", shaper = scenario.shaper.name()).entered();
-    run(scenario).map_err(refused)
+    let _span = tracing::info_span!("cell", shaper = shaper.name()).entered();
+    run().map_err(refused)
 }
 
 fn refused(error: ClosedLoopError) -> CliError {

@@ -44,10 +44,7 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
     let mut remarks = Vec::new();
     let point = &found.best.fitted.point;
     for term in &point.terms[..point.given_terms] {
-        let size = &term.effect.parameters[term.effect.size()];
-        // A thousandth of a typical size changes nothing that could be seen.
-        let least = 1e-3 * (size.typical)(&problem.scales).abs();
-        if (term.size() - size.neutral).abs() < least {
+        if term.effect.is_negligible(&term.values, &problem.scales) {
             remarks.push(format!(
                 "{} in the {}, which the model has, went to nothing: the recording does not need it.",
                 term.effect.name,

@@ -5,7 +5,7 @@ use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide
 use quell_model::curves::{Curve, Nearest, Trend, nearest};
 use quell_model::effects::{
     Catalogue, EFFECTS, Effect, KNOTS, LEARNED, Law, Memory, Motion, Place, Scales, Slot, Units,
-    Visited, curve,
+    curve,
 };
 
 fn effect(name: &str) -> &'static Effect {
@@ -36,14 +36,7 @@ fn scales() -> Scales {
         damping_ratio: 0.05,
         span: (0.0, 40.0),
         sample_time: 0.05,
-        candidate_events: vec![],
-        candidate_frequencies: vec![],
-        candidate_orders: vec![],
-        candidate_stops: vec![],
-        forced: false,
-        tracked: false,
-        rigid: false,
-        visited: Visited::default(),
+        ..Scales::default()
     }
 }
 

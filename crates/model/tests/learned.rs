@@ -142,9 +142,6 @@ fn scales() -> Scales {
         candidate_frequencies: vec![2.5],
         candidate_orders: vec![30.0],
         candidate_stops: vec![[0.5, 1.0]],
-        forced: false,
-        tracked: false,
-        rigid: false,
         visited: Visited {
             deformation: (-0.3, 0.4),
             motor_position: (-5.0, 5.0),
@@ -152,6 +149,7 @@ fn scales() -> Scales {
             deformation_rate: (-0.2, 0.3),
             ..Visited::default()
         },
+        ..Scales::default()
     }
 }
 
@@ -171,6 +169,11 @@ fn every_learned_law_is_well_formed() {
         for start in &starts {
             assert_eq!(start.len(), effect.parameters.len(), "{name}");
             assert!(effect.vanishes(start), "{name}: {start:?}");
+            assert!(effect.is_negligible(start, &scales()), "{name}");
+            // A curve that begins at 0 and goes on is there.
+            let mut later = start.clone();
+            later[1] = (effect.parameters[1].typical)(&scales());
+            assert!(!effect.is_negligible(&later, &scales()), "{name}");
             let [.., from, to] = start[..] else { panic!() };
             assert!(from < to, "{name}: {start:?}");
         }

@@ -29,11 +29,10 @@ pub(super) const fn ordinate(
     }
 }
 
-/// The ordinates, and the range of a coordinate that the motion visits.
+/// The ordinates, and the range of the coordinate over which they lie.
 pub(super) const fn parameters<const PARAMETERS: usize>(
     ordinate: Parameter,
     coordinate: Quantity,
-    visited: [fn(&Scales) -> f64; 2],
 ) -> [Parameter; PARAMETERS] {
     let mut parameters = [ordinate; PARAMETERS];
     let ordinates = PARAMETERS - 2;
@@ -42,19 +41,20 @@ pub(super) const fn parameters<const PARAMETERS: usize>(
         parameters[k].name = NAMES[k];
         k += 1;
     }
-    parameters[ordinates] = end("from", coordinate, visited[0]);
-    parameters[ordinates + 1] = end("to", coordinate, visited[1]);
+    parameters[ordinates] = end("from", coordinate);
+    parameters[ordinates + 1] = end("to", coordinate);
     parameters
 }
 
-const fn end(name: &'static str, quantity: Quantity, typical: fn(&Scales) -> f64) -> Parameter {
+const fn end(name: &'static str, quantity: Quantity) -> Parameter {
     Parameter {
         name,
         role: ParameterRole::Range,
         quantity,
         bounds: |_| (f64::MIN, f64::MAX),
         neutral: 0.0,
-        typical,
+        // It is never fitted: no step of a fit has it.
+        typical: |_| 1.0,
     }
 }
 

@@ -33,10 +33,6 @@ pub const LEARNED_DAMPING: Effect = Effect {
             |scales| 0.05 * scales.force / scales.deformation_rate,
         ),
         Quantity::POSITION,
-        [
-            |scales| scales.visited_deformation().0,
-            |scales| scales.visited_deformation().1,
-        ],
     ),
     properties: &[Property::Slot(Slot::Damping)],
     law: |p| Law::Force(Box::new(Damping(spline(p)))),

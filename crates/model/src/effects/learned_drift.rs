@@ -23,7 +23,6 @@ pub const LEARNED_DRIFT: Effect = Effect {
     parameters: &parameters::<PARAMETERS>(
         ordinate(Quantity::NUMBER, |_| (-0.9, 5.0), |_| 0.05),
         Quantity::TIME,
-        [|scales| scales.span.0, |scales| scales.span.1],
     ),
     properties: &[Property::Slot(Slot::StiffnessDrift)],
     law: |p| Law::Force(Box::new(Drift(spline(p)))),

@@ -28,10 +28,6 @@ pub const LEARNED_DRIVE: Effect = Effect {
             |scales| 0.05 * scales.input,
         ),
         Quantity::INPUT,
-        [
-            |scales| scales.visited_input().0,
-            |scales| scales.visited_input().1,
-        ],
     ),
     properties: &[Property::Slot(Slot::Drive)],
     law: |p| Law::Drive(Box::new(Map(spline(p)))),

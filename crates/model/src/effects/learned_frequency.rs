@@ -34,10 +34,6 @@ pub const LEARNED_FREQUENCY: Effect = Effect {
     parameters: &parameters::<PARAMETERS>(
         ordinate(Quantity::NUMBER, |_| (-0.9, 20.0), |_| 0.1),
         Quantity::POSITION,
-        [
-            |scales| scales.visited_position().0,
-            |scales| scales.visited_position().1,
-        ],
     ),
     properties: &[Property::Slot(Slot::Inertia)],
     law: |p| Law::Inertia(Box::new(Curve(spline(p)))),

@@ -26,10 +26,6 @@ pub const LEARNED_FRICTION: Effect = Effect {
             |scales| 0.05 * scales.force,
         ),
         Quantity::VELOCITY,
-        [
-            |scales| scales.visited_slip().0,
-            |scales| scales.visited_slip().1,
-        ],
     )),
     properties: &[Property::Slot(Slot::Friction)],
     law: |p| {

@@ -21,10 +21,6 @@ pub const LEARNED_POSITION_FORCE: Effect = Effect {
             |scales| 0.05 * scales.force,
         ),
         Quantity::POSITION,
-        [
-            |scales| scales.visited_position().0,
-            |scales| scales.visited_position().1,
-        ],
     ),
     properties: &[Property::Slot(Slot::PositionForce)],
     law: |p| Law::Force(Box::new(OverPosition(spline(p)))),

@@ -27,10 +27,6 @@ pub const LEARNED_SENSOR: Effect = Effect {
             |scales| 0.02 * range(scales),
         ),
         Quantity::POSITION,
-        [
-            |scales| scales.visited_reading().0,
-            |scales| scales.visited_reading().1,
-        ],
     ),
     properties: &[Property::Slot(Slot::Sensor)],
     law: |p| Law::Sensor(Box::new(Characteristic(spline(p)))),

@@ -30,7 +30,6 @@ pub const LEARNED_SENSOR_DRIFT: Effect = Effect {
             |scales| 0.1 * scales.deformation,
         ),
         Quantity::TIME,
-        [|scales| scales.span.0, |scales| scales.span.1],
     ),
     properties: &[Property::Slot(Slot::SensorDrift)],
     law: |p| Law::Sensor(Box::new(Zero(spline(p)))),

@@ -19,10 +19,6 @@ pub const LEARNED_SPRING: Effect = Effect {
             |scales| 0.05 * scales.force,
         ),
         Quantity::POSITION,
-        [
-            |scales| scales.visited_deformation().0,
-            |scales| scales.visited_deformation().1,
-        ],
     ),
     properties: &[Property::Slot(Slot::Spring)],
     law: |p| Law::Force(Box::new(OverPosition(spline(p)))),

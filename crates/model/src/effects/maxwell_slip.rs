@@ -113,7 +113,6 @@ pub const MAXWELL_SLIP: Effect = Effect {
             |scales| 0.05 * scales.force / scales.deformation,
         ),
         Quantity::POSITION,
-        [|scales| distances(scales).0, |scales| distances(scales).1],
     ),
     properties: &[Property::Slot(Slot::Hysteresis)],
     law: |p| Law::Force(Box::new(MaxwellSlip::new(p))),

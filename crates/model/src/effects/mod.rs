@@ -237,11 +237,25 @@ impl Effect {
 
     /// Whether it is not there, to the bit, for these values.
     pub fn vanishes(&self, values: &[f64]) -> bool {
-        let gone = |(parameter, value): (&Parameter, &f64)| match parameter.role {
-            ParameterRole::Size | ParameterRole::Ordinate => *value == parameter.neutral,
-            _ => true,
-        };
-        self.parameters.iter().zip(values).all(gone)
+        self.sizes(values)
+            .all(|(parameter, value)| value == parameter.neutral)
+    }
+
+    /// Whether it does nothing that could be seen for these values, in a motion of these scales: its size, or all
+    /// ordinates of a learned law, within a thousandth of what is typical.
+    pub fn is_negligible(&self, values: &[f64], scales: &Scales) -> bool {
+        self.sizes(values).all(|(parameter, value)| {
+            (value - parameter.neutral).abs() < 1e-3 * (parameter.typical)(scales).abs()
+        })
+    }
+
+    /// The parameters without which it is not there: its size, or the ordinates of a learned law; with their values.
+    fn sizes<'v>(
+        &self,
+        values: &'v [f64],
+    ) -> impl Iterator<Item = (&'static Parameter, f64)> + use<'v> {
+        let all = self.parameters.iter().zip(values.iter().copied());
+        all.filter(|own| matches!(own.0.role, ParameterRole::Size | ParameterRole::Ordinate))
     }
 
     /// A parameter's name in words; it writes proper names as the title does.

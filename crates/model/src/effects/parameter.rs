@@ -154,7 +154,7 @@ pub struct Parameter {
     pub bounds: fn(&Scales) -> (f64, f64),
     /// Value at which the effect vanishes, of its size; a harmless one of the others.
     pub neutral: f64,
-    /// Size that is met in practice, for a motion of these scales; never 0 but for the end of a range: it is
-    /// the unit in which a fit steps.
+    /// Size that is met in practice, for a motion of these scales; never 0: it is the unit in which a
+    /// fit steps.
     pub typical: fn(&Scales) -> f64,
 }

@@ -65,6 +65,33 @@ pub struct Visited {
     pub reading: (f64, f64),
 }
 
+/// A motion that is of size 1 in every respect, with nothing unexplained in it: what does not depend on its scales.
+impl Default for Scales {
+    fn default() -> Self {
+        Self {
+            deformation: 1.0,
+            deformation_rate: 1.0,
+            position: (-1.0, 1.0),
+            velocity: 1.0,
+            acceleration: 1.0,
+            force: 1.0,
+            input: 1.0,
+            natural_frequency: 1.0,
+            damping_ratio: 0.1,
+            span: (0.0, 1.0),
+            sample_time: 0.01,
+            candidate_events: Vec::new(),
+            candidate_frequencies: Vec::new(),
+            candidate_orders: Vec::new(),
+            candidate_stops: Vec::new(),
+            forced: false,
+            tracked: false,
+            rigid: false,
+            visited: Visited::default(),
+        }
+    }
+}
+
 impl Scales {
     /// Length of the recording, s.
     pub fn duration(&self) -> f64 {

@@ -2,8 +2,8 @@
 
 use super::axis::{Axis, Command, Driven};
 use super::axis_effects::{Entry, Forces};
+use super::gauss_newton::{Fit, Steps, descend};
 use super::integrate::{STATES, integrate};
-use super::refit::solved;
 use super::size::HIDDEN;
 
 /// Iterations of Gauss and Newton; a linear axis needs one.
@@ -54,85 +54,60 @@ impl Recorded<'_> {
 
     /// Rms of what the axis with these effects cannot explain, m.
     fn leftover(&self, others: &[Hidden]) -> f64 {
-        // Logarithms of mass, damping and the sizes of the others.
-        let mut factors = vec![0.0; 2 + others.len()];
-        let mut best = self.predicted(others, &factors);
-        let mut left = rms(&self.residual(&best));
-        for _ in 0..ITERATIONS {
-            let step = self.newton(others, &factors, &best);
-            let better = [1.0, 0.3, 0.1].into_iter().find_map(|share| {
-                let trial = factors.iter().zip(&step).map(|(f, s)| f + share * s);
-                let trial: Vec<f64> = trial.collect();
-                let predicted = self.predicted(others, &trial);
-                let now = rms(&self.residual(&predicted));
-                (now < left * (1.0 - 1e-4)).then_some((trial, predicted, now))
-            });
-            let Some(better) = better else {
-                break;
-            };
-            (factors, best, left) = better;
-        }
-        left
-    }
-
-    fn predicted(&self, others: &[Hidden], factors: &[f64]) -> Vec<f64> {
-        let mut axis = Axis {
-            mass: self.plain.mass * factors[0].exp(),
-            viscous: self.plain.viscous * factors[1].exp(),
-            ..self.plain.clone()
+        let count = OWN + others.len();
+        let start = Resized {
+            recorded: self,
+            others,
+            factors: vec![0.0; count],
         };
-        for (other, factor) in others.iter().zip(&factors[2..]) {
-            (other.entry.2)(
-                &mut axis,
-                self.forces,
-                other.share * factor.exp(),
-                other.shape,
-            );
+        let steps = Steps {
+            small: vec![1e-3; count],
+            most: vec![1.0; count],
+            count: ITERATIONS,
+        };
+        let first = start.predict();
+        descend(start, first, self.positions, &steps).1
+    }
+}
+
+/// The axis with other effects in it, of any size.
+struct Resized<'a> {
+    recorded: &'a Recorded<'a>,
+    others: &'a [Hidden],
+    /// Logarithms of mass, damping and the sizes of the others.
+    factors: Vec<f64>,
+}
+
+/// Unknowns of the axis itself: log mass, log damping.
+const OWN: usize = 2;
+
+impl Fit for Resized<'_> {
+    fn predict(&self) -> Vec<f64> {
+        let (recorded, factors) = (self.recorded, &self.factors);
+        let mut axis = Axis {
+            mass: recorded.plain.mass * factors[0].exp(),
+            viscous: recorded.plain.viscous * factors[1].exp(),
+            ..recorded.plain.clone()
+        };
+        for (other, factor) in self.others.iter().zip(&factors[OWN..]) {
+            let share = other.share * factor.exp();
+            (other.entry.2)(&mut axis, recorded.forces, share, other.shape);
         }
-        let (force, cycle) = self.told;
+        let (force, cycle) = recorded.told;
         let driven = Driven {
             axis: &axis,
             command: Command::Told(force, cycle),
             shows_impulse: false,
         };
         let step = (0.25 * cycle).min(axis.laws.longest_step());
-        integrate(&driven, [0.0; STATES], step, &[], self.stamps)
+        integrate(&driven, [0.0; STATES], step, &[], recorded.stamps)
     }
 
-    fn newton(&self, others: &[Hidden], factors: &[f64], predicted: &[f64]) -> Vec<f64> {
-        const SMALL: f64 = 1e-3;
-        let column = |index: usize| {
-            let mut moved = factors.to_vec();
-            moved[index] += SMALL;
-            let moved = self.predicted(others, &moved);
-            let difference = moved.iter().zip(predicted);
-            difference.map(|(a, b)| (a - b) / SMALL).collect()
-        };
-        let columns: Vec<Vec<f64>> = (0..factors.len()).map(column).collect();
-        match solved(&columns, &self.residual(predicted)) {
-            Some(step) => step
-                .iter()
-                .take(factors.len())
-                .map(|s| s.clamp(-1.0, 1.0))
-                .collect(),
-            None => vec![0.0; factors.len()],
+    fn changed(&self, step: &[f64]) -> Self {
+        let factors = self.factors.iter().zip(step);
+        Self {
+            factors: factors.map(|(factor, step)| factor + step).collect(),
+            ..*self
         }
     }
-
-    /// Positions less predicted ones, without their mean.
-    fn residual(&self, predicted: &[f64]) -> Vec<f64> {
-        let left: Vec<f64> = self
-            .positions
-            .iter()
-            .zip(predicted)
-            .map(|(a, b)| a - b)
-            .collect();
-        let mean = left.iter().sum::<f64>() / left.len().max(1) as f64;
-        left.into_iter().map(|left| left - mean).collect()
-    }
-}
-
-fn rms(values: &[f64]) -> f64 {
-    let squares = values.iter().map(|value| value * value).sum::<f64>();
-    (squares / values.len().max(1) as f64).sqrt()
 }

@@ -14,6 +14,7 @@ mod axis_case;
 mod axis_effects;
 mod axis_laws;
 mod axis_refit;
+mod gauss_newton;
 mod hidden;
 mod integrate;
 mod joint;

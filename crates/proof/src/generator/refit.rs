@@ -1,10 +1,11 @@
 //! The residual of the nominal structure when all that it has is fitted again.
 
 use super::Channel;
+use super::gauss_newton::{Fit, Steps, descend};
 use super::joint::Joint;
 use super::programme::Programme;
 use super::sensors::{Arm, Faults};
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Iterations of Gauss and Newton; five reach the floor from 5 % of frequency.
 const ITERATIONS: usize = 6;
@@ -51,30 +52,20 @@ pub fn leftover_beside(
         ..arm.clone()
     };
     let step = 0.1 / (plain.joint.stiffness / plain.joint.inertia).sqrt();
-    let mut fit = Fit {
+    let fit = Grown {
         plain,
         by: vec![1.0; beside.factors],
         grow: beside.grow,
+        read: &|arm: &Arm| arm.read(programme, stamps, step).swap_remove(0),
     };
-    let predict = |fit: &Fit| fit.arm().read(programme, stamps, step).swap_remove(0);
-    let mut best = predict(&fit);
-    let angles = angles(arm, &best, columns);
-    let mut left = centred_rms(&angles, &best);
-    for _ in 0..ITERATIONS {
-        let step = newton(&fit, &angles, &best, predict);
-        // A law with a corner may ask for less than the whole step.
-        let part = |share: f64| step.iter().map(|part| share * part).collect::<Vec<f64>>();
-        let trials = [1.0, 0.3, 0.1].map(|share| fit.changed(&part(share)));
-        let better = trials.into_iter().find_map(|trial| {
-            let predicted = predict(&trial);
-            let now = centred_rms(&angles, &predicted);
-            (now < left * (1.0 - 1e-4)).then_some((trial, predicted, now))
-        });
-        let Some(better) = better else {
-            break;
-        };
-        (fit, best, left) = better;
-    }
+    let steps = Steps {
+        small: [vec![1e-3, 1e-2, 1e-5], vec![1e-2; beside.factors]].concat(),
+        most: [vec![0.1, 1.0, 0.01], vec![1.0; beside.factors]].concat(),
+        count: ITERATIONS,
+    };
+    let first = fit.predict();
+    let angles = angles(arm, &first, columns);
+    let (best, left) = descend(fit, first, &angles, &steps);
     match arm.channel {
         Channel::Tip => traced_rms(arm, &best, columns),
         Channel::Link | Channel::Deformation => left,
@@ -96,29 +87,23 @@ fn angles(arm: &Arm, predicted: &[f64], columns: &[Vec<f64>]) -> Vec<f64> {
     seen.iter().map(angle).collect()
 }
 
-fn centred_rms(measured: &[f64], predicted: &[f64]) -> f64 {
-    let count = measured.len().max(1) as f64;
-    let left: Vec<f64> = measured.iter().zip(predicted).map(|(a, b)| a - b).collect();
-    let mean = left.iter().sum::<f64>() / count;
-    (left.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / count).sqrt()
-}
-
 /// A nominal arm, and what the sizes of the other laws in it are multiplied by.
 #[derive(Clone)]
-struct Fit<'a> {
+struct Grown<'a> {
     plain: Arm,
     by: Vec<f64>,
     grow: &'a dyn Fn(&mut Arm, &[f64]),
+    read: &'a dyn Fn(&Arm) -> Vec<f64>,
 }
 
 /// Unknowns of the arm itself: log frequency, log damping, clock offset. The logarithms of the factors follow.
 const OWN: usize = 3;
 
-impl Fit<'_> {
-    fn arm(&self) -> Arm {
+impl Fit for Grown<'_> {
+    fn predict(&self) -> Vec<f64> {
         let mut arm = self.plain.clone();
         (self.grow)(&mut arm, &self.by);
-        arm
+        (self.read)(&arm)
     }
 
     fn changed(&self, step: &[f64]) -> Self {
@@ -132,55 +117,6 @@ impl Fit<'_> {
         }
         fit
     }
-}
-
-/// The step of Gauss and Newton, an output offset among the unknowns.
-fn newton(
-    fit: &Fit,
-    measured: &[f64],
-    predicted: &[f64],
-    predict: impl Fn(&Fit) -> Vec<f64>,
-) -> Vec<f64> {
-    let factors = fit.by.len();
-    let small = [vec![1e-3, 1e-2, 1e-5], vec![1e-2; factors]].concat();
-    let most = [vec![0.1, 1.0, 0.01], vec![1.0; factors]].concat();
-    let column = |index: usize| {
-        let mut step = vec![0.0; small.len()];
-        step[index] = small[index];
-        let moved = predict(&fit.changed(&step));
-        let difference = moved.iter().zip(predicted);
-        difference.map(|(a, b)| (a - b) / small[index]).collect()
-    };
-    let columns: Vec<Vec<f64>> = (0..small.len()).map(column).collect();
-    let left: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
-    let Some(solution) = solved(&columns, &left) else {
-        return vec![0.0; small.len()];
-    };
-    let within = solution
-        .iter()
-        .zip(&most)
-        .map(|(step, most)| step.clamp(-most, *most));
-    within.collect()
-}
-
-/// Least squares with columns and a constant, each scaled to length 1; what does nothing stays.
-pub(super) fn solved(columns: &[Vec<f64>], left: &[f64]) -> Option<DVector<f64>> {
-    let ones = vec![1.0; left.len()];
-    let all: Vec<DVector<f64>> = columns
-        .iter()
-        .chain([&ones])
-        .map(|column| DVector::from_column_slice(column))
-        .collect();
-    let matrix = DMatrix::from_columns(&all);
-    let normal = matrix.tr_mul(&matrix);
-    let right = matrix.tr_mul(&DVector::from_column_slice(left));
-    let scale = normal.diagonal().map(|d| 1.0 / d.sqrt().max(1e-300));
-    let count = scale.len();
-    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] * scale[i] * scale[j])
-        + DMatrix::identity(count, count) * 1e-9;
-    let step = scaled.try_inverse()? * right.component_mul(&scale);
-    let step = step.component_mul(&scale);
-    step.iter().all(|x| x.is_finite()).then_some(step)
 }
 
 /// Rms distance of readings from the tips at these angles, in a frame of their own: what a tracker shows of an

@@ -6,11 +6,9 @@ mod page;
 
 use std::path::Path;
 
-use super::{Args, finished, refused, scenario};
+use super::{Args, finished, named, scenario};
 use crate::cli::{CliError, output};
-use crate::closed_loop::{
-    ClosedLoopError, PathComparison, PathJoint, PathKind, PathScenario, PathTrace,
-};
+use crate::closed_loop::{PathComparison, PathJoint, PathKind, PathScenario, PathTrace};
 use crate::plant::Robot;
 use crate::signal::JointKind;
 
@@ -96,11 +94,11 @@ fn joints(args: &Args, robot: &Robot) -> Result<Vec<PathJoint>, CliError> {
 /// The cells of one way to shape do not know those of another: they run side by side.
 fn side_by_side(scenario: &PathScenario) -> Result<PathComparison, CliError> {
     let (unshaped, (own, common)) = rayon::join(
-        || cells(scenario, PathScenario::unshaped),
+        || named(scenario.shaper, || scenario.unshaped()),
         || {
             rayon::join(
-                || cells(scenario, PathScenario::own_trains),
-                || cells(scenario, PathScenario::common_train),
+                || named(scenario.shaper, || scenario.own_trains()),
+                || named(scenario.shaper, || scenario.common_train()),
             )
         },
     );
@@ -117,13 +115,4 @@ fn side_by_side(scenario: &PathScenario) -> Result<PathComparison, CliError> {
 fn all_finished(kind: PathKind, trace: &PathTrace) -> Result<(), CliError> {
     let mut joints = trace.joints.iter();
     joints.try_for_each(|joint| finished(kind.name(), joint))
-}
-
-/// The cells of one way to shape, named in the log by the shaper.
-fn cells<T>(
-    scenario: &PathScenario,
-    run: fn(&PathScenario) -> Result<T, ClosedLoopError>,
-) -> Result<T, CliError> {
-    let _span = tracing::info_span!("cells", shaper = scenario.shaper.name()).entered();
-    run(scenario).map_err(refused)
 }
