@@ -2,6 +2,7 @@
 
 use std::process::Command;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use quell::service::disk::{Disk, FileSystem, FolderError};
 
@@ -45,4 +46,24 @@ fn the_lock_is_held_as_long_as_anybody_may_write() {
     }
     drop(clone);
     open().expect("free again");
+}
+
+/// A child that is being started has a copy of every open file until its program replaces ours.
+#[test]
+fn the_lock_is_free_when_it_is_given_back_although_children_are_being_started() {
+    let data = tempfile::tempdir().expect("a folder");
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                let child = Command::new(env!("CARGO_BIN_EXE_quell"))
+                    .arg("--version")
+                    .output();
+                assert!(child.expect("it runs").status.success());
+            }
+        });
+        let taken = (0..2000).find_map(|_| Disk::of(data.path(), Arc::new(FileSystem)).err());
+        done.store(true, Ordering::Relaxed);
+        assert!(taken.is_none(), "{taken:?}");
+    });
 }

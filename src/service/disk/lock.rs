@@ -38,9 +38,12 @@ pub enum FolderError {
 
 /// The lock, held until this is dropped or the process has ended in whatever way: it belongs to the
 /// open file, and the system closes that.
+///
+/// It is given back by name when it is dropped: a child process that is about to be started holds a copy of
+/// the open file for a moment, and closing ours alone would leave the folder locked as long.
 #[derive(Debug)]
 pub struct Lock {
-    _file: File,
+    file: File,
 }
 
 impl Lock {
@@ -71,7 +74,15 @@ impl Lock {
             // The lock holds all the same; only who holds it cannot be told.
             tracing::warn!(%error, "{}", path.display());
         }
-        Ok(Self { _file: file })
+        Ok(Self { file })
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        if let Err(error) = self.file.unlock() {
+            tracing::warn!(%error, "the lock of the data folder");
+        }
     }
 }
 
