@@ -7,6 +7,7 @@ pub mod deformation;
 pub mod description;
 pub mod error;
 pub mod forced_response;
+pub mod fourier;
 pub mod icp;
 pub mod icp_registration;
 pub mod kinematics;
@@ -29,6 +30,7 @@ pub use deformation::{
 pub use description::{Body, UrdfChain};
 pub use error::SignalError;
 pub use forced_response::ForcedResponse;
+pub use fourier::fourier;
 pub use icp::{IcpOptions, IcpResult, icp, initial_guess};
 pub use icp_registration::register_icp;
 pub use kinematics::{Chain, ChainJoint, DhRow, JointArc, JointKind};

@@ -2,9 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
-
-use super::SignalError;
+use super::{SignalError, fourier};
 
 /// Weight of the samples before the Fourier transform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,16 +67,7 @@ pub fn spectrum(
         .map(|(k, x)| weight(k) * (x - mean))
         .collect();
     signal.resize(length, 0.0);
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-    let mut lines = transform.make_output_vec();
-    // The lengths are the plan's own, so that the transform cannot refuse them.
-    if transform.process(&mut signal, &mut lines).is_err() {
-        return Err(SignalError::TooFew {
-            what: "spectrum",
-            found: n,
-            needed: length,
-        });
-    }
+    let lines = fourier(signal);
     let scale = 2.0 / (0..n).map(weight).sum::<f64>();
     Ok(Spectrum {
         resolution: TAU / (length as f64 * period),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
+use quell_signal::fourier;
 
 use super::peaks::lines;
 use super::{MOST, Residual};
@@ -63,12 +63,6 @@ fn path(residual: &Residual, at: &[usize]) -> Vec<(usize, f64)> {
     path
 }
 
-fn power(mut cells: Vec<f64>) -> Vec<f64> {
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(cells.len());
-    let mut spectrum = transform.make_output_vec();
-    // The lengths are the plan's own, so that the transform cannot refuse them.
-    match transform.process(&mut cells, &mut spectrum) {
-        Ok(()) => spectrum.iter().map(|line| line.norm_sqr()).collect(),
-        Err(_) => Vec::new(),
-    }
+fn power(cells: Vec<f64>) -> Vec<f64> {
+    fourier(cells).iter().map(|line| line.norm_sqr()).collect()
 }
