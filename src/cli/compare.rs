@@ -8,13 +8,13 @@ mod print;
 mod trial;
 
 use super::out::{Force, Out};
+use super::progress::Progress;
 use super::robot_args::{RobotArgs, robot};
 use super::{CliError, output, shaping, values};
 use crate::page::number;
 use crate::plant::Robot;
 use candidate::{Candidate, Design};
 use choice::{Advice, Choice, Wish};
-use indicatif::ProgressBar;
 use quell_shapers::{GridTrain, Mode, Shaper};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -236,10 +236,14 @@ fn simulate(
     remarks: &mut Vec<String>,
 ) -> Result<Simulated, CliError> {
     let trial = Trial::new(robot, joint);
-    let progress = ProgressBar::new(1 + candidates.len() as u64);
+    let progress = Progress::new(
+        candidates.len() as u64,
+        "{pos}/{len} shapers {wide_bar} {eta}",
+    )?;
     let unshaped = GridTrain::identity(1.0 / robot.control_rate).map_err(CliError::input)?;
     let unshaped = trial.run(&unshaped, &ERRORS)?;
-    for candidate in progress.wrap_iter(candidates.iter_mut()) {
+    for candidate in candidates {
+        progress.step();
         let name = candidate.shaper.name();
         let Ok(design) = &mut candidate.design else {
             continue;

@@ -6,6 +6,7 @@ mod help;
 pub use help::long_help;
 
 use super::out::{Force, Out};
+use super::progress::Progress;
 use super::{CliError, output};
 use crate::batch::Shard;
 use crate::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
@@ -14,7 +15,6 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::{Case, page, text};
 use help::HELP;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 
 /// The files that are written; the last has the physics in it.
@@ -91,14 +91,11 @@ pub fn run(args: Args) -> Result<(), CliError> {
         seed: args.seed,
         ..Options::default()
     };
-    let bar = bar();
-    let progress = |done: f64, what: &str| {
-        bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);
-        bar.set_message(what.to_string());
-    };
+    let bar = Progress::new(STEPS as u64, "{bar:30} {percent:>3} % {msg}")?;
+    let progress = |done: f64, what: &str| bar.set((done.clamp(0.0, 1.0) * STEPS) as u64, what);
     let work = || diagnose(&model, &train, &held_out, &options, &progress);
     let outcome = on_threads(args.jobs, work);
-    bar.finish_and_clear();
+    drop(bar);
     let outcome = outcome?.map_err(CliError::input)?;
     let recordings = train.iter().chain(&held_out);
     let names: Vec<_> = recordings.map(|one| one.name.clone()).collect();
@@ -123,15 +120,6 @@ fn told(diagnosis: &Diagnosis) -> Result<(), CliError> {
             Err(CliError::input(text))
         }
         _ => Ok(()),
-    }
-}
-
-/// Drawn on stderr where that is a terminal.
-fn bar() -> ProgressBar {
-    let bar = ProgressBar::new(STEPS as u64);
-    match ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
     }
 }
 

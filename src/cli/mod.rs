@@ -17,6 +17,7 @@ pub mod log;
 pub mod moves;
 pub mod out;
 pub mod output;
+pub mod progress;
 pub mod prove;
 pub mod results;
 pub mod robot_args;

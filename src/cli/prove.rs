@@ -1,6 +1,7 @@
 //! `quell prove`: the diagnosis on recordings in which something was hidden.
 
 use super::out::{Force, Out, Stage};
+use super::progress::Progress;
 use super::{CliError, choices, output};
 use crate::diagnosis::{Diagnosis, Options, diagnose, score};
 use crate::model::Model;
@@ -9,7 +10,6 @@ use crate::proof::{
     run as run_cases,
 };
 use crate::recording::{MANIFEST, Recording};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -100,10 +100,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
 fn diagnosed(
     (source, count, subtitle): (Source, u64, String),
 ) -> Result<(Score, String), CliError> {
-    let style = ProgressStyle::with_template("{pos}/{len} cases {wide_bar} {eta}");
-    let progress = ProgressBar::new(count).with_style(style.map_err(CliError::failure)?);
-    let score = run_cases(&source, &verdict, &|| progress.inc(1)).map_err(told)?;
-    progress.finish_and_clear();
+    let progress = Progress::new(count, "{pos}/{len} cases {wide_bar} {eta}")?;
+    let score = run_cases(&source, &verdict, &|| progress.step()).map_err(told)?;
     Ok((score, subtitle))
 }
 

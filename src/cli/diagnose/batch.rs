@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::thread::available_parallelism;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::cli::progress::Progress;
 use serde_json::json;
 
 use super::Args;
@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         drain: false,
     };
     let submission = here(&queue, &batch, settings, &bar).map_err(told)?;
-    bar.finish_and_clear();
+    drop(bar);
     shown(args, &queue, submission)
 }
 
@@ -55,8 +55,8 @@ pub fn submit(queue: &str, args: &Args) -> Result<(), CliError> {
     let batch = batch(args, recordings)?;
     let queue = connect(queue).map_err(told)?;
     let bar = bar(batch.recordings.len())?;
-    let submission = crate::batch::submit(&*queue, &batch, &mut |_| bar.inc(1));
-    bar.finish_and_clear();
+    let submission = crate::batch::submit(&*queue, &batch, &mut |_| bar.step());
+    drop(bar);
     let submission = submission.map_err(told)?;
     let (queued, waiting) = (submission.queued, submission.waiting);
     let (answered, elsewhere) = (submission.answered, submission.elsewhere);
@@ -94,10 +94,9 @@ fn batch(args: &Args, paths: &[PathBuf]) -> Result<Batch, CliError> {
     })
 }
 
-/// Drawn on stderr where that is a terminal.
-fn bar(count: usize) -> Result<ProgressBar, CliError> {
-    let style = ProgressStyle::with_template("{pos}/{len} recordings {wide_bar} {eta}");
-    Ok(ProgressBar::new(count as u64).with_style(style.map_err(CliError::failure)?))
+/// Told on stderr.
+fn bar(count: usize) -> Result<Progress, CliError> {
+    Progress::new(count as u64, "{pos}/{len} recordings {wide_bar} {eta}")
 }
 
 /// Puts in and works at once.
@@ -105,19 +104,19 @@ fn here(
     queue: &InProcess,
     batch: &Batch,
     settings: Work,
-    bar: &ProgressBar,
+    bar: &Progress,
 ) -> Result<Submission, BatchError> {
     let ending = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let workers = scope.spawn(|| {
-            let worked = work(queue, settings, &ending, &|_| bar.inc(1));
+            let worked = work(queue, settings, &ending, &|_| bar.step());
             // Who puts in must not wait for workers that have failed.
             queue.close();
             worked
         });
         let submission = crate::batch::submit(queue, batch, &mut |submitted| {
             if submitted != Some(Submitted::Queued) {
-                bar.inc(1);
+                bar.step();
             }
         });
         queue.close();
