@@ -99,15 +99,26 @@ pub fn headline(scenario: &PathScenario) -> String {
     )
 }
 
+/// Angle below which a distance is rounding, rad: far below what an encoder resolves.
+const ROUNDING: f64 = 1e-9;
+
+/// Largest distance of a command from the path, deg; 0 where it is rounding alone.
+pub fn off_the_path(trace: &PathTrace) -> f64 {
+    match trace.command_departure() {
+        rounding if rounding < ROUNDING => 0.0,
+        departure => departure.to_degrees(),
+    }
+}
+
 /// The difference that the common train makes, once the modes are known.
 pub fn sentence(comparison: &PathComparison) -> String {
     let [own, common] =
         [PathKind::OwnTrainsNext, PathKind::CommonTrainNext].map(|kind| comparison.trace(kind));
     format!(
         "With a train for each joint the command leaves the straight line by {:.3} deg, with a common train by \
-         {:.1e} deg; the common train adds {:.0} ms to the move, trains for each joint {:.0} ms.",
-        own.command_departure().to_degrees(),
-        common.command_departure().to_degrees(),
+         {:.3} deg; the common train adds {:.0} ms to the move, trains for each joint {:.0} ms.",
+        off_the_path(own),
+        off_the_path(common),
         common.added_delay() * 1e3,
         own.added_delay() * 1e3,
     )

@@ -52,20 +52,19 @@ fn verdict(scenario: &PathScenario, comparison: &PathComparison) -> Verdict {
 
 fn figures(comparison: &PathComparison) -> Vec<Figure> {
     let [own, common] = DRAWN.map(|kind| comparison.trace(kind));
-    let degrees = |trace: &PathTrace| trace.command_departure().to_degrees();
     vec![
         Figure::text(
             "off the path, trains for each joint",
-            format!("{:.3}", degrees(own)),
+            format!("{:.3}", document::off_the_path(own)),
         )
         .unit("deg")
         .note("of the command, in joint space"),
         Figure::text(
             "off the path, common train",
-            format!("{:.1e}", degrees(common)),
+            format!("{:.3}", document::off_the_path(common)),
         )
         .unit("deg")
-        .note("rounding"),
+        .note("but for rounding"),
         Figure::new(
             "added delay, common train",
             common.added_delay() * 1e3,
@@ -94,7 +93,7 @@ fn table(scenario: &PathScenario, comparison: &PathComparison) -> Table {
             table = table.row([
                 words(*kind).into(),
                 (scenario.joints[index].joint + 1).to_string().into(),
-                trace.command_departure().to_degrees().into(),
+                document::off_the_path(trace).into(),
                 trace.link_departure().to_degrees().into(),
                 (joint.residual() * 1e3).into(),
                 ratio.is_finite().then_some(ratio * 100.0).into(),
