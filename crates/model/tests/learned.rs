@@ -181,11 +181,12 @@ fn every_learned_law_is_well_formed() {
             let (low, high) = (parameter.bounds)(&scales());
             let typical = (parameter.typical)(&scales());
             let what = format!("{name} {}: {low} .. {high}, {typical}", parameter.name);
-            assert!(low < high, "{what}");
-            // The ends of a range are never fitted: no step has their size.
-            if parameter.role == ParameterRole::Ordinate {
-                assert!(0.0 < typical && typical <= high && low <= 0.0, "{what}");
-            }
+            assert!(low < high && low <= typical && typical <= high, "{what}");
+            let ordinate = parameter.role == ParameterRole::Ordinate;
+            assert!(
+                !ordinate || typical > 0.0 && low <= 0.0 && 0.0 <= high,
+                "{what}"
+            );
         }
     }
 }

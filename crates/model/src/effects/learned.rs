@@ -41,20 +41,20 @@ pub(super) const fn parameters<const PARAMETERS: usize>(
         parameters[k].name = NAMES[k];
         k += 1;
     }
-    parameters[ordinates] = end("from", coordinate);
-    parameters[ordinates + 1] = end("to", coordinate);
+    parameters[ordinates] = end("from", coordinate, |_| -1.0);
+    parameters[ordinates + 1] = end("to", coordinate, |_| 1.0);
     parameters
 }
 
-const fn end(name: &'static str, quantity: Quantity) -> Parameter {
+/// An end of a range. It is never fitted: no step of a fit has the size `typical`.
+const fn end(name: &'static str, quantity: Quantity, typical: fn(&Scales) -> f64) -> Parameter {
     Parameter {
         name,
         role: ParameterRole::Range,
         quantity,
         bounds: |_| (f64::MIN, f64::MAX),
         neutral: 0.0,
-        // It is never fitted: no step of a fit has it.
-        typical: |_| 1.0,
+        typical,
     }
 }
 
