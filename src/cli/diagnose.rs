@@ -9,13 +9,14 @@ use super::out::{Force, Out};
 use super::progress::Progress;
 use super::{CliError, output};
 use crate::batch::Shard;
-use crate::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
+use crate::diagnosis::{Diagnosis, Options, Outcome, Stop, Verdict, diagnose};
 use crate::effects::Catalogue;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::{Case, page, text};
 use help::HELP;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// The files that are written; the last has the physics in it.
 const FILES: [&str; 3] = ["report.html", "diagnosis.json", "model.toml"];
@@ -56,9 +57,29 @@ pub struct Args {
     /// Threads to work with, or recordings at once [default: one a core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Ends the search for further effects after this time, and tells the best explanation so far, marked as such.
+    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["batch", "queue"], value_parser = seconds)]
+    pub time_limit: Option<Duration>,
     /// Seed of the confidence intervals' bootstrap.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
+}
+
+/// A time above 0.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number: f64 = text
+        .parse()
+        .map_err(|_| format!("\"{text}\" is no number of seconds"))?;
+    match number > 0.0 {
+        true => Duration::try_from_secs_f64(number).map_err(|error| error.to_string()),
+        false => Err(format!("{text} s leave no time to look")),
+    }
+}
+
+/// Says yes once so much time has passed.
+fn after(limit: Duration) -> Stop {
+    let start = Instant::now();
+    Stop::when(move || start.elapsed() > limit)
 }
 
 /// Runs the verb.
@@ -89,6 +110,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let (train, held_out) = (read(&args.recordings)?, read(&args.held_out)?);
     let options = Options {
         seed: args.seed,
+        enough: args.time_limit.map_or_else(Stop::default, after),
         ..Options::default()
     };
     let bar = Progress::new(STEPS as u64, "{bar:30} {percent:>3} % {msg}")?;

@@ -45,7 +45,7 @@ pub fn all() -> &'static [Diagnosed] {
             from("damped", DAMPED, whole),
             from("dragged", DRAGGED, whole),
             from("outside", OUTSIDE, whole),
-            from("unknown", DAMPED, without_its_law()),
+            from("unlisted", DAMPED, without_its_law()),
             diagnosed("rest", model, rest, whole),
         ]
     })
@@ -70,7 +70,7 @@ fn diagnosed(
     }
 }
 
-/// A catalogue of one effect, a clock that runs fast, which explains no damping.
+/// A catalogue of one effect, a clock that runs fast, which explains no damping: what is found is a learned law.
 fn without_its_law() -> Catalogue {
     let clock = EFFECTS
         .iter()

@@ -8,7 +8,7 @@ mod fixtures;
 mod verb;
 
 use fixtures::{Diagnosed, all};
-use quell::diagnosis::{Diagnosis, FittedParameter, Traces, Verdict};
+use quell::diagnosis::{Diagnosis, Finding, FittedParameter, Traces, Verdict};
 use quell::report::{Case, Shown, page_of, text};
 
 /// Every verdict, what its page must say, and what it must not.
@@ -65,7 +65,14 @@ fn owed(case: &Case) -> Vec<String> {
     for finding in findings {
         let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
         owed.extend(names.map(|name| case.catalogue.title(name)));
-        owed.extend(finding.parameters.iter().flat_map(number_and_unit));
+        match finding.learned() {
+            None => owed.extend(finding.parameters.iter().flat_map(number_and_unit)),
+            Some(learned) => {
+                owed.push(learned.sentence.clone());
+                let nearest = learned.nearest.iter();
+                owed.extend(nearest.map(|nearest| case.catalogue.title(&nearest.effect)));
+            }
+        }
     }
     owed
 }
@@ -87,7 +94,13 @@ fn what_must_come_out_comes_out() {
         one.outcome.diagnosis.verdict
     };
     assert_eq!(verdict("clean"), Verdict::NoMismatch);
-    assert_eq!(verdict("unknown"), Verdict::Unexplained);
+    let unlisted = all().iter().find(|one| one.name == "unlisted").unwrap();
+    let learned = |finding: &Finding| finding.learned().is_some();
+    assert!(
+        unlisted.outcome.diagnosis.findings.iter().any(learned),
+        "{:?}",
+        unlisted.outcome.diagnosis
+    );
     assert_eq!(verdict("rest"), Verdict::NotExcited);
     let with_findings = all()
         .iter()
@@ -127,6 +140,11 @@ fn page_and_text_say_what_the_diagnosis_says() {
         }
         for words in *unsaid {
             assert!(!html.contains(words), "{name}: {words}");
+        }
+        let curves = diagnosis.findings.iter().filter_map(|f| f.curve.as_ref());
+        for curve in curves {
+            let title = format!("{} over the {}", curve.law, curve.coordinate);
+            assert!(html.contains(&title), "{name}: {title}");
         }
         assert_eq!(
             html.contains("What to do next"),

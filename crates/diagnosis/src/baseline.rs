@@ -4,7 +4,7 @@ use super::fit::{Fitted, Projector};
 use super::noise::rounding;
 use super::point::Point;
 use super::problem::{Problem, Rows};
-use super::split::{self, HeldOut};
+use super::split::{self, HeldOut, Split};
 use super::start::{departure_scale, departures};
 use super::stop::Stop;
 use super::thresholds::LONG;
@@ -14,10 +14,15 @@ use quell_model::effects::{Catalogue, Scales, Visited};
 use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Trace, see_motion};
 use quell_recording::Role;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Believed standard deviations beyond which a key of the model may not run: what is not known within
 /// three of them is another machine.
 const FARTHEST: f64 = 3.0;
+
+/// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
+/// not the noise of its neighbours.
+const STRETCH: f64 = 3.0;
 
 /// Errors of a rigid axis that matter, as a share of its travel: what stands for the deformation.
 const RIGID: f64 = 0.01;
@@ -37,21 +42,23 @@ pub struct Data {
 }
 
 impl Data {
-    /// From experiments, and others that are held out; without these the last third of the moves.
-    pub fn new(experiments: Vec<Experiment>, apart: Vec<Experiment>) -> Self {
+    /// From experiments, and others that are held out; without these, stretches of them.
+    pub fn new(model: &Model, experiments: Vec<Experiment>, apart: Vec<Experiment>) -> Self {
+        let scales = scales(model.kind, &model.keys(), &experiments, model);
         let (mut train, mut held_out) = (Vec::new(), Vec::new());
         for experiment in &experiments {
-            if apart.is_empty() {
-                let parts = split::last_third(experiment);
-                train.push(parts.train);
-                held_out.push(parts.held_out);
-            } else {
-                train.push(split::whole(experiment));
-                held_out.push(vec![Vec::new(); experiment.outputs.len()]);
-            }
+            let parts = match apart.is_empty() {
+                true => split::interleaved(experiment, STRETCH * scales.period()),
+                false => Split {
+                    train: split::whole(experiment),
+                    held_out: vec![Vec::new(); experiment.outputs.len()],
+                },
+            };
+            train.push(parts.train);
+            held_out.push(parts.held_out);
         }
         let judged_by = match apart.is_empty() {
-            true => split::last_of(&experiments),
+            true => HeldOut::Stretches,
             false => HeldOut::Recordings,
         };
         Self {
@@ -60,16 +67,6 @@ impl Data {
             held_out,
             apart,
             judged_by,
-        }
-    }
-
-    /// The same experiments, split in turns.
-    pub fn interleave(&mut self, stretch: f64) {
-        self.judged_by = HeldOut::Stretches;
-        for (index, experiment) in self.experiments.iter().enumerate() {
-            let parts = split::interleaved(experiment, stretch);
-            self.train[index] = parts.train;
-            self.held_out[index] = parts.held_out;
         }
     }
 }
@@ -116,6 +113,7 @@ pub fn problem<'a>(
         scales,
         frozen: false,
         stop: Stop::default(),
+        simulated: Arc::default(),
     }
 }
 

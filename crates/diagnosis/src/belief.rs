@@ -1,6 +1,7 @@
 //! What the engineer believes, as rows of the fit: departures from the given values in standard
 //! deviations.
 
+use super::curves;
 use super::point::{Global, Point};
 use super::problem::Problem;
 use std::f64::consts::TAU;
@@ -16,12 +17,26 @@ pub struct Belief {
 impl Problem<'_> {
     /// Cost of the beliefs.
     pub fn disbelief(&self, point: &Point) -> f64 {
-        let beliefs = self.beliefs_at(point);
-        beliefs.iter().map(|b| b.departure * b.departure).sum()
+        let beliefs = self.beliefs_of_model(point);
+        let of_model: f64 = beliefs.iter().map(|b| b.departure * b.departure).sum();
+        let terms = point.terms.iter();
+        of_model
+            + terms
+                .map(|term| curves::cost(&self.scales, term))
+                .sum::<f64>()
+    }
+
+    /// Beliefs on keys, on the effects of the given model, and on the curves of learned laws.
+    pub fn beliefs_at(&self, point: &Point) -> Vec<Belief> {
+        let terms = point.terms.iter().enumerate();
+        let curves = terms.flat_map(|(index, term)| curves::beliefs(&self.scales, index, term));
+        let mut all = self.beliefs_of_model(point);
+        all.extend(curves);
+        all
     }
 
     /// Beliefs on keys and on the effects of the given model.
-    pub fn beliefs_at(&self, point: &Point) -> Vec<Belief> {
+    fn beliefs_of_model(&self, point: &Point) -> Vec<Belief> {
         let keys = self.free.iter().filter_map(|&key| self.belief(point, key));
         let effects = self.given.iter().enumerate().flat_map(|(term, values)| {
             let parameters = values.iter().enumerate();

@@ -18,15 +18,16 @@
 mod input_error;
 mod output_noise;
 
-use super::criteria::Search;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::normal::{deviations, solve};
 use super::point::{Global, Point};
 use super::problem::Problem;
+use super::search::Search;
 use input_error::InputError;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
+use quell_model::effects::ParameterRole;
 use quell_model::{Experiment, Value};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -46,21 +47,39 @@ const LINEAR: f64 = 0.1;
 /// How far the shared unknowns would scatter.
 pub struct Scatter {
     globals: Vec<Global>,
-    /// Standard deviations about the fitted values, in the unit of the fit.
-    deviations: Vec<f64>,
+    /// Covariance about the fitted values, in the unit of the fit.
+    covariance: DMatrix<f64>,
 }
 
 impl Scatter {
-    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds.
+    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds. The end of a range
+    /// is as it was set.
     pub fn interval(&self, problem: &Problem, point: &Point, global: Global) -> [f64; 2] {
         let value = problem.get(point, global);
+        if let Global::Parameter(term, index) = global
+            && point.terms[term].effect.parameters[index].role == ParameterRole::Range
+        {
+            return [value; 2];
+        }
         let (low, high) = problem.limits(point, global);
         let index = self.globals.iter().position(|g| *g == global);
-        let reach = index.map_or(f64::INFINITY, |i| STUDENT_95 * self.deviations[i]);
+        let reach = index.map_or(f64::INFINITY, |i| {
+            STUDENT_95 * self.covariance[(i, i)].sqrt()
+        });
         [
             (value - reach).max(low.min(value)),
             (value + reach).min(high.max(value)),
         ]
+    }
+
+    /// Covariance of some of the unknowns; what was not fitted does not scatter.
+    pub fn covariance(&self, unknowns: &[Global]) -> DMatrix<f64> {
+        let index = |global: &Global| self.globals.iter().position(|g| g == global);
+        let indices: Vec<Option<usize>> = unknowns.iter().map(index).collect();
+        DMatrix::from_fn(indices.len(), indices.len(), |i, j| {
+            let both = indices[i].zip(indices[j]);
+            both.map_or(0.0, |at| self.covariance[at])
+        })
     }
 }
 
@@ -75,24 +94,35 @@ pub fn bootstrap(search: &Search, best: &Explanation, seed: u64) -> Scatter {
     let steps = if world.linear_enough(&pilots) { 1 } else { 2 };
     let others = run(PILOTS..REPLICATES, steps);
     let shared = world.linear.globals.len();
-    let (mut sums, mut count) = (vec![0.0; shared], 0.0);
+    let (mut covariance, mut count) = (DMatrix::zeros(shared, shared), 0.0);
     for replicate in pilots.iter().chain(&others) {
         let changes = replicate.iter().take(steps);
         let change = changes.fold(DVector::zeros(shared), |sum, step| sum + step);
         count += 1.0;
-        for (sum, change) in sums.iter_mut().zip(change.iter()) {
-            *sum += change * change;
-        }
+        covariance.ger(1.0, &change, &change, 1.0);
     }
+    covariance /= count;
     // Never below what noise alone makes of the linear problem, which is known without any draw; about
     // the fitted value, so that a bias counts.
-    let least = deviations(&world.normal, shared);
-    let deviations = sums.iter().zip(least);
+    widen(&mut covariance, &deviations(&world.normal, shared));
     Scatter {
-        deviations: deviations
-            .map(|(sum, least)| (sum / count).sqrt().max(least))
-            .collect(),
+        covariance,
         globals: world.linear.globals,
+    }
+}
+
+/// Deviations at least as large as these, at the correlations that there are.
+fn widen(covariance: &mut DMatrix<f64>, least: &[f64]) {
+    for (i, least) in least.iter().enumerate() {
+        let own = covariance[(i, i)].sqrt();
+        if *least <= own {
+            continue;
+        }
+        if own > 0.0 && least.is_finite() {
+            covariance.row_mut(i).scale_mut(least / own);
+            covariance.column_mut(i).scale_mut(least / own);
+        }
+        covariance[(i, i)] = least * least;
     }
 }
 

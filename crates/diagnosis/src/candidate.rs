@@ -1,6 +1,7 @@
 //! Candidates of a search: effects at places, and where their fits may start.
 
 use super::point::{EffectAt, Point};
+use super::stop::Stop;
 
 /// Explanations that were looked at elsewhere.
 #[derive(Clone, Default)]
@@ -9,6 +10,8 @@ pub struct Known {
     pub points: Vec<Point>,
     /// Whether nothing else is to be looked at.
     pub alone: bool,
+    /// Ends the search, not the diagnosis.
+    pub enough: Stop,
 }
 
 /// An effect at a place, and where its fit may start.

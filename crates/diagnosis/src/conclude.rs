@@ -1,22 +1,19 @@
 //! From what the search found to verdict, findings and the better model.
 
 use super::bootstrap::{Scatter, bootstrap};
-use super::criteria::Search;
 use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
-use super::found::{Found, Trial};
+use super::found::Found;
+use super::law_curve::law_curve;
 use super::locate::Located;
 use super::point::{EffectAt, Global};
 use super::quality::{level, quality};
+use super::search::Search;
 use super::summary::{summary, times, whole};
-use super::thresholds::EQUAL;
 use super::tracker_scale::TrackerScale;
 use quell_model::effects::Effect;
 use quell_model::{Model, ModelEffect, Value};
 use std::collections::BTreeMap;
-
-/// Residual, in times the noise, that anyone sees in a plot of it.
-const PLAIN: f64 = 2.0;
 
 /// All of a diagnosis that follows from a search, and a scale of a tracker that is told in it; the intervals are
 /// drawn with a seed.
@@ -51,7 +48,11 @@ pub fn conclude(
         fit,
         nuisances: nuisances(search, reported(verdict, found)),
         next_move: None,
-        candidates: found.trials.iter().filter_map(candidate).collect(),
+        candidates: found
+            .ranked
+            .iter()
+            .filter_map(|own| candidate(found, own))
+            .collect(),
         remarks,
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
@@ -72,24 +73,17 @@ pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
     }
 }
 
-/// Named where the best explanation leaves nothing but noise (or, one law, a hundredth of the mismatch, fitted
-/// and held out: none of the catalogue has the shape of nature to better than a tenth in amplitude).
+/// Nothing is missing where no effect is told and nothing but noise is left. Effects are named where with them
+/// nothing but noise is left, or what the shapes of their laws could be wrong by; and no other explanation is in the
+/// credible set.
 fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
-    if found.best.effects().is_empty() {
-        return match search.is_quiet(&found.baseline, located) {
+    if found.best.terms() == 0 {
+        return match search.leaves_nothing(found, located) {
             true => Verdict::NoMismatch,
             false => Verdict::Unexplained,
         };
     }
-    // What is left in plain sight is not explained, however much more there was.
-    let seen = !search.below(&found.best, PLAIN);
-    let noise = search.at_noise(&found.best) && search.is_held_noise(&found.best);
-    // A second law takes up what the shape of the first one leaves: beside it nothing else may be left.
-    let one = found.best.effects().len() == 1 || stands_for_one(found);
-    let shape = one
-        && search.explains(&found.baseline, &found.best)
-        && search.predicts(&found.baseline, &found.best);
-    if seen || !(noise || shape) {
+    if !search.explains(found) {
         return Verdict::PartlyExplained;
     }
     match found.equals.is_empty() {
@@ -98,52 +92,38 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     }
 }
 
-fn candidate(trial: &Trial) -> Option<Candidate> {
-    let effects = trial.explanation.effects();
+fn candidate(found: &Found, (own, probability): &(Explanation, f64)) -> Option<Candidate> {
+    let effects = own.effects();
     let names: Vec<&str> = effects.iter().map(|effect| effect.0.name).collect();
-    let finite = trial.delta_bic.is_finite() && trial.held_out_ratio.is_finite();
+    let log_evidence = found.log_evidence(own);
+    let held_out_ratio = match found.baseline.held_out > 0.0 {
+        true => own.held_out / found.baseline.held_out,
+        false => 1.0,
+    };
+    let finite = log_evidence.is_finite() && held_out_ratio.is_finite();
+    let (_, place) = effects.last()?;
     finite.then(|| Candidate {
         effect: names.join(" + "),
-        place: effects
-            .last()
-            .map_or("", |effect| effect.1.name())
-            .to_string(),
-        delta_bic: trial.delta_bic,
-        held_out_ratio: trial.held_out_ratio,
+        place: place.name().to_string(),
+        log_evidence,
+        probability: *probability,
+        held_out_ratio,
     })
 }
 
-/// The effects of the best explanation, the one whose absence costs most first; two that stand for one law in
-/// the order of its parts, the larger first.
+/// The effects of the best explanation, the one whose absence costs most first.
 fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let best = &found.best;
     let told = |effect| {
         let gain = found.without(effect).train - best.train;
         let parameters = parameters(search, best, effect, scatter);
-        (gain, finding(search, found, effect, parameters))
+        let mut finding = finding(search, found, effect, parameters);
+        finding.curve = law_curve(search.problem, &best.fitted.point, effect, scatter);
+        (gain, finding)
     };
     let mut findings: Vec<(f64, Finding)> = best.effects().into_iter().map(told).collect();
-    if !stands_for_one(found) {
-        findings.sort_by(|a, b| b.0.total_cmp(&a.0));
-    }
+    findings.sort_by(|a, b| b.0.total_cmp(&a.0));
     findings.into_iter().map(|(_, finding)| finding).collect()
-}
-
-/// Whether the best explanation is that of one law, told as its parts.
-fn stands_for_one(found: &Found) -> bool {
-    let own = found.best.effects();
-    let whole = |equal: &Trial| {
-        let point = &equal.explanation.fitted.point;
-        let [term] = &point.terms[point.given_terms..] else {
-            return false;
-        };
-        let parts = term.effect.parts(&term.values);
-        parts.is_some_and(|parts| {
-            let own = own.iter().map(|effect| effect.0);
-            own.eq(parts.iter().map(|part| part.0))
-        })
-    };
-    found.equals.iter().any(whole)
 }
 
 fn finding(
@@ -154,40 +134,35 @@ fn finding(
 ) -> Finding {
     let (best, without) = (&found.best, found.without(effect));
     let own = best.effects();
-    let mut alternatives: Vec<(&Effect, f64)> = Vec::new();
+    let mut alternatives: Vec<&Effect> = Vec::new();
     for equal in &found.equals {
-        // What is told before a simpler law is believed no less than that.
-        let worse = (search.criterion(&equal.explanation) - search.criterion(best)).max(0.0);
-        for (other, _) in equal.explanation.effects() {
+        for (other, _) in equal.effects() {
             let shared = own.iter().any(|own| own.0 == other);
-            let known = alternatives.iter().any(|known| known.0 == other);
-            if !shared && !known && replaces(best, &equal.explanation, effect) {
-                alternatives.push((other, worse / found.unit));
+            if !shared && !alternatives.contains(&other) && replaces(best, equal, effect) {
+                alternatives.push(other);
             }
         }
     }
-    let weight: f64 = alternatives
-        .iter()
-        .map(|(_, worse)| (-worse / EQUAL).exp())
-        .sum();
     let noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
     let rows = search.judge.held_out_rows;
+    let odds = found.log_evidence(best) - found.log_evidence(without);
     Finding {
         effect: effect.0.name.to_string(),
         place: effect.1.name().to_string(),
-        probability: 1.0 / (1.0 + weight),
+        probability: found.probability(effect),
         parameters,
         evidence: format!(
             "Without it the residual on what was held out is {} times the noise, with it {}; the \
-             Bayesian information criterion falls by {}.",
+             logarithm of the evidence for it is {}.",
             times(noise(without.held_out, rows)),
             times(noise(best.held_out, rows)),
-            whole((search.criterion(without) - search.criterion(best)) / found.unit),
+            whole(odds),
         ),
         alternatives: alternatives
             .into_iter()
-            .map(|(other, _)| other.name.to_string())
+            .map(|other| other.name.to_string())
             .collect(),
+        curve: None,
     }
 }
 

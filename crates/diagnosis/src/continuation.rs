@@ -4,11 +4,11 @@
 //! Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
 
 use super::candidate::Candidate;
-use super::criteria::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};
-use super::screen::candidates;
+use super::screen::{Table, candidates};
+use super::search::Search;
 use super::successive_halving::Halving;
 use super::thresholds::{LOST, SECOND, SHORT};
 
@@ -23,11 +23,12 @@ impl Search<'_> {
     /// that take part in the halving.
     pub(super) fn continued(&self, from: &Explanation, halving: &Halving) -> Vec<Candidate> {
         let own = from.effects();
-        let done = self.known.alone || halving.is_won();
+        let done = self.known.alone || halving.is_won() || self.leaves_noise(from);
         let winding = |effect: &EffectAt| {
             effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
         };
-        let continued = candidates(self.problem).into_iter().filter(winding);
+        let all = candidates(self.problem, Table::Named);
+        let continued = all.into_iter().filter(winding);
         let candidate = |effect: EffectAt| Candidate {
             effect,
             near: Vec::new(),

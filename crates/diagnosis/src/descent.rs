@@ -5,7 +5,7 @@
 //! fails or before the fit ends. Sources: Marquardt, SIAM J. Applied Mathematics 11 (1963); Broyden,
 //! Mathematics of Computation 19 (1965).
 
-use super::fit::{Evaluated, Fitted, Linearised, Projector};
+use super::fit::{Evaluated, Fitted, KnownSlopes, Linearised, Projector};
 use super::normal::solve;
 use super::point::Point;
 use super::problem::Problem;
@@ -23,7 +23,7 @@ const POOR: f64 = 0.25;
 
 /// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
 /// many as there are unknowns.
-const LEARNED: usize = 12;
+const LEARNED: usize = 80;
 
 /// A fit on its way.
 pub struct Descent<'a> {
@@ -34,6 +34,8 @@ pub struct Descent<'a> {
     damping: f64,
     /// Whether the Jacobian was taken at this point.
     exact: bool,
+    /// A point without the last effect.
+    near: Option<&'a Linearised>,
 }
 
 impl Problem<'_> {
@@ -51,16 +53,18 @@ impl<'a> Descent<'a> {
         problem: &'a Problem<'a>,
         projector: &'a Projector,
         start: &Point,
-        near: Option<&Linearised>,
+        near: Option<&'a Linearised>,
     ) -> Self {
         let at = problem.evaluate(start, projector);
+        let known = near.map_or(KnownSlopes::Nothing, KnownSlopes::All);
         Self {
             problem,
             projector,
             point: start.clone(),
-            linear: problem.slopes(start, projector, at, near),
+            linear: problem.slopes(start, projector, at, known),
             damping: DAMPING,
             exact: near.is_none(),
+            near,
         }
     }
 
@@ -157,7 +161,7 @@ impl<'a> Descent<'a> {
         let before = self.linear.cost;
         self.attempt(if self.exact { TRIES } else { 1 });
         if !self.exact && self.is_little(before - self.linear.cost) {
-            self.take_jacobian();
+            self.take_jacobian(self.problem.evaluate(&self.point, self.projector));
             self.attempt(TRIES);
         }
     }
@@ -226,9 +230,7 @@ impl<'a> Descent<'a> {
         self.exact = many || fell < POOR * (self.linear.cost - promised);
         self.point = next;
         if self.exact {
-            self.linear = self
-                .problem
-                .slopes(&self.point, self.projector, there, None);
+            self.take_jacobian(there);
             return;
         }
         for (e, way) in ways.iter().enumerate() {
@@ -251,10 +253,13 @@ impl<'a> Descent<'a> {
     }
 
     /// Takes the Jacobian at the present point.
-    fn take_jacobian(&mut self) {
-        if !self.exact {
-            self.linear = self.problem.linearise(&self.point, self.projector);
-            self.exact = true;
-        }
+    fn take_jacobian(&mut self, here: Evaluated) {
+        let known = self
+            .near
+            .map_or(KnownSlopes::Nothing, KnownSlopes::Ordinates);
+        self.linear = self
+            .problem
+            .slopes(&self.point, self.projector, here, known);
+        self.exact = true;
     }
 }

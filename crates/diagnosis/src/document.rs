@@ -1,6 +1,8 @@
 //! What a diagnosis says: the content of `diagnosis.json`.
 
 use super::error::DiagnosisError;
+use super::law_curve::{LawCurve, LearnedLaw};
+use quell_model::effects::Catalogue;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -56,8 +58,7 @@ pub struct Finding {
     pub effect: String,
     /// Its place in the chain.
     pub place: String,
-    /// Probability among the explanations that were tried: their criteria `B` weigh as `exp(-B / 15)`, tempered
-    /// against `exp(-B / 2)`, since a law's shape is not nature's.
+    /// Probability that it is missing: of all explanations together that have it, by their marginal likelihoods.
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<FittedParameter>,
@@ -65,6 +66,46 @@ pub struct Finding {
     pub evidence: String,
     /// Effects that the data cannot tell from it.
     pub alternatives: Vec<String>,
+    /// Its law as a curve, where it is a static one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<LawCurve>,
+}
+
+impl Finding {
+    /// Its name in a sentence; of a learned law with the named law that stays inside its band.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_diagnosis::Finding;
+    /// use quell_model::effects::Catalogue;
+    /// let finding = r#"{
+    ///     "effect": "learned_spring", "place": "transmission", "probability": 0.99, "parameters": [],
+    ///     "evidence": "", "alternatives": [], "curve": {
+    ///         "law": "spring force", "unit": "N", "coordinate": "deformation", "coordinate_unit": "m",
+    ///         "points": [], "values": [], "ci95": [], "learned": {
+    ///             "sentence": "The learned spring is odd.", "nearest": {
+    ///                 "effect": "cubic_stiffness", "parameters": [], "values": [], "chi_squared": 0.8,
+    ///                 "outside": []
+    ///             }
+    ///         }
+    ///     }
+    /// }"#;
+    /// let finding: Finding = serde_json::from_str(finding).unwrap();
+    /// assert_eq!(finding.title(Catalogue::default()), "learned spring, like cubic stiffness");
+    /// ```
+    pub fn title(&self, catalogue: Catalogue) -> String {
+        let title = catalogue.title(&self.effect);
+        let nearest = self.learned().and_then(|learned| learned.nearest.as_ref());
+        match nearest.filter(|nearest| nearest.is_inside()) {
+            Some(nearest) => format!("{title}, like {}", catalogue.title(&nearest.effect)),
+            None => title,
+        }
+    }
+
+    /// What is known of the curve of a learned law.
+    pub fn learned(&self) -> Option<&LearnedLaw> {
+        self.curve.as_ref()?.learned.as_ref()
+    }
 }
 
 /// Where the mismatch sits.
@@ -145,8 +186,10 @@ pub struct Candidate {
     pub effect: String,
     /// Place of the (last) effect.
     pub place: String,
-    /// Whitened difference of the Bayesian information criterion to the refitted model; negative is better.
-    pub delta_bic: f64,
+    /// Log of its marginal likelihood over that of the refitted model; positive is better.
+    pub log_evidence: f64,
+    /// Its probability among the explanations that were looked at.
+    pub probability: f64,
     /// Held-out chi-squared over that of the refitted model.
     pub held_out_ratio: f64,
 }

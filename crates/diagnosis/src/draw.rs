@@ -1,8 +1,8 @@
 //! The series that a report draws.
 
-use super::criteria::Search;
 use super::explanation::Explanation;
 use super::locate::Located;
+use super::search::Search;
 use super::traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};
 use super::units::{of_values, over_seconds_squared};
 use quell_model::effects::Place;

@@ -1,10 +1,11 @@
 //! Events that happen more than once: a machine that was hit once is hit again.
 
-use super::criteria::Search;
 use super::descent::Descent;
+use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::point::{Global, Point};
-use super::thresholds::{SHORT, STRONG};
+use super::search::Search;
+use super::thresholds::SHORT;
 use quell_model::Term;
 use std::cmp::Ordering;
 
@@ -13,7 +14,7 @@ const SIZE: usize = 2;
 
 impl Search<'_> {
     /// An explanation whose last effect is an event, with further ones of its kind at the instants at which
-    /// something seems to happen: each must lower the criterion as much as an effect of its own.
+    /// something seems to happen: each must raise the evidence.
     pub(super) fn recurring(&self, explanation: Explanation) -> Explanation {
         let point = &explanation.fitted.point;
         let last = point.terms.last();
@@ -23,7 +24,7 @@ impl Search<'_> {
         };
         let candidates = &self.problem.scales.candidate_events;
         let (effect, place) = (event.effect, event.place);
-        let worth = STRONG + 2.0 * (candidates.len().max(1) as f64).ln();
+        let temperature = CALIBRATED * self.judge.unit(&explanation);
         let mut best = explanation.clone();
         for &time in candidates {
             let point = &best.fitted.point;
@@ -35,12 +36,12 @@ impl Search<'_> {
             let mut values = effect.neutral();
             values[when] = time;
             let next = self.with_event(&point.with(effect, place, values), when);
-            if self.criterion(&next) < self.criterion(&best) - worth * self.unit(&next) {
+            if next.log_evidence(temperature) > best.log_evidence(temperature) {
                 best = next;
             }
         }
         match best.fitted.point.terms.len() > point.terms.len() {
-            true => self.together(best, (event, when), worth),
+            true => self.together(best, (event, when), temperature),
             false => explanation,
         }
     }
@@ -50,7 +51,7 @@ impl Search<'_> {
         &self,
         found: Explanation,
         (event, when): (&Term, usize),
-        worth: f64,
+        temperature: f64,
     ) -> Explanation {
         let mut point = found.fitted.point;
         let mut added = point.terms.split_off(point.given_terms);
@@ -71,13 +72,11 @@ impl Search<'_> {
                 .into_iter()
                 .map(|term| self.refitted(&point.without(term)))
                 .collect();
-            match self.lowest(without.iter()) {
-                Some(next)
-                    if self.criterion(next) < self.criterion(&best) + worth * self.unit(&best) =>
-                {
-                    best = next.clone();
-                }
-                _ => return best,
+            let log = |own: &Explanation| own.log_evidence(temperature);
+            let next = without.into_iter().max_by(|a, b| log(a).total_cmp(&log(b)));
+            match next.filter(|next| log(next) >= log(&best)) {
+                Some(next) => best = next,
+                None => return best,
             }
         }
     }
@@ -93,7 +92,8 @@ impl Search<'_> {
         };
         let mut sized = fitted(&held, SIZE).point;
         sized.held.clear();
-        self.judge.judge(self.problem, fitted(&sized, SHORT))
+        let fitted = fitted(&sized, SHORT);
+        self.judge.judge(self.problem, self.projector, fitted)
     }
 }
 

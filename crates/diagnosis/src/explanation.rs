@@ -1,13 +1,15 @@
 //! An explanation: a structure, fitted, and how it does on what was held out.
 
 use super::baseline::{self, Data};
+use super::evidence::Evidence;
 use super::fit::{Fitted, Projector};
 use super::point::{EffectAt, Point};
 use super::problem::{Problem, Rows};
 use super::split;
 use super::start::ringing;
+use super::thresholds::FLOOR;
+use super::views::Views;
 use nalgebra::DVector;
-use quell_model::effects::Scales;
 use quell_model::{Model, StartComponent};
 
 /// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
@@ -23,6 +25,10 @@ pub struct Explanation {
     pub train: f64,
     /// The same on the held-out rows.
     pub held_out: f64,
+    /// Its marginal likelihood.
+    pub evidence: Evidence,
+    /// Whether a parameter of its effects lies at the end of its range.
+    pub is_at_end: bool,
 }
 
 impl Explanation {
@@ -31,21 +37,31 @@ impl Explanation {
         self.fitted.point.effects()
     }
 
-    /// Whether another one has the same effects at the same places, in whatever order.
+    /// Number of terms that were added to the model: an event may have several.
+    pub fn terms(&self) -> usize {
+        self.fitted.point.terms.len() - self.fitted.point.given_terms
+    }
+
+    /// Whether one of its laws was learned.
+    pub fn is_learned(&self) -> bool {
+        let point = &self.fitted.point;
+        let mut added = point.terms[point.given_terms..].iter();
+        added.any(|term| term.effect.is_learned())
+    }
+
+    /// Whether another one has the same effects at the same places, as often, in whatever order.
     pub fn is_like(&self, other: &Self) -> bool {
-        let (own, theirs) = (self.effects(), other.effects());
-        own.len() == theirs.len() && own.iter().all(|effect| theirs.contains(effect))
+        self.has_structure_of(&other.fitted.point)
     }
 
-    /// Sizes of the last effect that were looked at, at least 1.
-    pub fn looks(&self, scales: &Scales) -> usize {
-        let last = self.fitted.point.terms.last();
-        last.map_or(1, |term| (term.effect.starts)(scales).len().max(1))
+    /// Whether a point has the same effects at the same places, as often, in whatever order.
+    pub fn has_structure_of(&self, other: &Point) -> bool {
+        self.fitted.point.structure() == other.structure()
     }
 
-    /// Number of shared unknowns.
-    pub fn unknowns(&self) -> usize {
-        self.fitted.globals.len()
+    /// Log of its marginal likelihood.
+    pub fn log_evidence(&self, temperature: f64) -> f64 {
+        self.evidence.log(temperature)
     }
 }
 
@@ -87,46 +103,42 @@ impl<'a> Judge<'a> {
         judge
     }
 
+    /// Chi-squared per row, at least 1: what the best model leaves is the unit of evidence.
+    pub fn unit(&self, explanation: &Explanation) -> f64 {
+        (explanation.train / self.train_rows.max(1) as f64).max(1.0)
+    }
+
     /// A fit with its figures.
-    pub fn judge(&self, problem: &Problem, fitted: Fitted) -> Explanation {
+    pub fn judge(&self, problem: &Problem, projector: &Projector, fitted: Fitted) -> Explanation {
         let train = fitted.cost - problem.disbelief(&fitted.point);
-        let held_out = self.held_out(problem, &fitted.point);
+        let views = Views::new(self, problem, projector, &fitted.point);
+        // Where only noise is left, no other shape would leave less.
+        let shaped = train > self.train_rows as f64 * FLOOR;
+        let evidence = Evidence::new(problem, &views, &fitted, shaped);
         Explanation {
-            fitted,
             train,
-            held_out,
+            held_out: evidence.held_out(),
+            is_at_end: problem.is_at_end(&fitted),
+            fitted,
+            evidence,
         }
     }
 
-    /// Sum of squares on what was held out. Clock, offset and frame are those of the fitted rows; a
-    /// recording that is held out as a whole has its own fitted.
-    pub fn held_out(&self, problem: &Problem, point: &Point) -> f64 {
-        if !self.data.apart.is_empty() {
-            return self.apart(problem, point).1.cost;
-        }
-        let finite = |r: f64| {
-            if r.is_finite() {
-                r.abs().min(1e12).powi(2)
-            } else {
-                1e24
-            }
-        };
-        let rows = self.held_out_rows_of(problem, point);
-        rows.into_iter().map(finite).sum()
-    }
-
-    /// Whitened residuals on the held-out rows of the recordings that were fitted.
-    pub fn held_out_rows_of(&self, problem: &Problem, point: &Point) -> Vec<f64> {
-        let mut rows = Vec::new();
-        for (e, held_out) in self.data.held_out.iter().enumerate() {
-            let residual = problem.explained(point, e);
-            for (k, ranges) in held_out.iter().enumerate() {
-                for range in ranges {
-                    problem.whitening[e][k].apply(&residual[k][range.clone()], &mut rows);
-                }
+    /// Appends the whitened residuals on the held-out rows of a recording of which others were fitted. Clock,
+    /// offset and frame are those of the fitted rows.
+    pub fn push_held_out(
+        &self,
+        problem: &Problem,
+        e: usize,
+        raw: Vec<Vec<f64>>,
+        rows: &mut Vec<f64>,
+    ) {
+        let residual = problem.without_nuisances(e, raw);
+        for (k, ranges) in self.data.held_out[e].iter().enumerate() {
+            for range in ranges {
+                problem.whitening[e][k].apply(&residual[k][range.clone()], rows);
             }
         }
-        rows
     }
 
     /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the
@@ -172,7 +184,11 @@ impl Problem<'_> {
     /// Recorded minus predicted over a whole experiment, the linear nuisances of the fitted rows taken
     /// out.
     pub fn explained(&self, point: &Point, e: usize) -> Vec<Vec<f64>> {
-        let mut raw = self.run(point, e).residuals;
+        self.without_nuisances(e, self.run(point, e).residuals)
+    }
+
+    /// Residuals of a whole experiment without the linear nuisances of its fitted rows.
+    pub fn without_nuisances(&self, e: usize, mut raw: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let coefficients = self.coefficients(e, &self.complete(e, &raw));
         let mut next = coefficients.iter();
         for (output, residual) in self.experiments[e].outputs.iter().zip(&mut raw) {

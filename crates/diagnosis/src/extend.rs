@@ -1,51 +1,88 @@
-//! Candidates on top of an explanation: screened, fitted by successive halving, and ranked.
+//! Candidates on top of an explanation: located in what it leaves, screened, and fitted by successive halving.
 
 use super::candidate::Candidate;
-use super::criteria::{Search, ratio, sort};
+use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::found::Trial;
 use super::point::{EffectAt, Point};
-use super::screen::{Start, screen};
+use super::pool::Pool;
+use super::problem::Problem;
+use super::screen::{Start, Table, screen};
+use super::search::Search;
 use super::successive_halving::Halving;
-use super::thresholds::{GATE, STRONG};
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
+/// Learned laws that are fitted after the screen, which tells of each the curve that is likeliest.
+const LEARNED: usize = 3;
 /// Sizes of each candidate that a fit starts from: a law with a time or a length has a basin for each few of them.
 const SIZES: usize = 4;
-/// Predicted fall of the cost below which a candidate is not fitted.
-const HOPELESS: f64 = 6.0;
 
 impl Search<'_> {
-    /// Candidates on top of an explanation, fitted and judged against it; best first.
-    pub fn extend(&self, from: &Explanation) -> Vec<Trial> {
-        let (problem, projector) = (self.problem, self.projector);
-        let linear = (!self.known.alone).then(|| problem.linearise(&from.fitted.point, projector));
+    /// Candidates on top of an explanation, fitted and judged.
+    pub fn extend(&self, from: &Explanation, table: Table, pool: &Pool) -> Vec<Explanation> {
+        let temperature = pool.temperature(self.judge);
+        let before = quell_model::simulations();
+        let located = Problem {
+            scales: self.problem.located_in(from),
+            ..self.problem.clone()
+        };
+        let search = Search {
+            problem: &located,
+            ..*self
+        };
+        let (problem, point) = (search.problem, &from.fitted.point);
+        let linear = (!self.known.alone).then(|| problem.linearise(point, self.projector));
         let mut found = Vec::new();
         if let Some(linear) = &linear {
-            found = self.screened(from, linear);
+            // What a further effect must gain to be worth its prior odds, were what is left not correlated: of
+            // a residual that is, an effect may take all.
+            let fall = -2.0 * CALIBRATED * pool.unit(self.judge) * problem.log_prior_of_one();
+            found = search.screened(from, linear, table, fall);
         }
-        self.add_known(from, &mut found);
-        let mut halving = Halving::new(self, from, linear.as_ref());
+        search.add_known(from, &mut found);
+        let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
-        halving.lead();
-        let continued = self.continued(from, &halving);
-        halving.enter(continued);
-        let mut trials = halving.finish();
-        self.rank(from, &mut trials);
-        trials
+        // Laws that are learned are held against those of the catalogue that are known.
+        let rival = match table {
+            Table::Named => f64::INFINITY,
+            Table::Learned => pool.best(self.judge).fitted.cost,
+        };
+        halving.lead(rival);
+        if table == Table::Named {
+            let continued = search.continued(from, &halving);
+            halving.enter(continued);
+        }
+        let found = halving.finish();
+        found
+            .iter()
+            .for_each(|own| self.log(own, from, temperature));
+        tracing::debug!(
+            from = ?point.structure(),
+            ?table,
+            temperature,
+            simulations = quell_model::simulations() - before,
+            fitted = found.len(), nodes = problem.experiments[0].grid.input.len(), rows = problem.experiments[0].samples(),
+            "extended"
+        );
+        found
     }
 
     /// The best candidates of a screen.
-    fn screened(&self, from: &Explanation, linear: &Linearised) -> Vec<Candidate> {
+    fn screened(
+        &self,
+        from: &Explanation,
+        linear: &Linearised,
+        table: Table,
+        fall: f64,
+    ) -> Vec<Candidate> {
         let (problem, point) = (self.problem, &from.fitted.point);
         // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
         let mut believed = point.clone();
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
         }
-        let starts = screen(problem, point, linear, self.projector, SIZES);
+        let starts = screen(problem, point, linear, self.projector, (table, SIZES));
         let candidate = |starts: Vec<Start>| {
             let with = |from: &Point, s: &Start| from.with(s.effect, s.place, s.values.clone());
             let near = starts.iter().map(|start| with(point, start));
@@ -56,7 +93,14 @@ impl Search<'_> {
                 far: Vec::new(),
             }
         };
-        chosen(starts).into_iter().map(candidate).collect()
+        let most = match table {
+            Table::Named => FITTED,
+            Table::Learned => LEARNED,
+        };
+        chosen(starts, fall, most)
+            .into_iter()
+            .map(candidate)
+            .collect()
     }
 
     /// What is known with one effect more than the explanation has.
@@ -79,38 +123,21 @@ impl Search<'_> {
         }
     }
 
-    /// Judges fits against the explanation that they extend; best first.
-    pub(super) fn rank(&self, from: &Explanation, trials: &mut [Trial]) {
-        let unit = trials
-            .iter()
-            .map(|trial| self.unit(&trial.explanation))
-            .fold(self.unit(from), f64::min);
-        for trial in trials.iter_mut() {
-            let change = self.criterion(&trial.explanation) - self.criterion(from);
-            trial.delta_bic = change / unit;
-            trial.held_out_ratio = ratio(trial.explanation.held_out, from.held_out);
-            // As many sizes as were looked at, so many chances had noise (a Bonferroni bound on 2 ln L).
-            let looks = trial.explanation.looks(&self.problem.scales) as f64;
-            let certain = trial.delta_bic < -STRONG - 2.0 * looks.ln();
-            trial.passed = certain && trial.held_out_ratio < GATE;
-        }
-        sort(trials);
-        trials.iter().for_each(|trial| self.log(trial));
-    }
-
     /// For who wants to follow the search.
-    fn log(&self, trial: &Trial) {
-        let own = &trial.explanation;
+    fn log(&self, own: &Explanation, from: &Explanation, temperature: f64) {
         let over_noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
         let terms = own.fitted.point.terms.iter();
         let values: Vec<&[f64]> = terms.map(|term| &term.values[..]).collect();
+        let rise = |of: fn(&super::evidence::Evidence, f64) -> f64| {
+            of(&own.evidence, temperature) - of(&from.evidence, temperature)
+        };
         tracing::debug!(
-            effects = ?own.effects(),
+            effects = ?own.fitted.point.structure(),
             ?values,
             keys = ?own.fitted.point.keys,
-            delta_bic = trial.delta_bic,
-            held_out_ratio = trial.held_out_ratio,
-            passed = trial.passed,
+            fitted = rise(super::evidence::Evidence::of_fitted),
+            held_out = rise(super::evidence::Evidence::of_held_out),
+            temperature,
             fitted_over_noise = over_noise(own.train, self.judge.train_rows),
             held_out_over_noise = over_noise(own.held_out, self.judge.held_out_rows),
             "candidate"
@@ -133,17 +160,17 @@ fn add_far(found: &mut Vec<Candidate>, effect: EffectAt, mut far: Vec<Point>) {
     }
 }
 
-/// Starts of the best candidates, those of one effect and place together.
-fn chosen(starts: Vec<Start>) -> Vec<Vec<Start>> {
+/// Starts of the best candidates, those of one effect and place together, which promise that much.
+fn chosen(starts: Vec<Start>, fall: f64, most: usize) -> Vec<Vec<Start>> {
     let mut groups: Vec<Vec<Start>> = Vec::new();
     for start in starts {
-        if start.score < HOPELESS {
+        if start.score < fall {
             break;
         }
         let same = |group: &&mut Vec<Start>| {
             (group[0].effect, group[0].place) == (start.effect, start.place)
         };
-        let room = groups.len() < FITTED;
+        let room = groups.len() < most;
         match groups.iter_mut().find(same) {
             Some(group) => group.push(start),
             None if room => groups.push(vec![start]),

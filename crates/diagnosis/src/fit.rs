@@ -9,6 +9,7 @@ use super::point::{Global, Point};
 use super::problem::{Problem, Run};
 use nalgebra::{DMatrix, DVector};
 use quell_model::StartComponent;
+use quell_model::effects::ParameterRole;
 
 /// Step of a derivative in typical sizes of a change.
 const FINE: f64 = 1e-3;
@@ -103,6 +104,45 @@ pub struct Linearised {
     pub cost: f64,
 }
 
+/// Derivatives that are known of a point without the last effect.
+#[derive(Clone, Copy)]
+pub enum KnownSlopes<'a> {
+    /// None.
+    Nothing,
+    /// Those for all that it has.
+    All(&'a Linearised),
+    /// Those for the ordinates of its learned laws, in which a motion is nearly linear.
+    Ordinates(&'a Linearised),
+}
+
+/// Whether an unknown is an ordinate of a learned law.
+fn is_ordinate(point: &Point, global: Global) -> bool {
+    let Global::Parameter(term, parameter) = global else {
+        return false;
+    };
+    point.terms[term].effect.parameters[parameter].role == ParameterRole::Ordinate
+}
+
+impl Linearised {
+    /// Derivatives over the rows of all experiments: shared unknowns first, then those of each experiment.
+    pub fn stacked(&self) -> DMatrix<f64> {
+        let shared = self.globals.len();
+        let rows: usize = self.jacobians.iter().map(|j| j.nrows()).sum();
+        let own: usize = self.jacobians.iter().map(|j| j.ncols() - shared).sum();
+        let mut all = DMatrix::zeros(rows, shared + own);
+        let (mut row, mut column) = (0, shared);
+        for jacobian in &self.jacobians {
+            let (n, m) = jacobian.shape();
+            all.view_mut((row, 0), (n, shared))
+                .copy_from(&jacobian.columns(0, shared));
+            all.view_mut((row, column), (n, m - shared))
+                .copy_from(&jacobian.columns(shared, m - shared));
+            (row, column) = (row + n, column + m - shared);
+        }
+        all
+    }
+}
+
 impl Problem<'_> {
     /// Residuals and cost at a point.
     pub fn evaluate(&self, point: &Point, projector: &Projector) -> Evaluated {
@@ -130,19 +170,28 @@ impl Problem<'_> {
 
     /// Residuals and derivatives at a point.
     pub fn linearise(&self, point: &Point, projector: &Projector) -> Linearised {
-        self.slopes(point, projector, self.evaluate(point, projector), None)
+        self.slopes(
+            point,
+            projector,
+            self.evaluate(point, projector),
+            KnownSlopes::Nothing,
+        )
     }
 
-    /// Derivatives at a point whose residuals are known. Those for unknowns that `near` has, a point
-    /// without the last effect, are taken from there.
+    /// Derivatives at a point whose residuals are known, those that are known being taken over.
     pub fn slopes(
         &self,
         point: &Point,
         projector: &Projector,
         at: Evaluated,
-        near: Option<&Linearised>,
+        known: KnownSlopes,
     ) -> Linearised {
         let globals = self.globals(point);
+        let near = match known {
+            KnownSlopes::Nothing => None,
+            KnownSlopes::All(near) | KnownSlopes::Ordinates(near) => Some(near),
+        };
+        let ordinates = matches!(known, KnownSlopes::Ordinates(_));
         let mut jacobians = Vec::new();
         for (e, run) in at.runs.iter().enumerate() {
             let whole = &at.whole[e];
@@ -150,8 +199,10 @@ impl Problem<'_> {
                 let jacobian = near.map(|near| &near.jacobians[e]);
                 Some(jacobian?.column(index?).into_owned())
             };
-            let known =
-                |global| near.and_then(|near| near.globals.iter().position(|g| *g == global));
+            let known = |global| {
+                let near = near.filter(|_| !ordinates || is_ordinate(point, global));
+                near.and_then(|near| near.globals.iter().position(|g| *g == global))
+            };
             let mut columns = Vec::new();
             for &global in &globals {
                 columns.push(taken(known(global)).unwrap_or_else(|| {
@@ -159,7 +210,7 @@ impl Problem<'_> {
                 }));
             }
             for component in self.departures(point) {
-                let there = near.filter(|near| near.departures.contains(&component));
+                let there = near.filter(|near| !ordinates && near.departures.contains(&component));
                 match there {
                     // The starts are those of the nearer point, in its order.
                     Some(near) => {

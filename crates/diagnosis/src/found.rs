@@ -1,37 +1,155 @@
-//! What a search found.
+//! What a search found: the explanation that is told, those that cannot be told from it, and how probable each
+//! effect is.
 
 use super::explanation::Explanation;
 use super::point::{EffectAt, Point};
+use super::pool::Pool;
+use super::search::Search;
 
-/// A candidate that was fitted, against the model without it.
-#[derive(Clone)]
-pub struct Trial {
-    /// The explanation.
-    pub explanation: Explanation,
-    /// Difference of the criterion to the baseline, in units of what noise leaves.
-    pub delta_bic: f64,
-    /// Held-out chi-squared over the baseline's.
-    pub held_out_ratio: f64,
-    /// Whether it passed both gates against the explanation that it extends.
-    pub passed: bool,
-}
+/// Share of the probability that the credible set holds.
+const CREDIBLE: f64 = 0.95;
+/// Log of the predictive density that chance takes from what was held out: odds that are not worth more than a bare
+/// mention (Kass and Raftery 1995).
+const BARE_MENTION: f64 = 1.0;
 
-/// What the search found.
+/// What a search found.
 pub struct Found {
     /// The refitted model.
     pub baseline: Explanation,
-    /// The best explanation; the baseline where nothing passed.
+    /// The explanation that is told; the baseline where none is.
     pub best: Explanation,
-    /// Explanations that are as good.
-    pub equals: Vec<Trial>,
-    /// All single effects that were fitted, best first.
-    pub trials: Vec<Trial>,
-    /// Chi-squared per row that the best one leaves, at least 1.
-    pub unit: f64,
+    /// Others of the credible set, the most probable first.
+    pub equals: Vec<Explanation>,
     /// The best one without each of its effects, refitted.
     pub ablated: Vec<Explanation>,
-    /// Where the explanations of several effects ended that passed.
-    pub further: Vec<Point>,
+    /// All that were looked at, the most probable first, with the share of probability.
+    pub ranked: Vec<(Explanation, f64)>,
+    /// Temperature of the evidence.
+    pub temperature: f64,
+}
+
+/// What is told of a pool.
+struct Told {
+    best: Explanation,
+    /// Without each of its effects.
+    ablated: Vec<Explanation>,
+    /// More probable ones that are not told.
+    refused: Vec<Explanation>,
+}
+
+impl Search<'_> {
+    /// Tells what a pool says.
+    pub fn found(&self, mut pool: Pool) -> Found {
+        let told = self.told(&mut pool);
+        let temperature = pool.temperature(self.judge);
+        let ranked = pool.ranked(temperature);
+        let first = told.best.log_evidence(temperature);
+        let weigh = |(own, log): (&Explanation, f64)| {
+            let sound = !told.refused.iter().any(|other| other.is_like(own))
+                && self.problem.is_meaningful(own, temperature);
+            (own.clone(), if sound { (log - first).exp() } else { 0.0 })
+        };
+        let mut ranked: Vec<(Explanation, f64)> = ranked.into_iter().map(weigh).collect();
+        let all: f64 = ranked.iter().map(|own| own.1).sum();
+        ranked.iter_mut().for_each(|own| own.1 /= all);
+        Found {
+            equals: credible(&ranked, &told.best),
+            baseline: pool.baseline().clone(),
+            best: told.best,
+            ablated: told.ablated,
+            ranked,
+            temperature,
+        }
+    }
+
+    /// The most probable explanation whose parameters mean something, that predicts what was held out better than the
+    /// model without it, and of whose effects none makes that prediction worse.
+    fn told(&self, pool: &mut Pool) -> Told {
+        let temperature = pool.temperature(self.judge);
+        let ranked = pool
+            .ranked(temperature)
+            .into_iter()
+            .map(|own| own.0.clone());
+        let ranked: Vec<Explanation> = ranked.take_while(|own| own.terms() > 0).collect();
+        let mut refused = Vec::new();
+        for own in ranked {
+            let better = own.held_out <= pool.baseline().held_out;
+            if better && self.problem.is_meaningful(&own, temperature) {
+                let ablated = self.ablated(&own, pool);
+                let worse = |without: &Explanation| {
+                    let foreseen = |own: &Explanation| own.evidence.of_held_out(temperature);
+                    let missed = |own: &Explanation| own.held_out / (2.0 * temperature);
+                    let chance = |more: f64| more <= BARE_MENTION;
+                    chance(foreseen(without) - foreseen(&own))
+                        && chance(missed(&own) - missed(without))
+                };
+                if ablated.iter().all(worse) {
+                    return Told {
+                        best: own,
+                        ablated,
+                        refused,
+                    };
+                }
+            }
+            refused.push(own);
+        }
+        Told {
+            best: pool.baseline().clone(),
+            ablated: Vec::new(),
+            refused,
+        }
+    }
+
+    /// An explanation without each of its effects, refitted.
+    fn ablated(&self, own: &Explanation, pool: &mut Pool) -> Vec<Explanation> {
+        let mut ablated = Vec::new();
+        for effect in own.effects() {
+            let point = own.fitted.point.without_effect(effect);
+            let known = pool.like(&point).cloned();
+            let known = known.unwrap_or_else(|| {
+                let next = self.refitted(&point);
+                pool.add(next.clone());
+                next
+            });
+            ablated.push(known);
+        }
+        ablated
+    }
+}
+
+/// The most probable explanations beside the one that is told that hold, with it, the share of the credible set. One
+/// whose law contains that of the told one as a limit, as Stribeck's friction contains Coulomb's, says the same.
+fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
+    let same = |own: &Explanation| own.is_like(best) || contains(own, best);
+    let mut held: f64 = ranked
+        .iter()
+        .filter(|own| same(&own.0))
+        .map(|own| own.1)
+        .sum();
+    let mut set = Vec::new();
+    for (own, weight) in ranked.iter().filter(|own| !same(&own.0)) {
+        if held >= CREDIBLE {
+            break;
+        }
+        held += weight;
+        set.push(own.clone());
+    }
+    set
+}
+
+/// Whether an explanation differs from a simpler one only by laws that contain those of it as limits.
+fn contains(own: &Explanation, simpler: &Explanation) -> bool {
+    let (own, theirs) = (own.effects(), simpler.effects());
+    let mut new = own.iter().filter(|effect| !theirs.contains(effect));
+    let gone: Vec<_> = theirs
+        .iter()
+        .filter(|effect| !own.contains(effect))
+        .collect();
+    let is_limit = |law: &EffectAt| {
+        let limit = |simple: &&&EffectAt| simple.1 == law.1 && law.0.contains(simple.0);
+        gone.iter().any(|simple| limit(&simple))
+    };
+    own.len() == theirs.len() && new.all(is_limit)
 }
 
 impl Found {
@@ -43,20 +161,28 @@ impl Found {
         ablated.unwrap_or(&self.baseline)
     }
 
-    /// The explanations that were looked at, one of each structure.
+    /// Probability that an effect is missing: of all explanations together that have it, or a law of which it is a
+    /// limit.
+    pub fn probability(&self, effect: EffectAt) -> f64 {
+        let is = |own: &EffectAt| own.1 == effect.1 && own.0.contains(effect.0) || *own == effect;
+        let with = self
+            .ranked
+            .iter()
+            .filter(|own| own.0.effects().iter().any(is));
+        with.map(|own| own.1).sum::<f64>().min(1.0)
+    }
+
+    /// Log of the evidence of an explanation against the refitted model.
+    pub fn log_evidence(&self, own: &Explanation) -> f64 {
+        own.log_evidence(self.temperature) - self.baseline.log_evidence(self.temperature)
+    }
+
+    /// Where the explanations ended that are worth another look, one of each structure.
     pub fn points(&self) -> Vec<Point> {
-        let trials = self.trials.iter().chain(&self.equals);
-        let trials = trials.map(|trial| &trial.explanation);
-        let mut each: Vec<&Explanation> = Vec::new();
-        for next in std::iter::once(&self.best)
-            .chain(trials)
-            .chain(&self.ablated)
-        {
-            if !each.iter().any(|own| own.is_like(next)) {
-                each.push(next);
-            }
-        }
-        let points = each.into_iter().map(|own| own.fitted.point.clone());
-        points.collect()
+        let points = self.ranked.iter().map(|own| own.0.fitted.point.clone());
+        points.take(WORTH_ANOTHER_LOOK).collect()
     }
 }
+
+/// Explanations that are taken over where the same recordings are looked at in another way.
+const WORTH_ANOTHER_LOOK: usize = 20;

@@ -57,9 +57,13 @@ fn look(
     let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
     mute(model, train, &fitted)?;
     mute(model, held_out, &apart)?;
+    let unknown = Known {
+        enough: options.enough.clone(),
+        ..Known::default()
+    };
     let once = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
     if fitted[0].windows.is_empty() {
-        return Ok(once((fitted, apart), &Known::default())?.0);
+        return Ok(once((fitted, apart), &unknown)?.0);
     }
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
@@ -70,12 +74,19 @@ fn look(
     // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
     // many minima. In windows there are few, and what was found in them says where to start. But what is
     // small shows in one piece only.
-    let (mut in_windows, points) = once(windowed, &Known::default())?;
+    let (mut in_windows, points) = once(windowed, &unknown)?;
     let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
         drives an axis freely add up without bound.";
     in_windows.diagnosis.remarks.push(remark.into());
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
-    let (in_one, _) = once(whole, &Known { points, alone })?;
+    let (in_one, _) = once(
+        whole,
+        &Known {
+            points,
+            alone,
+            ..unknown.clone()
+        },
+    )?;
     if explains(&in_one) {
         return Ok(in_one);
     }

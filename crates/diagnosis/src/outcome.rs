@@ -15,6 +15,9 @@ pub struct Options {
     pub catalogue: Catalogue,
     /// Ends the diagnosis before its time; by default nothing does.
     pub stop: Stop,
+    /// Ends the search for further effects, and tells the best that was found so far; by default nothing does. It
+    /// is asked between the structures that are extended.
+    pub enough: Stop,
 }
 
 impl Default for Options {
@@ -23,6 +26,7 @@ impl Default for Options {
             seed: 1,
             catalogue: Catalogue::default(),
             stop: Stop::default(),
+            enough: Stop::default(),
         }
     }
 }

@@ -51,6 +51,14 @@ impl Point {
         point
     }
 
+    /// The terms that were added to the model, as effects at places, in the order of their names.
+    pub fn structure(&self) -> Vec<(&'static str, Place)> {
+        let added = self.terms[self.given_terms..].iter();
+        let mut all: Vec<_> = added.map(|term| (term.effect.name, term.place)).collect();
+        all.sort_unstable();
+        all
+    }
+
     /// The effects that were added to the model, each once: an event may have several terms.
     pub fn effects(&self) -> Vec<EffectAt> {
         let mut effects = Vec::new();

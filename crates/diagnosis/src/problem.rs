@@ -4,12 +4,14 @@ use super::point::{Global, Local, Point};
 use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
-use quell_model::effects::{Catalogue, Law, Scales};
+use quell_model::effects::{Catalogue, Law, ParameterRole, Scales};
 use quell_model::{
     Departure, Experiment, Kind, Model, Output, Prediction, Simulated, StartComponent, Value,
     predict_windows, simulate_windows,
 };
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Rows of one output that count, as ranges of samples.
 pub type Rows = Vec<Range<usize>>;
@@ -51,6 +53,8 @@ pub struct Problem<'a> {
     pub frozen: bool,
     /// Ends the work before its time.
     pub stop: Stop,
+    /// Steps that were simulated so far: the work that was done, the same on every machine.
+    pub simulated: Arc<AtomicU64>,
 }
 
 /// A simulated experiment, held against what was recorded.
@@ -85,7 +89,11 @@ impl Problem<'_> {
     pub fn globals(&self, point: &Point) -> Vec<Global> {
         let keys = self.free.iter().map(|&key| Global::Key(key));
         let parameters = (0..point.terms.len()).flat_map(|term| {
+            let effect = point.terms[term].effect;
             let free = move |parameter: &usize| {
+                if effect.parameters[*parameter].role == ParameterRole::Range {
+                    return false;
+                }
                 let given = self
                     .given(term, *parameter)
                     .is_some_and(|value| !value.fixed);
@@ -197,6 +205,8 @@ impl Problem<'_> {
         if self.stop.now() {
             return left_out(data);
         }
+        self.simulated
+            .fetch_add(data.grid.input.len() as u64, Relaxed);
         let (terms, starts) = (&point.terms, &local.departures);
         if self.frozen {
             let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);

@@ -1,10 +1,10 @@
 //! How well an explanation fits what it was fitted to, and what was held out.
 
-use super::criteria::Search;
 use super::document::{Fit, Quality};
 use super::explanation::Explanation;
 use super::point::Point;
 use super::problem::{Problem, Rows};
+use super::search::Search;
 
 /// Root mean square residuals in the unit of the first output, and in times the noise of each recording.
 pub fn quality(search: &Search, explanation: &Explanation) -> Quality {

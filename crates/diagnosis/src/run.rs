@@ -1,16 +1,13 @@
-//! One investigation, from experiments to a diagnosis; a second one where something changed with time.
+//! One investigation, from experiments to a diagnosis.
 
 use super::baseline::{Data, problem, refit};
 use super::candidate::Known;
 use super::conclude::{better_model, conclude, reported};
-use super::criteria::{Search, ratio};
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::Untold;
 use super::explanation::{Explanation, Judge};
 use super::fit::{Fitted, Projector};
-use super::found::{Found, Trial};
-use super::locate::{Dynamics, Located, Residual, locate};
 use super::next_move::next_move;
 use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
@@ -18,11 +15,10 @@ use super::problem::Problem;
 use super::remarks::recorded;
 use super::settled::{search, settled};
 use super::start::ringing;
-use super::thresholds::{EQUAL, LONG};
+use super::thresholds::LONG;
 use super::weights::measure_noise;
-use quell_model::{Experiment, Model, simulate_windows};
-use quell_recording::{Recording, Role};
-use std::f64::consts::TAU;
+use quell_model::{Experiment, Model};
+use quell_recording::Recording;
 
 /// What experiments, and others held apart, say; and the explanations that were looked at.
 pub(super) fn attempt(
@@ -33,31 +29,9 @@ pub(super) fn attempt(
     options: &Options,
     progress: Progress,
 ) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
-    let mut data = Data::new(fitted, apart);
-    let told = recorded(train);
-    let mut ending = investigate(model, &data, known, options, progress, told.clone(), false)?;
-    loop {
-        match ending {
-            Ending::Told(outcome, points) => {
-                return Ok((named(*outcome, &data, train), points));
-            }
-            Ending::Surprised(period, mut points) => {
-                // What happens at a time (a payload, an impact) and was held out cannot be learned: hold out
-                // parts of every move instead.
-                data.interleave(INTERLEAVED_PERIODS * period);
-                let remark = "What was held out differs from what was fitted: something changed with time. \
-                    Stretches of every move were held out instead of the last moves.";
-                let told = std::iter::once(remark.to_string()).chain(told.clone());
-                let told = told.collect();
-                // What was fitted best may be right all the same: a force that is wrong by little drifts away
-                // in what was held out.
-                points.extend(known.points.iter().cloned());
-                let alone = known.alone;
-                let known = Known { points, alone };
-                ending = investigate(model, &data, &known, options, progress, told, true)?;
-            }
-        }
-    }
+    let data = Data::new(model, fitted, apart);
+    let (outcome, points) = investigate(model, &data, known, options, progress, recorded(train))?;
+    Ok((named(outcome, &data, train), points))
 }
 
 /// Where there are several recordings, each series that is drawn bears the name of its own.
@@ -72,22 +46,7 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
     outcome
 }
 
-/// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
-/// not the noise of its neighbours.
-const INTERLEAVED_PERIODS: f64 = 3.0;
-/// Held-out chi-squared per row over the fitted part's, above which something changed with time.
-const SURPRISE: f64 = 2.0;
-
-/// How an investigation ends.
-enum Ending {
-    /// With what it says, and the explanations that were looked at.
-    Told(Box<Outcome>, Vec<Point>),
-    /// What was held out is worse than what was fitted by more than chance: something changed with time.
-    /// The period of the mode, s, and the explanations that were looked at.
-    Surprised(f64, Vec<Point>),
-}
-
-/// The whole journey; a second one is told however it ends.
+/// The whole journey: what it says, and the explanations that were looked at.
 fn investigate(
     model: &Model,
     data: &Data,
@@ -95,8 +54,7 @@ fn investigate(
     options: &Options,
     progress: Progress,
     mut remarks: Vec<String>,
-    is_second: bool,
-) -> Result<Ending, DiagnosisError> {
+) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     problem.stop = options.stop.clone();
@@ -105,20 +63,22 @@ fn investigate(
     options.stop.check()?;
     let judge = Judge::new(model, data, &problem, &fitted.point);
     let untold = Untold::of(model, &problem, &fitted.point, &judge);
-    let baseline: Explanation = judge.judge(&problem, fitted);
+    let baseline: Explanation = judge.judge(&problem, &projector, fitted);
     progress(0.1, "locating the mismatch");
-    let located = located(&problem, &baseline);
-    take_candidates(&mut problem, &located, &baseline);
+    let located = problem.locate(&baseline);
+    problem.scales = problem.located_in(&baseline);
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
     let found = settled(&mut problem, &mut projector, &judge, baseline, told);
     let search = search(&problem, &projector, &judge, told);
-    if !is_second && data.apart.is_empty() && surprised(&search, &found) {
-        return Ok(Ending::Surprised(problem.scales.period(), found.points()));
-    }
     options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
+    if options.enough.was_asked() {
+        let remark = "The search was ended before its time: this is the best explanation so far, and further \
+            effects may be missing.";
+        remarks.push(remark.into());
+    }
     let (mut diagnosis, scale) = conclude(&search, &found, &located, remarks, options.seed);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
@@ -139,52 +99,7 @@ fn investigate(
         diagnosis,
         traces,
     };
-    Ok(Ending::Told(Box::new(outcome), points))
-}
-
-/// Tells the catalogue where to look.
-fn take_candidates(problem: &mut Problem, located: &Located, baseline: &Explanation) {
-    tracing::debug!(
-        times = ?located.candidate_events,
-        frequencies = ?located.candidate_frequencies,
-        orders = ?located.candidate_orders,
-        "candidate events"
-    );
-    let scales = &mut problem.scales;
-    scales
-        .candidate_events
-        .clone_from(&located.candidate_events);
-    scales
-        .candidate_frequencies
-        .clone_from(&located.candidate_frequencies);
-    scales
-        .candidate_orders
-        .clone_from(&located.candidate_orders);
-    scales.candidate_stops.clone_from(&located.candidate_stops);
-    if problem.scales.forced {
-        let residual = problem.explained(&baseline.fitted.point, 0);
-        let output = &problem.experiments[0].outputs[0];
-        problem.scales.candidate_frequencies = super::screen::peaks(&output.time, &residual[0]);
-    }
-}
-
-/// Whether what is held out is unlike what was fitted; or what explains the latter best, by far, fails on
-/// the former, as a law of time does that ends or levels off.
-fn surprised(search: &Search, found: &Found) -> bool {
-    let judge = search.judge;
-    let criterion = |trial: &Trial| search.criterion(&trial.explanation);
-    let passed = found.trials.iter().filter(|trial| trial.passed);
-    let believed = passed
-        .map(criterion)
-        .fold(search.criterion(&found.baseline), f64::min);
-    let failed = found.trials.first().map_or(f64::INFINITY, criterion);
-    if failed < believed - EQUAL * found.unit && !search.explains(&found.baseline, &found.best) {
-        return judge.held_out_rows > 0;
-    }
-    let per_row = |chi: f64, rows: usize| chi / rows.max(1) as f64;
-    let held = per_row(found.best.held_out, judge.held_out_rows);
-    let fitted = per_row(found.best.train, judge.train_rows);
-    judge.held_out_rows > 0 && ratio(held, fitted.max(1.0)) > SURPRISE
+    Ok((outcome, points))
 }
 
 /// The given model, refitted, with the noise that it leaves measured.
@@ -201,48 +116,4 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     measure_noise(problem, &first.point);
     projector = Projector::new(problem);
     (problem.fit(&first.point, &projector, LONG), projector)
-}
-
-/// Where the residual of the first output sits.
-fn located(problem: &Problem, baseline: &Explanation) -> Located {
-    let point = &baseline.fitted.point;
-    let residual = problem.explained(point, 0);
-    let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
-    let simulated = simulate_windows(
-        problem.kind,
-        &problem.keys(point, 0),
-        &point.terms,
-        experiment,
-        &local.departures,
-    );
-    let output = &experiment.outputs[0];
-    let (mut motor, mut link) = simulated.kinematics(&output.time, local.clocks[0]);
-    if output.role == Role::MotorPosition {
-        // Where a law of position acts is where the axis was, not where an error of the force has carried the
-        // simulation.
-        for (k, error) in residual[0].iter().enumerate() {
-            motor[k][0] += error;
-            link[k][0] += error;
-        }
-    }
-    let mode = problem
-        .kind
-        .mode
-        .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
-    let (natural_frequency, damping_ratio) = mode.unwrap_or((0.0, 0.0));
-    let windows = experiment.windows.iter();
-    let restarts: Vec<f64> = windows.map(|w| w.time + local.clocks[0]).collect();
-    locate(&Residual {
-        time: &output.time,
-        residual: &residual[0],
-        noise_std: problem.whitening[0][0].deviation,
-        motor: &motor,
-        link: &link,
-        dynamics: Dynamics {
-            natural_frequency,
-            damping_ratio,
-        },
-        restarts: &restarts,
-        sensor_only: false,
-    })
 }

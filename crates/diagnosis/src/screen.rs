@@ -7,11 +7,13 @@
 //! stiffens a spring shifts its frequency first) is looked at a second time, these parameters moved
 //! against it: what is left of a large shift in second order would else hide it.
 
+use super::curves::{ordinates, root, size};
 use super::fit::{Linearised, Projector, orthonormal};
 use super::point::{EffectAt, Point};
 use super::problem::{Problem, Run};
-use nalgebra::{Complex, DMatrix, DVector};
-use quell_model::effects::{Effect, Place};
+use nalgebra::{Cholesky, Complex, DMatrix, DVector};
+use quell_model::chain::RESONANCES;
+use quell_model::effects::{Effect, LEARNED, Law, Place};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -21,6 +23,10 @@ const BELIEVED: f64 = 0.3;
 /// Square of the part of a change that the model can make over that of the rest, from which the rest may
 /// be the second order of the former: a shift of a frequency by a tenth leaves about a tenth of itself.
 const MOSTLY_OWN: f64 = 10.0;
+/// Step of the derivative by an ordinate of a learned law, in typical sizes.
+const FINE: f64 = 1e-2;
+/// Deviation of the curve that a learned law may have to first order, in typical sizes.
+const CURVE: f64 = 3.0;
 /// Share of the mismatch that is promise enough.
 const HOPEFUL: f64 = 0.5;
 
@@ -39,13 +45,13 @@ pub struct Start {
     factor: f64,
 }
 
-/// All effects that the model can lack, at their places.
-pub fn candidates(problem: &Problem) -> Vec<EffectAt> {
+/// All effects of a table that the model can lack, at their places.
+pub fn candidates(problem: &Problem, table: Table) -> Vec<EffectAt> {
     let experiment = &problem.experiments[0];
     let places = (problem.kind.places)(experiment.input);
     let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
     let mut found = Vec::new();
-    for &effect in problem.catalogue.0 {
+    for &effect in table.effects(problem) {
         for &place in effect.places.iter().filter(|place| places.contains(place)) {
             if !(own_clock && effect.shifts_stamps()) {
                 found.push((effect, place));
@@ -53,6 +59,24 @@ pub fn candidates(problem: &Problem) -> Vec<EffectAt> {
         }
     }
     found
+}
+
+/// Where candidates come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// The catalogue.
+    Named,
+    /// Laws whose shape is learned.
+    Learned,
+}
+
+impl Table {
+    fn effects(self, problem: &Problem) -> &'static [&'static Effect] {
+        match self {
+            Self::Named => problem.catalogue.0,
+            Self::Learned => LEARNED,
+        }
+    }
 }
 
 /// What the candidates of a screen are held against.
@@ -75,9 +99,9 @@ pub fn screen(
     point: &Point,
     linear: &Linearised,
     projector: &Projector,
-    each: usize,
+    (table, each): (Table, usize),
 ) -> Vec<Start> {
-    let directions = directions(linear);
+    let directions = linear.stacked();
     let screen = Screen {
         problem,
         point,
@@ -87,11 +111,23 @@ pub fn screen(
         basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
-    let there = |effect: EffectAt| point.terms.iter().any(|term| term.identity() == effect);
-    let tried: Vec<Vec<Start>> = candidates(problem)
+    let modes = point
+        .terms
+        .iter()
+        .filter(|term| is_mode(term.effect, &term.values));
+    let full = modes.count() >= RESONANCES;
+    let there = |effect: EffectAt| {
+        let once = point.terms.iter().any(|term| term.identity() == effect);
+        let mode = || is_mode(effect.0, &effect.0.neutral());
+        once && !effect.0.may_repeat() || full && mode()
+    };
+    let tried: Vec<Vec<Start>> = candidates(problem, table)
         .into_par_iter()
         .filter(|effect| !there(*effect))
-        .map(|(effect, place)| screen.sizes(effect, place, each))
+        .map(|(effect, place)| match effect.is_learned() {
+            true => screen.curves(effect, place),
+            false => screen.sizes(effect, place, each),
+        })
         .collect();
     let mut all: Vec<Start> = tried.into_iter().flatten().collect();
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -128,6 +164,57 @@ impl Screen<'_> {
         }
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts
+    }
+
+    /// A learned law at the curve that is likeliest to first order, for each range of its knots.
+    fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
+        let starts = (effect.starts)(&self.problem.scales).into_iter();
+        let curve = |neutral: Vec<f64>| self.curve(effect, place, neutral);
+        starts
+            .filter_map(curve)
+            .max_by(|a, b| a.score.total_cmp(&b.score))
+            .into_iter()
+            .collect()
+    }
+
+    fn curve(&self, effect: &'static Effect, place: Place, neutral: Vec<f64>) -> Option<Start> {
+        let ordinates = ordinates(effect);
+        let step = FINE * size(&self.problem.scales, effect);
+        let last = self.point.terms.len();
+        let column = |&index: &usize| {
+            let mut values = neutral.clone();
+            values[index] += step;
+            let moved = self.point.with(effect, place, values);
+            let run = |e: usize| {
+                self.problem
+                    .run_again(&moved, e, last, &self.linear.runs[e])
+            };
+            let change = self.change(run) / step;
+            &change - &self.basis * self.basis.tr_mul(&change)
+        };
+        let columns: Vec<DVector<f64>> = ordinates.iter().map(column).collect();
+        let root = root(effect) * (CURVE * size(&self.problem.scales, effect));
+        let slopes = DMatrix::from_columns(&columns) * &root;
+        let count = ordinates.len();
+        let gradient = slopes.tr_mul(&self.residual);
+        // What is left is no better known than by its own size.
+        let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
+        let normal = slopes.tr_mul(&slopes) + DMatrix::identity(count, count) * unit;
+        let white = -Cholesky::new(normal)?.solve(&gradient);
+        let values = root * &white;
+        let mut start = neutral;
+        let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
+        for (&index, value) in ordinates.iter().zip(values.iter()) {
+            start[index] = value.clamp(low, high);
+        }
+        let score = -white.dot(&gradient);
+        score.is_finite().then_some(Start {
+            effect,
+            place,
+            values: start,
+            score,
+            factor: 1.0,
+        })
     }
 
     /// What a candidate promises, and the factor of its size.
@@ -195,22 +282,9 @@ fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
 }
 
-/// All directions that the model has, over the stacked rows of all experiments.
-fn directions(linear: &Linearised) -> DMatrix<f64> {
-    let shared = linear.globals.len();
-    let rows: usize = linear.jacobians.iter().map(|j| j.nrows()).sum();
-    let own: usize = linear.jacobians.iter().map(|j| j.ncols() - shared).sum();
-    let mut all = DMatrix::zeros(rows, shared + own);
-    let (mut row, mut column) = (0, shared);
-    for jacobian in &linear.jacobians {
-        let (n, m) = jacobian.shape();
-        all.view_mut((row, 0), (n, shared))
-            .copy_from(&jacobian.columns(0, shared));
-        all.view_mut((row, column), (n, m - shared))
-            .copy_from(&jacobian.columns(shared, m - shared));
-        (row, column) = (row + n, column + m - shared);
-    }
-    all
+/// Whether an effect is a further mode, of which the chain has so many at most.
+fn is_mode(effect: &Effect, values: &[f64]) -> bool {
+    matches!((effect.law)(values), Law::Resonance(_))
 }
 
 /// The pseudo-inverse of the directions, by their normal equations.

@@ -1,199 +1,179 @@
-//! The search for what is missing: screen, fit, decide; once more on the better model; prune.
+//! The search for what is missing: a beam of structures, each extended, thinned out and changed as long as the
+//! evidence rises.
 
-use super::criteria::{Search, ratio, sort};
-use super::descent::Descent;
-use super::explanation::Explanation;
-use super::found::{Found, Trial};
+use super::candidate::Known;
+use super::explanation::{Explanation, Judge};
+use super::fit::Projector;
 use super::point::Point;
-use super::quality::quality;
-use super::thresholds::{GATE, LONG, MOST_EFFECTS, SHAPE, STRONG};
+use super::pool::Pool;
+use super::problem::Problem;
+use super::screen::Table;
+use super::thresholds::{LONG, MOST_EFFECTS};
 use rayon::prelude::*;
+use std::sync::atomic::Ordering::Relaxed;
 
-/// Held-out chi-squared of an effect over that without it, above which it is not believed, where the model alone is
-/// already at the floor: a part of the noise that is no larger than the
-/// uncertainty of its level (a twentieth in amplitude) is not called physics.
-const WEAK: f64 = 0.9;
-/// Share of what an effect leaves, in energy, that a further one must explain where the first left less
-/// than its shape could be wrong: the larger part.
-const MOST: f64 = 0.5;
-/// Explanations that are carried on.
+/// Structures of as many effects that are extended: the first effect of two that mask each other may not be the best
+/// single one.
 const BEAM: usize = 2;
-/// Two predictions whose sums of squares differ by less, fitted and held out, are taken for one.
-const ALIKE: f64 = 0.005;
+
+/// Steps simulated after which the search for further effects ends with the best so far: what a core simulates in some
+/// thirty seconds.
+const ENOUGH: u64 = 60_000_000;
+
+/// Everything that the search needs.
+pub struct Search<'a> {
+    /// The problem.
+    pub problem: &'a Problem<'a>,
+    /// Projects its nuisances out.
+    pub projector: &'a Projector,
+    /// Judges its fits.
+    pub judge: &'a Judge<'a>,
+    /// Explanations that were looked at elsewhere.
+    pub known: &'a Known,
+    /// Told how far the work is, 0 to 1, and what is being done.
+    pub progress: &'a (dyn Fn(f64, &str) + Sync),
+}
 
 impl Search<'_> {
-    /// The same fits, refitted and ranked where the noise was measured anew.
-    pub fn again(&self, baseline: &Explanation, trials: Vec<Trial>) -> Vec<Trial> {
-        let refit = |mut trial: Trial| {
-            let point = &trial.explanation.fitted.point;
-            let mut descent = Descent::new(self.problem, self.projector, point, None);
-            descent.run(LONG);
-            if trial.passed && descent.winds() {
-                descent.hop();
-            }
-            trial.explanation = self.judge.judge(self.problem, descent.end());
-            trial
-        };
-        let mut trials: Vec<Trial> = trials.into_par_iter().map(refit).collect();
-        self.rank(baseline, &mut trials);
-        trials
+    /// A structure, fitted from a point on and judged.
+    pub fn refitted(&self, point: &Point) -> Explanation {
+        let fitted = self.problem.fit(point, self.projector, LONG);
+        self.judge.judge(self.problem, self.projector, fitted)
     }
 
-    /// Searches on from the refitted model and the single effects that it may lack.
-    pub fn run(&self, baseline: Explanation, mut trials: Vec<Trial>) -> Found {
-        let plain = |trial: &Trial| trial.passed && trial.held_out_ratio < WEAK;
-        if self.at_floor(&baseline) && !trials.iter().any(plain) {
-            trials.iter_mut().for_each(|trial| trial.passed = false);
-        }
-        let mut frontier: Vec<Explanation> = passed(&trials, BEAM);
-        let mut best = self
-            .simplest(&trials, &baseline)
-            .unwrap_or_else(|| baseline.clone());
-        if !frontier.is_empty() && frontier[0].effects() != best.effects() {
-            frontier.insert(0, best.clone());
-            frontier.truncate(BEAM);
-        }
-        let mut pool = trials.clone();
-        best = self.grown(&baseline, best, frontier, &mut pool);
-        best = self.exchanged(best, &mut pool);
-        best = self.simplified(&baseline, best);
-        best = self.flexibility(&best, &pool).cloned().unwrap_or(best);
-        best = self.taken_apart(best);
-        let better = |trial: &&mut Trial| {
-            trial.explanation.is_like(&best)
-                && self.criterion(&trial.explanation) > self.criterion(&best)
-        };
-        if let Some(trial) = trials.iter_mut().find(better) {
-            trial.explanation = best.clone();
-        }
-        let unit = self.unit(&best);
-        for trial in trials.iter_mut().chain(&mut pool) {
-            let change = self.criterion(&trial.explanation) - self.criterion(&baseline);
-            trial.delta_bic = change / unit;
-            trial.held_out_ratio = ratio(trial.explanation.held_out, baseline.held_out);
-        }
-        sort(&mut pool);
-        sort(&mut trials);
-        let equals = self.equals(&best, &pool, unit);
-        let ablated = self.ablated(&best, &baseline);
-        Found {
-            ablated,
-            baseline,
-            best,
-            equals,
-            further: several(&pool),
-            trials,
-            unit,
-        }
-    }
-
-    /// The best explanation with further effects, as long as more than noise is left. Where one of these leads
-    /// another to a better minimum and is not needed there, that one is extended in its turn.
-    fn grown(
-        &self,
-        baseline: &Explanation,
-        mut best: Explanation,
-        mut frontier: Vec<Explanation>,
-        pool: &mut Vec<Trial>,
-    ) -> Explanation {
-        while !frontier.is_empty() && !self.all_at_noise(&best) {
-            (self.progress)(0.5, "looking for a further effect");
-            let further: Vec<Trial> = frontier.iter().flat_map(|own| self.extend(own)).collect();
-            let sound = further.iter().filter(|trial| trial.passed);
-            // Against one another: each was ranked against the explanation that it extends.
-            let first = self.lowest(sound.map(|trial| &trial.explanation));
-            let pruned = first.map(|first| self.prune(first.clone()));
-            pool.extend(further);
-            frontier.clear();
-            let better = |next: &Explanation| {
-                self.criterion(next) < self.criterion(&best) - STRONG * self.unit(next)
-                    && self.worth(baseline, &best, next)
-            };
-            if let Some(next) = pruned.filter(better) {
-                if next.effects().len() < MOST_EFFECTS {
-                    frontier.push(next.clone());
-                }
-                best = next;
-            }
-        }
-        best
-    }
-
-    /// Whether a second effect is a mechanism of its own rather than compensation for an error of the first law's
-    /// shape. The residual must fall by more than that shape could be wrong, or by more than half, on the fitted and
-    /// on the held-out part. The held-out part must also be predicted better as it was recorded, not only whitened.
-    fn worth(&self, baseline: &Explanation, best: &Explanation, next: &Explanation) -> bool {
-        let (rows, held) = (self.judge.train_rows, self.judge.held_out_rows);
-        let reach = SHAPE * (baseline.train - rows as f64);
-        let most = |before: f64, after: f64, rows: usize| {
-            before - after > MOST * (before - rows as f64).max(0.0)
-        };
-        let all = most(best.train, next.train, rows) && most(best.held_out, next.held_out, held);
-        // A second sensor may show what the first one does not.
-        let several = self.problem.experiments[0].outputs.len() > 1;
-        let raw = |explanation| quality(self, explanation).held_out_rms;
-        let better = || several || raw(next).powi(2) < GATE * raw(best).powi(2);
-        (best.train - next.train > reach || all) && better()
-    }
-
-    /// The explanation without each of its effects, refitted.
-    fn ablated(&self, best: &Explanation, baseline: &Explanation) -> Vec<Explanation> {
-        let effects = best.effects();
-        if effects.len() < 2 {
-            return vec![baseline.clone(); effects.len()];
-        }
-        let without = |effect| self.refitted(&best.fitted.point.without_effect(effect));
-        effects.into_iter().map(without).collect()
-    }
-
-    /// Drops every effect without which the held-out part is no worse.
-    fn prune(&self, explanation: Explanation) -> Explanation {
-        let mut best = explanation;
+    /// Extends the best structures of each size until nothing raises the evidence: by laws of the catalogue first, which
+    /// learned laws would outrun before they are complete.
+    pub fn run(&self, pool: &mut Pool) {
         loop {
-            let effects = best.effects();
-            if effects.len() < 2 {
-                return best;
-            }
-            let unit = self.unit(&best);
-            let point = &best.fitted.point;
-            let dropped = effects
-                .into_iter()
-                .map(|effect| self.refitted(&point.without_effect(effect)))
-                .filter(|without| {
-                    let needless = self.criterion(without) < self.criterion(&best) + STRONG * unit;
-                    // What was held out tells nothing where it was noise before.
-                    let telling = !self.held_at_noise(without) || self.at_floor(without);
-                    needless || telling && ratio(best.held_out, without.held_out) >= GATE
-                })
-                .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
-            match dropped {
-                Some(without) => best = without,
-                None => return best,
+            while self.grow(pool) {}
+            if !(self.learn(pool) || self.exchange(pool)) || self.is_over() {
+                return;
             }
         }
     }
-}
 
-/// The best that passed and predict differently: what predicts the same leaves the same to a further effect.
-fn passed(trials: &[Trial], count: usize) -> Vec<Explanation> {
-    let mut passed: Vec<Explanation> = Vec::new();
-    for trial in trials.iter().filter(|trial| trial.passed) {
-        let own = &trial.explanation;
-        let alike = |other: &Explanation| {
-            (own.train / other.train - 1.0).abs() < ALIKE
-                && (ratio(own.held_out, other.held_out) - 1.0).abs() < ALIKE
+    /// Whether the search has gone on long enough.
+    fn is_over(&self) -> bool {
+        self.known.enough.now() || self.problem.simulated.load(Relaxed) > ENOUGH
+    }
+
+    /// Extends the next structure of a pool by laws of the catalogue, if there is one.
+    pub fn grow(&self, pool: &mut Pool) -> bool {
+        if pool.is_extended(pool.baseline(), Table::Named) && self.is_over() {
+            return false;
+        }
+        let Some(next) = self.next(pool) else {
+            return false;
         };
-        if passed.len() < count && !passed.iter().any(alike) {
-            passed.push(own.clone());
+        (self.progress)(0.5, "looking for a further effect");
+        self.extend_by(pool, &next, Table::Named);
+        true
+    }
+
+    /// Extends a structure of a pool by the laws of a table.
+    pub fn extend_by(&self, pool: &mut Pool, own: &Explanation, table: Table) {
+        for child in self.extend(own, table, pool) {
+            pool.add(child);
+        }
+        self.thin_out(pool);
+        pool.mark(own, table);
+    }
+
+    /// Looks for a learned law beside those of the best explanation, where that leaves more than noise, and for one in
+    /// the place of several laws of the catalogue, which may be parts of one curve. Whether there is a better
+    /// explanation.
+    fn learn(&self, pool: &mut Pool) -> bool {
+        let before = pool.best(self.judge).clone();
+        let baseline = pool.baseline().clone();
+        if self.is_over() && pool.is_extended(&baseline, Table::Learned) {
+            return false;
+        }
+        for own in [baseline, before.clone()] {
+            let best = pool.best(self.judge);
+            let needed = !self.leaves_noise(best) || own.terms() == 0 && best.terms() > 1;
+            if needed && !pool.is_extended(&own, Table::Learned) {
+                self.extend_by(pool, &own, Table::Learned);
+            }
+        }
+        !pool.best(self.judge).is_like(&before)
+    }
+
+    /// The next structure to extend: of those of named laws alone, which a learned law would outrun before they are
+    /// complete, or, where it is the best of all, one that has a learned law.
+    fn next(&self, pool: &Pool) -> Option<Explanation> {
+        let ranked = pool.ranked(pool.temperature(self.judge));
+        let (learned, named): (Vec<_>, Vec<_>) = ranked.iter().partition(|own| own.0.is_learned());
+        let best = ranked[0].0;
+        // Nothing masks an effect where only noise is left.
+        let beam = if self.leaves_noise(best) { 1 } else { BEAM };
+        let next = match best.is_learned() && beam == 1 {
+            true => None,
+            false => open(pool, &named, beam),
+        };
+        next.or_else(|| best.is_learned().then(|| open(pool, &learned, 1)).flatten())
+    }
+
+    /// Drops from the best explanation every term without which the evidence is no less.
+    fn thin_out(&self, pool: &mut Pool) {
+        loop {
+            let best = pool.best(self.judge).clone();
+            let point = &best.fitted.point;
+            if best.terms() < 2 {
+                return;
+            }
+            let terms: Vec<usize> = (point.given_terms..point.terms.len()).collect();
+            let without: Vec<Explanation> = terms
+                .into_par_iter()
+                .map(|term| point.without(term))
+                .filter(|point| pool.like(point).is_none())
+                .map(|point| self.refitted(&point))
+                .collect();
+            without.into_iter().for_each(|next| pool.add(next));
+            if pool.best(self.judge).is_like(&best) {
+                return;
+            }
         }
     }
-    passed
+
+    /// Chooses each effect of the best explanation anew beside the others. Whether there is a better one.
+    fn exchange(&self, pool: &mut Pool) -> bool {
+        let best = pool.best(self.judge).clone();
+        let point = &best.fitted.point;
+        let terms = match best.terms() {
+            0 | 1 => 0..0,
+            _ => point.given_terms..point.terms.len(),
+        };
+        for term in terms {
+            let kept = pool.like(&point.without(term)).cloned();
+            let kept = kept.filter(|kept| !pool.is_extended(kept, Table::Named));
+            if let Some(kept) = kept.filter(|_| !self.is_over()) {
+                self.extend_by(pool, &kept, Table::Named);
+            }
+        }
+        !pool.best(self.judge).is_like(&best)
+    }
 }
 
-/// Where those of several effects ended that passed.
-fn several(trials: &[Trial]) -> Vec<Point> {
-    let ended = trials.iter().filter(|trial| trial.passed);
-    let points = ended.map(|trial| &trial.explanation.fitted.point);
-    let several = points.filter(|point| point.effects().len() > 1);
-    several.cloned().collect()
+/// The best structure of a beam of each number of effects that was not extended, as long as the best of so many is not
+/// worse than one with less.
+fn open(pool: &Pool, ranked: &[(&Explanation, f64)], beam: usize) -> Option<Explanation> {
+    let mut least = f64::NEG_INFINITY;
+    for count in 0..MOST_EFFECTS {
+        let level = ranked.iter().filter(|own| own.0.terms() == count);
+        let level: Vec<_> = level.take(beam).collect();
+        let Some(best) = level.first() else {
+            continue;
+        };
+        if best.1 < least {
+            return None;
+        }
+        least = best.1;
+        let open = level
+            .iter()
+            .find(|own| !pool.is_extended(own.0, Table::Named));
+        if let Some((next, _)) = open {
+            return Some((*next).clone());
+        }
+    }
+    None
 }

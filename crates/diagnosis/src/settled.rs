@@ -2,13 +2,20 @@
 //! until the mismatch is explained.
 
 use super::candidate::Known;
-use super::criteria::Search;
+use super::descent::Descent;
 use super::explanation::{Explanation, Judge};
 use super::fit::Projector;
-use super::found::{Found, Trial};
+use super::found::Found;
 use super::outcome::Progress;
+use super::pool::Pool;
 use super::problem::Problem;
+use super::screen::Table;
+use super::search::Search;
+use super::thresholds::LONG;
 use super::weights::measured_again;
+
+/// Times that the noise is measured again: with one effect in the model, and with all.
+const AGAIN: usize = 3;
 
 /// What a refitted model lacks.
 pub fn settled(
@@ -18,58 +25,42 @@ pub fn settled(
     baseline: Explanation,
     told: (&Known, Progress),
 ) -> Found {
-    let (baseline, trials) = singles(problem, projector, judge, baseline, told);
-    let found = search(problem, projector, judge, told).run(baseline, trials);
-    with_noise_of_best(problem, projector, judge, found, told.1)
+    let mut pool = Pool::new(baseline);
+    // By single laws of the catalogue first: what these leave tells the noise, and whether there is more to look for.
+    let baseline = pool.baseline().clone();
+    search(problem, projector, judge, told).extend_by(&mut pool, &baseline, Table::Named);
+    for _ in 0..AGAIN {
+        let measured = with_noise_of_best(problem, projector, judge, &pool, told);
+        pool = measured.unwrap_or(pool);
+        let before = pool.extended();
+        search(problem, projector, judge, told).run(&mut pool);
+        if pool.extended() == before {
+            break;
+        }
+    }
+    search(problem, projector, judge, told).found(pool)
 }
 
-/// The refitted model and the single effects that it may lack, by the noise that the best of these leaves.
-fn singles(
-    problem: &mut Problem,
-    projector: &mut Projector,
-    judge: &Judge,
-    baseline: Explanation,
-    told: (&Known, Progress),
-) -> (Explanation, Vec<Trial>) {
-    let first = search(problem, projector, judge, told);
-    let trials = first.extend(&baseline);
-    let best = first.simplest(&trials, &baseline);
-    let again = best.and_then(|best| measured_again(problem, &best.fitted.point));
-    let Some(again) = again else {
-        return (baseline, trials);
-    };
-    (problem.noise, problem.whitening) = again;
-    *projector = Projector::new(problem);
-    let search = search(problem, projector, judge, told);
-    let baseline = search.refitted(&baseline.fitted.point);
-    let trials = search.again(&baseline, trials);
-    (baseline, trials)
-}
-
-/// What was found, looked at again where several effects together leave another noise than one of them.
+/// The explanations, fitted again where the best one tells another noise.
 fn with_noise_of_best(
     problem: &mut Problem,
     projector: &mut Projector,
     judge: &Judge,
-    found: Found,
-    progress: Progress,
-) -> Found {
-    let best = &found.best;
-    let several = best.effects().len() > 1;
-    let again = several.then(|| measured_again(problem, &best.fitted.point));
-    let Some(again) = again.flatten() else {
-        return found;
-    };
-    (problem.noise, problem.whitening) = again;
+    pool: &Pool,
+    told: (&Known, Progress),
+) -> Option<Pool> {
+    let best = pool.best(judge);
+    (problem.noise, problem.whitening) = measured_again(problem, &best.fitted.point)?;
     *projector = Projector::new(problem);
-    let known = Known {
-        points: found.further,
-        alone: true,
-    };
-    let search = search(problem, projector, judge, (&known, progress));
-    let baseline = search.refitted(&found.baseline.fitted.point);
-    let trials = search.again(&baseline, found.trials);
-    search.run(baseline, trials)
+    let search = search(problem, projector, judge, told);
+    Some(pool.map(judge, |own| {
+        let mut descent = Descent::new(search.problem, search.projector, &own.fitted.point, None);
+        descent.run(LONG);
+        if descent.winds() {
+            descent.hop();
+        }
+        judge.judge(search.problem, search.projector, descent.end())
+    }))
 }
 
 /// A search by the noise as it is known.

@@ -1,12 +1,7 @@
 //! What is fitted and what is kept apart.
 
 use super::problem::Rows;
-use quell_model::Experiment;
-use quell_recording::Role;
-use quell_signal::{Motion, RestRule, phases};
-
-/// Shortest part of a recording that is worth keeping apart, samples.
-const FEWEST: usize = 50;
+use quell_model::{Experiment, Output};
 
 /// Rows of an experiment that are fitted, and rows that are held out, an output each.
 pub struct Split {
@@ -19,11 +14,7 @@ pub struct Split {
 /// What was held out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeldOut {
-    /// The last third of the moves.
-    Moves,
-    /// The last third of the time.
-    End,
-    /// Stretches of every move.
+    /// Stretches of every recording.
     Stretches,
     /// Whole recordings.
     Recordings,
@@ -33,108 +24,47 @@ impl HeldOut {
     /// As a sentence names it.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Moves => "moves that were held out",
-            Self::End => "the last third, which was held out,",
             Self::Stretches => "stretches that were held out",
             Self::Recordings => "recordings that were held out",
         }
     }
 }
 
-/// Moves up to which the time is divided, and not the moves.
-const FEW_MOVES: usize = 2;
-
-/// What [`last_third`] holds out of experiments.
-pub fn last_of(experiments: &[Experiment]) -> HeldOut {
-    match experiments
-        .iter()
-        .all(|e| move_starts(e).len() <= FEW_MOVES)
-    {
-        true => HeldOut::End,
-        false => HeldOut::Moves,
-    }
-}
-
 /// All rows are fitted.
 pub fn whole(experiment: &Experiment) -> Vec<Rows> {
-    let all = |output: &quell_model::Output| one(0..output.values.len());
+    let all = |output: &Output| std::iter::once(0..output.values.len()).collect();
     experiment.outputs.iter().map(all).collect()
 }
 
-fn one(range: std::ops::Range<usize>) -> Rows {
-    std::iter::once(range).collect()
-}
+/// Fewest stretches, so that each third of them shows all of a motion.
+const FEWEST: usize = 6;
 
-/// Keeps the last third of the moves apart; the last third of the time where there are fewer than three
-/// moves.
-pub fn last_third(experiment: &Experiment) -> Split {
-    let (first, last) = experiment.span();
-    let starts = move_starts(experiment);
-    let boundary = match starts.len() {
-        0..=FEW_MOVES => first + (last - first) * 2.0 / 3.0,
-        n => starts[(2 * n).div_ceil(3)],
-    };
-    at(experiment, boundary)
-}
-
-/// Keeps apart what comes after an instant.
-fn at(experiment: &Experiment, boundary: f64) -> Split {
-    let (mut train, mut held_out) = (Vec::new(), Vec::new());
-    for output in &experiment.outputs {
-        let n = output.values.len();
-        let k = output.time.partition_point(|t| *t < boundary);
-        let k = if n >= 3 * FEWEST {
-            k.clamp(FEWEST, n - FEWEST)
-        } else {
-            n
-        };
-        train.push(one(0..k));
-        held_out.push(if k < n { one(k..n) } else { Vec::new() });
-    }
-    Split { train, held_out }
-}
-
-/// Every third stretch is held out, so that each part of the recording is in both: for what happens at
-/// a time.
+/// Every third stretch of this length is held out, s: each part of a recording is in both, whatever happens once in it.
 pub fn interleaved(experiment: &Experiment, stretch: f64) -> Split {
-    let (mut train, mut held_out) = (Vec::new(), Vec::new());
     let (first, last) = experiment.span();
-    let count = (((last - first) / stretch).floor() as usize).max(6);
-    for output in &experiment.outputs {
-        let (mut fitted, mut kept) = (Vec::new(), Vec::new());
-        for k in 0..count {
-            let edge = |k: usize| {
-                let t = first + (last - first) * k as f64 / count as f64;
-                output.time.partition_point(|s| *s < t)
-            };
-            let end = if k + 1 == count {
-                output.values.len()
-            } else {
-                edge(k + 1)
-            };
-            let range = edge(k)..end;
-            if k % 3 == 1 {
-                kept.push(range);
-            } else {
-                fitted.push(range);
-            }
+    let count = (((last - first) / stretch).floor() as usize).max(FEWEST);
+    let edge = |output: &Output, k: usize| {
+        let share = k as f64 / count as f64;
+        let inner = || {
+            output
+                .time
+                .partition_point(|t| *t < first + (last - first) * share)
+        };
+        if k == count {
+            output.values.len()
+        } else {
+            inner()
         }
-        train.push(fitted);
-        held_out.push(kept);
+    };
+    let rows = |is_kept: bool| {
+        let of = |output: &Output| {
+            let all = (0..count).filter(|k| (k % 3 == 1) == is_kept);
+            all.map(|k| edge(output, k)..edge(output, k + 1)).collect()
+        };
+        experiment.outputs.iter().map(of).collect()
+    };
+    Split {
+        train: rows(false),
+        held_out: rows(true),
     }
-    Split { train, held_out }
-}
-
-/// Instants at which the motor side starts to move, where it is an input.
-pub fn move_starts(experiment: &Experiment) -> Vec<f64> {
-    if !matches!(
-        experiment.input,
-        Role::MotorPosition | Role::CommandPosition
-    ) {
-        return Vec::new();
-    }
-    let (time, values) = (&experiment.input_time, &experiment.input_values);
-    let found = phases(time, values, RestRule::from_values(values)).unwrap_or_default();
-    let moving = found.iter().filter(|phase| phase.motion == Motion::Moving);
-    moving.map(|phase| phase.start).collect()
 }

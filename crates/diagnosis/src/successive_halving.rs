@@ -3,18 +3,20 @@
 //! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
 
 use super::candidate::Candidate;
-use super::criteria::Search;
 use super::descent::Descent;
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::found::Trial;
 use super::point::{EffectAt, Point};
+use super::search::Search;
 use super::thresholds::{LONG, LOST, SECOND, SHORT};
 use rayon::prelude::*;
 
 /// Share of what the winner explains that another must have explained by then to be carried on: it is nearer to
 /// the winner than to none.
 const NEARER: f64 = 0.5;
+
+/// Candidates that are carried to their ends.
+const HALF: usize = 5;
 
 /// Candidates on top of an explanation, and how far each is fitted.
 pub(super) struct Halving<'a> {
@@ -23,7 +25,7 @@ pub(super) struct Halving<'a> {
     /// What is known there.
     linear: Option<&'a Linearised>,
     entrants: Vec<Entrant<'a>>,
-    leader: Option<Trial>,
+    leader: Option<Explanation>,
 }
 
 /// A candidate.
@@ -92,16 +94,16 @@ impl<'a> Halving<'a> {
         }
     }
 
-    /// Carries the one that is ahead to its end before the others. None whose misfit has many minima: its
+    /// Carries the one that is ahead to its end, or to where it cannot reach a rival any more, before the others. None whose misfit has many minima: its
     /// starts may not all be there yet.
-    pub fn lead(&mut self) {
+    pub fn lead(&mut self, rival: f64) {
         let plain = |index: &usize| !self.entrants[*index].effect.0.has_many_minima();
         let cost = |index: &usize| self.entrants[*index].cost();
         let all = (0..self.entrants.len()).filter(plain);
         if let Some(first) = all.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
             let entrant = self.entrants.remove(first);
-            let chosen = self.chosen(entrant, f64::INFINITY);
-            self.leader = chosen.map(|descent| self.carried(descent, f64::INFINITY));
+            let chosen = self.chosen(entrant, rival);
+            self.leader = chosen.map(|descent| self.carried(descent, rival));
         }
     }
 
@@ -116,30 +118,32 @@ impl<'a> Halving<'a> {
     }
 
     /// Carries all to their ends, or to where they cannot win any more; judged.
-    pub fn finish(mut self) -> Vec<Trial> {
+    pub fn finish(mut self) -> Vec<Explanation> {
         let entrants = std::mem::take(&mut self.entrants);
         let winner = self.winner().unwrap_or(f64::INFINITY);
-        let chosen: Vec<Descent> = entrants
+        let mut chosen: Vec<Descent> = entrants
             .into_par_iter()
             .filter_map(|entrant| self.chosen(entrant, winner))
             .collect();
+        chosen.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        chosen.truncate(HALF);
         let costs = chosen.iter().map(Descent::cost);
         let leader = self.leader.as_ref();
-        let ahead = costs.chain(leader.map(|trial| trial.explanation.fitted.cost));
+        let ahead = costs.chain(leader.map(|own| own.fitted.cost));
         let ahead = ahead.fold(f64::INFINITY, f64::min);
         let trials = chosen
             .into_par_iter()
             .map(|descent| self.carried(descent, ahead));
-        let mut trials: Vec<Trial> = trials.collect();
+        let mut trials: Vec<Explanation> = trials.collect();
         trials.extend(self.leader);
         trials
     }
 
     /// Cost of the one that went ahead where it leaves nothing but noise.
     fn winner(&self) -> Option<f64> {
-        let leader = &self.leader.as_ref()?.explanation;
+        let leader = self.leader.as_ref()?;
         self.search
-            .all_at_noise(leader)
+            .leaves_noise(leader)
             .then_some(leader.fitted.cost)
     }
 
@@ -156,7 +160,7 @@ impl<'a> Halving<'a> {
     }
 
     /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
-    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Trial {
+    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Explanation {
         let explained = |cost: f64| self.from.fitted.cost - cost;
         let near = |winner| explained(descent.cost()) > NEARER * explained(winner);
         let carries = self.winner().is_none_or(near);
@@ -166,15 +170,16 @@ impl<'a> Halving<'a> {
                 descent.hop();
             }
         }
-        let mut explanation = self.search.judge.judge(self.search.problem, descent.end());
-        if carries {
-            explanation = self.search.recurring(explanation);
-        }
-        Trial {
-            explanation,
-            delta_bic: 0.0,
-            held_out_ratio: 1.0,
-            passed: false,
+        let Search {
+            problem,
+            projector,
+            judge,
+            ..
+        } = self.search;
+        let explanation = judge.judge(problem, projector, descent.end());
+        match carries {
+            true => self.search.recurring(explanation),
+            false => explanation,
         }
     }
 }

@@ -70,7 +70,7 @@ pub fn times(ratio: f64) -> String {
 
 fn names(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
     let name = |finding: &Finding| {
-        let title = catalogue.title(&finding.effect);
+        let title = finding.title(catalogue);
         match finding.place.as_str() {
             "environment" => title,
             "sensor" => format!("{title} (in the sensor)"),
@@ -87,7 +87,12 @@ fn alternatives(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
         .findings
         .iter()
         .flat_map(|finding| &finding.alternatives);
-    let names: Vec<String> = all.map(|name| catalogue.title(name)).collect();
+    let mut names: Vec<String> = Vec::new();
+    for name in all.map(|name| catalogue.title(name)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
     names.join(" or ")
 }
 

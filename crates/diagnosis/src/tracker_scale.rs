@@ -4,8 +4,8 @@
 //! seen in the radius of the tip's circle alone, and no motion tells it from a lever arm that is `(1 + g)`
 //! times as long.
 
-use super::criteria::Search;
 use super::document::{Diagnosis, Finding, FittedParameter, NextMove, Verdict};
+use super::search::Search;
 use quell_model::effects::{Effect, Place};
 use quell_model::{Experiment, Model};
 
@@ -103,6 +103,7 @@ impl TrackerScale {
                 true => vec![LEVER_ARM.into()],
                 false => Vec::new(),
             },
+            curve: None,
         }
     }
 

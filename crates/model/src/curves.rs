@@ -10,13 +10,11 @@ pub use estimate::Estimate;
 pub use nearest::{Nearest, nearest};
 pub use shape::{Growth, Shape, Trend};
 
-use crate::effects::{
-    Effect, Motion, Parameter, ParameterRole, Quantity, Slot, curve, slip_distances,
-};
+use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances};
 use nalgebra::{DMatrix, DVector};
 
 /// Quantile of the normal distribution that 2.5 % exceed: the half width of a 95 % band in standard deviations.
-pub(crate) const BAND: f64 = 1.959_963_985;
+pub const BAND: f64 = 1.959_963_985;
 
 /// A learned law as a curve, with how well it is known.
 #[derive(Clone, Debug)]
@@ -66,7 +64,7 @@ impl Curve {
         if !known || parameters.len() != effect.parameters.len() || !from.lt(&to) {
             return None;
         }
-        let points = points(slot, parameters, POINTS);
+        let points = points(slot, (from, to));
         let values = DVector::from_vec(curve(effect, parameters, at, &points)?);
         let parts = parts(effect, parameters, at, &points)?;
         let covariance = &parts * of_ordinates * parts.transpose();
@@ -94,21 +92,11 @@ impl Curve {
         let count = ordinates(self.effect);
         match self.slot {
             Slot::Hysteresis => slip_distances(&self.parameters).to_vec(),
-            slot => points(slot, &self.parameters, count),
+            slot => match *self.parameters {
+                [.., from, to] => over(slot, (from, to), count),
+                _ => Vec::new(),
+            },
         }
-    }
-
-    /// Quantity of the coordinate and of the law.
-    pub fn quantities(&self) -> [Quantity; 2] {
-        let of = |role: ParameterRole| {
-            let own = self.effect.index(role).map(|k| &self.effect.parameters[k]);
-            own.map_or(Quantity::NUMBER, |parameter: &Parameter| parameter.quantity)
-        };
-        let law = match self.slot {
-            Slot::Hysteresis => Quantity::FORCE,
-            _ => of(ParameterRole::Ordinate),
-        };
-        [of(ParameterRole::Range), law]
     }
 
     /// A linear function of the curve, `sum w_i f(x_i)`.
@@ -133,12 +121,14 @@ pub(crate) fn ordinates(effect: &Effect) -> usize {
     own.filter(|p| p.role == ParameterRole::Ordinate).count()
 }
 
+/// Points over a range at which a law is looked at.
+pub fn points(slot: Slot, range: (f64, f64)) -> Vec<f64> {
+    over(slot, range, POINTS)
+}
+
 /// Points over the range of a law, evenly spaced. A law over the velocity has half of them in each direction, the
 /// innermost at rest; a hysteresis begins at rest.
-fn points(slot: Slot, parameters: &[f64], count: usize) -> Vec<f64> {
-    let [.., from, to] = *parameters else {
-        return Vec::new();
-    };
+fn over(slot: Slot, (from, to): (f64, f64), count: usize) -> Vec<f64> {
     let even = |from: f64, to: f64, count: usize| {
         let step = (to - from) / (count - 1) as f64;
         (0..count).map(move |k| from + step * k as f64)

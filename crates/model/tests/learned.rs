@@ -2,7 +2,7 @@
 
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
 use quell_model::effects::{
-    Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Visited,
+    Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Slot, Visited,
 };
 use quell_model::{Grid, Hold, Timed, Trace, integrate};
 
@@ -163,6 +163,12 @@ fn every_learned_law_is_well_formed() {
         let ends: Vec<_> = ends.rev().take(2).collect();
         let range = ParameterRole::Range;
         assert_eq!(ends, [("to", range), ("from", range)], "{name}");
+        let [coordinate, law] = effect.slot().unwrap().quantities();
+        let of = |role| effect.parameters[effect.index(role).unwrap()].quantity;
+        assert_eq!(of(range), coordinate, "{name}");
+        // Ordinates of a hysteresis are stiffnesses of its elements.
+        let is_law = effect.slot() == Some(Slot::Hysteresis) || of(ParameterRole::Ordinate) == law;
+        assert!(is_law, "{name}");
         // One start for each place, in their order, all of them neutral.
         let starts = (effect.starts)(&scales());
         assert_eq!(starts.len(), effect.places.len(), "{name}");

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::Shown;
-use super::{head, words};
+use super::{head, law, words};
 use quell_diagnosis::{Finding, Verdict};
 use quell_model::effects::Place;
 use quell_page::{Page, Table, number};
@@ -13,14 +13,13 @@ pub fn section(page: Page, case: &Case) -> Page {
     for finding in &case.diagnosis.findings {
         page = explained(page, case, finding);
     }
-    if case.diagnosis.verdict == Verdict::PartlyExplained {
-        let fit = &case.diagnosis.fit;
-        page = page.text(format!(
-            "That is not all: the misfit is still {} times the noise. What remains \
-             could be given to none of the effects that were tried.",
-            head::times(head::ratio_of(&fit.after, fit)),
-        ));
-    }
+    let left = head::left(case);
+    page = page.text(match case.diagnosis.verdict {
+        Verdict::PartlyExplained => format!(
+            "That is not all: what is left is {left}. It could be given to none of the effects that were tried."
+        ),
+        _ => format!("What is left on moves that were not fitted to: {left}."),
+    });
     table(page, case)
 }
 
@@ -50,8 +49,13 @@ pub fn set(page: Page, case: &Case) -> Page {
         if !finding.evidence.is_empty() {
             page = page.text(finding.evidence.clone());
         }
+        page = law::section(page, case, finding);
     }
-    page
+    page.text(format!(
+        "With {} what is left on moves that were not fitted to is {}.",
+        case.findings(),
+        head::left(case)
+    ))
 }
 
 /// Whether all that cannot be told from a finding can sit at its place.
@@ -111,9 +115,10 @@ pub fn unknown(page: Page, case: &Case) -> Page {
 
 /// A finding under its name: physics, what to do, and the evidence.
 fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
-    let name = words::capital(&case.title(&finding.effect));
+    let name = words::capital(&finding.title(case.catalogue));
     let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
     let page = means(page, case, &finding.effect);
+    let page = law::section(page, case, finding);
     let page = match finding.evidence.is_empty() {
         true => page,
         false => page.text(finding.evidence.clone()),
@@ -145,7 +150,7 @@ fn table(page: Page, case: &Case) -> Page {
         .text_column("unit");
     let mut rows = 0;
     for finding in &case.diagnosis.findings {
-        for parameter in &finding.parameters {
+        for parameter in words::numbers(finding) {
             let shown = Shown::of(&parameter.unit, parameter.value);
             rows += 1;
             table = table.row([

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::{Shown, digits};
-use super::words;
+use super::{law, words};
 use quell_diagnosis::{Finding, Fit, Quality, Verdict};
 use quell_page::{self as html, Figure, Page, fixed, number};
 
@@ -32,7 +32,7 @@ fn figures(case: &Case) -> Vec<Figure> {
     if diagnosis.verdict == Verdict::NotExcited {
         return Vec::new();
     }
-    let mut figures = vec![over_noise(case), misfit(case)];
+    let mut figures = vec![misfit(case), over_noise(case)];
     match diagnosis.verdict {
         Verdict::NoMismatch => figures.push(catalogue(case, "none is needed")),
         Verdict::Unexplained => {
@@ -114,8 +114,23 @@ fn frequency(frequency: f64) -> Figure {
         .note("in the misfit's spectrum")
 }
 
-/// The size of a finding, with its interval.
+/// What is left on what was held out: in the unit of the recording, then in times the noise.
+pub fn left(case: &Case) -> String {
+    let fit = &case.diagnosis.fit;
+    let shown = case.misfit_unit();
+    format!(
+        "{} {} rms, {} times the noise",
+        shown.number(rms_of(&fit.after)),
+        shown.unit,
+        times(ratio_of(&fit.after, fit))
+    )
+}
+
+/// The size of a finding, with its interval; of a learned law how large it becomes.
 fn size(case: &Case, finding: &Finding) -> Option<Figure> {
+    if finding.learned().is_some() {
+        return largest(case, finding);
+    }
     let parameter = case.size(finding)?;
     let shown = Shown::of(&parameter.unit, parameter.value);
     let name = match parameter.name.as_str() {
@@ -131,6 +146,18 @@ fn size(case: &Case, finding: &Finding) -> Option<Figure> {
     Some(figure.unit(shown.unit.clone()).note(interval))
 }
 
+/// Where the curve of a law is farthest from 0.
+fn largest(case: &Case, finding: &Finding) -> Option<Figure> {
+    let curve = finding.curve.as_ref()?;
+    let all = curve.values.iter().zip(&curve.ci95);
+    let (value, band) = all.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    let shown = law::law_unit(curve);
+    let name = format!("{}: largest {}", case.title(&finding.effect), curve.law);
+    let interval = format!("95 %: {}", shown.interval(*band));
+    let figure = Figure::text(name, shown.quoted(*value, *band));
+    Some(figure.unit(shown.unit).note(interval))
+}
+
 fn set_size(case: &Case, finding: &Finding) -> Figure {
     let count = 1 + finding.alternatives.len();
     Figure::text("explanations that fit alike", count.to_string())
@@ -138,12 +165,8 @@ fn set_size(case: &Case, finding: &Finding) -> Figure {
 }
 
 fn probability(case: &Case, finding: &Finding) -> Figure {
-    let percent = 100.0 * finding.probability;
-    let text = match percent {
-        p if p > 99.0 => "> 99".into(),
-        p if p < 1.0 => "< 1".into(),
-        p => format!("{p:.0}"),
-    };
     let note = format!("for {}, among what was tried", case.title(&finding.effect));
-    Figure::text("probability", text).unit("%").note(note)
+    Figure::text("probability", words::percent(finding.probability))
+        .unit("%")
+        .note(note)
 }

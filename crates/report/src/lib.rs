@@ -4,6 +4,7 @@ mod case;
 mod findings;
 mod follows;
 mod head;
+mod law;
 mod motion;
 mod next;
 mod page;
@@ -12,6 +13,8 @@ mod ranking;
 mod record;
 mod shares;
 mod shown;
+#[cfg(test)]
+mod tests;
 mod text;
 mod words;
 

@@ -4,7 +4,7 @@ use super::case::Case;
 use super::shown::digits;
 use super::{head, words};
 use quell_diagnosis::Verdict;
-use quell_page::{Bars, Page, Table, number};
+use quell_page::{Bars, Page, Table, fixed, number};
 
 /// Candidates that are drawn, and that are listed, at most.
 const DRAWN: usize = 10;
@@ -30,8 +30,8 @@ pub fn section(page: Page, case: &Case) -> Page {
 
 fn introduction(case: &Case) -> String {
     let diagnosis = case.diagnosis;
-    let how = "Each explanation was fitted together with the model's own parameters and judged by \
-               moves that it had not seen.";
+    let how = "Each explanation was fitted together with the model's own parameters and weighed by the \
+               probability that it gives to the whole recording, what was held out included.";
     let doubts = diagnosis
         .findings
         .iter()
@@ -70,7 +70,10 @@ fn bars(case: &Case) -> Bars {
     let bars = Bars::new(title, "%", names)
         .series("left", &percent)
         .up_to(CUT)
-        .note("Chi-squared, relative to the model without the effect; the shorter, the better.");
+        .note(
+            "Chi-squared, relative to the model without the effect; the shorter, the better. The order is that of the \
+             log evidence.",
+        );
     let marked = (0..drawn.len()).filter(|&k| words::in_set(case.diagnosis, &drawn[k].effect));
     let bars = marked.fold(bars, Bars::marked);
     match floor.is_finite() {
@@ -84,13 +87,18 @@ fn table(case: &Case) -> Table {
     let mut table = Table::new("The ranking")
         .text_column("explanation")
         .text_column("place")
-        .column("delta BIC", "")
+        .column("log evidence", "")
+        .column("probability", "%")
         .column("held-out ratio", "");
     for one in candidates.iter().take(LISTED) {
         let name = words::capital(&case.title(&one.effect));
-        let numbers = [one.delta_bic, one.held_out_ratio];
-        let [bic, ratio] = numbers.map(quell_page::Cell::from);
-        table = table.row([name.into(), one.place.clone().into(), bic, ratio]);
+        table = table.row([
+            name.into(),
+            one.place.clone().into(),
+            fixed(one.log_evidence, 1).replace('-', "\u{2212}").into(),
+            words::percent(one.probability).into(),
+            one.held_out_ratio.into(),
+        ]);
         if words::in_set(case.diagnosis, &one.effect) {
             table = table.marked();
         }
@@ -101,8 +109,9 @@ fn table(case: &Case) -> Table {
         rest => format!(" {rest} more are in diagnosis.json."),
     };
     table.note(format!(
-        "Delta BIC: evidence against the model without the effect, below -10 is strong. Held-out \
-         ratio: chi-squared on moves not fitted to, over that without the effect.{more}"
+        "Log evidence: the natural logarithm of the marginal likelihood over that of the refitted model; a difference \
+         of 3 is odds of 20 to 1, of 5 of 150 to 1. Probability: among the explanations that were looked at. Held-out \
+         ratio: chi-squared on moves not fitted to, over that of the refitted model.{more}"
     ))
 }
 

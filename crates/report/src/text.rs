@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::case::Case;
 use super::shown::Shown;
-use super::{head, next, words};
+use super::{head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
 
@@ -50,7 +50,7 @@ fn parameters(case: &Case) -> String {
     let findings = &case.diagnosis.findings;
     let all = findings
         .iter()
-        .flat_map(|finding| finding.parameters.iter().map(move |p| (finding, p)));
+        .flat_map(|finding| words::numbers(finding).iter().map(move |p| (finding, p)));
     let rows: Vec<_> = all
         .map(|(finding, parameter)| {
             let shown = Shown::of(&parameter.unit, parameter.value);
@@ -91,14 +91,14 @@ fn fit(case: &Case) -> String {
     let over = |quality| head::times(head::ratio_of(quality, &case.diagnosis.fit));
     let rows = [
         (
-            "held out, over the noise".to_string(),
-            over(before),
-            over(after),
-        ),
-        (
             format!("held out, {} rms", shown.unit),
             shown.number(before.held_out_rms),
             shown.number(after.held_out_rms),
+        ),
+        (
+            "held out, over the noise".to_string(),
+            over(before),
+            over(after),
         ),
         (
             format!("fitted, {} rms", shown.unit),
@@ -113,14 +113,18 @@ fn fit(case: &Case) -> String {
         ),
         false => columns(["misfit", ""], rows.map(|(name, before, _)| [name, before])),
     };
+    let left = match case.has_after() {
+        true => format!("left: {} on what was held out\n", head::left(case)),
+        false => String::new(),
+    };
     format!(
-        "{table}noise: {} {}\n",
+        "{table}noise: {} {}\n{left}",
         shown.number(*noise_std),
         shown.unit
     )
 }
 
-/// The remedy of a finding, and its alternatives.
+/// What a learned law looks like, the remedy of a finding, and its alternatives.
 fn what_to_know(case: &Case, finding: &Finding) -> Vec<String> {
     let name = words::capital(&case.title(&finding.effect));
     let others: Vec<_> = finding
@@ -134,7 +138,9 @@ fn what_to_know(case: &Case, finding: &Finding) -> Vec<String> {
         .remedy(&finding.effect)
         .filter(|_| others.is_empty())
         .map(|remedy| format!("{name}: {remedy}"));
-    remedy.into_iter().chain(doubt).collect()
+    let shape = law::lines(case, finding);
+    let shape = (!shape.is_empty()).then(|| shape.join(" "));
+    shape.into_iter().chain(remedy).chain(doubt).collect()
 }
 
 fn next_move(next: &NextMove) -> Vec<String> {

@@ -77,7 +77,12 @@ impl Case<'_> {
 
     /// A parameter of a finding in words.
     pub(crate) fn parameter(&self, finding: &Finding, name: &str) -> String {
-        let effect = self.catalogue.effect(&finding.effect);
+        self.parameter_of(&finding.effect, name)
+    }
+
+    /// A parameter of an effect in words.
+    pub(crate) fn parameter_of(&self, effect: &str, name: &str) -> String {
+        let effect = self.catalogue.effect(effect);
         effect.map_or_else(|| plain(name), |effect| effect.parameter_title(name))
     }
 
@@ -98,6 +103,23 @@ impl Case<'_> {
     /// The remedy of an effect.
     pub(crate) fn remedy(&self, name: &str) -> Option<&'static str> {
         Some(self.catalogue.effect(name)?.remedy)
+    }
+}
+
+/// The parameters of a finding that are listed: a learned law is told as a curve.
+pub fn numbers(finding: &Finding) -> &[FittedParameter] {
+    match finding.learned() {
+        Some(_) => &[],
+        None => &finding.parameters,
+    }
+}
+
+/// A probability in percent; what rounds to certainty is not called certain.
+pub fn percent(probability: f64) -> String {
+    match 100.0 * probability {
+        p if p > 99.0 => "> 99".into(),
+        p if p < 1.0 => "< 1".into(),
+        p => format!("{p:.0}"),
     }
 }
 

@@ -4,8 +4,8 @@
 //! colour: blocks of it, a few periods of the mode long, are put together at random, so that what
 //! hangs together within a block stays so. Source: Kuensch, Annals of Statistics 17 (1989).
 
-use crate::criteria::Search;
 use crate::explanation::Explanation;
+use crate::search::Search;
 use crate::whitening::Whitening;
 use quell_model::Output;
 use quell_recording::health::quantum;
@@ -50,7 +50,7 @@ pub enum OutputNoise {
 pub fn of(search: &Search, best: &Explanation, e: usize, left: &[Vec<f64>]) -> Vec<OutputNoise> {
     let problem = search.problem;
     let outputs = &problem.experiments[e].outputs;
-    let unit = search.unit(best);
+    let unit = search.judge.unit(best);
     let chance = CHANCE * (2.0 / search.judge.train_rows.max(1) as f64).sqrt();
     let noise = |(k, output): (usize, &Output)| {
         let whitening = problem.whitening[e][k].louder(unit.sqrt());

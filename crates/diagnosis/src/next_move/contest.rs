@@ -13,7 +13,7 @@ pub struct Contest<'a> {
     pub rivals: Vec<Rival<'a>>,
     /// Parts of an experiment.
     pub ideas: &'a Ideas<'a>,
-    /// Chi-squared per row that the best explanation leaves: the unit of evidence.
+    /// Temperature of the evidence: what it takes of chi-squared to count as one.
     pub unit: f64,
 }
 

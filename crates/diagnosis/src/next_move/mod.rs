@@ -14,12 +14,11 @@ mod programme;
 mod seen;
 mod words;
 
-use super::criteria::Search;
 use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
 use super::point::EffectAt;
-use super::thresholds::EQUAL;
+use super::search::Search;
 use advice::advice;
 use contest::Contest;
 use distance::Rival;
@@ -32,9 +31,9 @@ use rayon::prelude::*;
 /// Chi-squared that separates: 10 is "very strong" evidence between models of as many unknowns (Kass and
 /// Raftery, J. American Statistical Association 90 (1995)).
 pub const SEPARATES: f64 = 10.0;
-/// Chi-squared at which the diagnosis will see it: explanations within [`EQUAL`] are equals, and one of
-/// mean `T` scatters by `2 sqrt(T)`, so that twice that is beyond it nine times in ten.
-const ENOUGH: f64 = 2.0 * EQUAL;
+/// Chi-squared at which the diagnosis will see it: twice the logarithm of odds of 1000 to 1, and as much again for
+/// what chance takes of it, one of mean `T` scattering by `2 sqrt(T)`.
+const ENOUGH: f64 = 30.0;
 /// Equals that are looked at, the nearest ones.
 const RIVALS: usize = 3;
 
@@ -45,8 +44,7 @@ pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<Nex
         return None;
     }
     (search.progress)(0.9, "looking for the next move");
-    let mut equals: Vec<&Explanation> = found.equals.iter().map(|t| &t.explanation).collect();
-    equals.sort_by(|a, b| search.criterion(a).total_cmp(&search.criterion(b)));
+    let mut equals: Vec<&Explanation> = found.equals.iter().collect();
     equals.truncate(RIVALS);
     let pairs: Vec<Pair> = equals
         .iter()
@@ -59,7 +57,7 @@ pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<Nex
             .map(|pair| Rival::new(search.problem, pair.right, pair.wrong))
             .collect(),
         ideas: &ideas,
-        unit: found.unit,
+        unit: found.temperature,
     };
     let payload = Payload::HALF_MORE.changes(search.problem);
     Some(propose(&contest, &pairs, payload))

@@ -9,7 +9,7 @@ const NEARLY_ALL: f64 = 0.98;
 impl Shape {
     /// A sentence that says what is known of a curve, in these units; without a unit's name for a number.
     pub fn sentence(&self, curve: &Curve, units: &Units) -> String {
-        let [coordinate, law] = curve.quantities();
+        let [coordinate, law] = curve.slot.quantities();
         let unit = |quantity: Quantity| match quantity.unit(units) {
             one if one == "1" => String::new(),
             unit => format!(" {unit}"),
@@ -96,7 +96,7 @@ impl Shape {
             Slot::Hysteresis => format!("{takes} {size} {energy} of energy in the largest loop"),
             _ => format!(
                 "{takes} energy, with a mean of {size} {}",
-                curve.quantities()[1].unit(units)
+                curve.slot.quantities()[1].unit(units)
             ),
         })
     }

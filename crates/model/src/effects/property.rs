@@ -14,8 +14,6 @@ pub enum Property {
     /// It acts as this simpler effect where its own frequency is far above the motion: what else it has
     /// is not determined then.
     Becomes(&'static Effect),
-    /// Beside a delay it acts as a size below 0 of this effect, by `(omega_n T)^2 / 2`.
-    Lessens(&'static Effect),
     /// It acts as two simpler effects together; these for its values.
     Parts(fn(&[f64]) -> [Part; 2]),
     /// Motions of this sort show it as they show the others that have the likeness.
@@ -73,11 +71,6 @@ impl Effect {
         self.is(|own| matches!(own, Property::Becomes(other) if *other == simpler))
     }
 
-    /// Whether, beside a delay, it acts as a size below 0 of another effect.
-    pub fn lessens(&self, other: &Self) -> bool {
-        self.is(|own| matches!(own, Property::Lessens(than) if *than == other))
-    }
-
     /// The two simpler effects that the law acts as for these values, with theirs.
     ///
     /// # Example
@@ -109,6 +102,15 @@ impl Effect {
     pub fn event_time(&self) -> Option<usize> {
         let recurs = self.is(|own| matches!(own, Property::Recurs));
         recurs.then(|| self.index(ParameterRole::Time)).flatten()
+    }
+
+    /// Whether a machine may have it more than once: it has an instant, a place, a frequency or an order of its
+    /// own.
+    pub fn may_repeat(&self) -> bool {
+        use ParameterRole::{Frequency, Order, Position, Time};
+        let own =
+            |parameter: &Parameter| matches!(parameter.role, Time | Position | Frequency | Order);
+        self.parameters.iter().any(own)
     }
 
     /// Whether its sizes are to be walked through one by one, the smallest first.

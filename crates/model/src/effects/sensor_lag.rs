@@ -1,7 +1,6 @@
 //! A sensor that follows the motion with a first-order lag.
 
 use super::cubic::cubic_coefficients;
-use super::deformation_gain::DEFORMATION_GAIN;
 use super::shared_parameters::SENSOR_TIME_CONSTANT;
 use super::{Effect, Law, Likeness, Place, Property, Sensor};
 
@@ -78,10 +77,7 @@ pub const SENSOR_LAG: Effect = Effect {
         the same delay but leaves the size. Source: Bendat and Piersol, Random Data (2010), section 6.",
     remedy: "Lower the filtering in the sensor, or put its lag into the model.",
     parameters: &[SENSOR_TIME_CONSTANT],
-    properties: &[
-        Property::Lessens(&DEFORMATION_GAIN),
-        Property::Alike(Likeness::ShiftInTime),
-    ],
+    properties: &[Property::Alike(Likeness::ShiftInTime)],
     law: |p| {
         Law::Sensor(Box::new(Lag {
             time_constant: p[0],

@@ -1,5 +1,7 @@
 //! Slots: the coordinates on which static laws live.
 
+use super::Quantity;
+
 /// What a static law is a function of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Coordinate {
@@ -44,26 +46,78 @@ pub enum Slot {
     Hysteresis,
 }
 
-/// Slots, what they are called within a sentence, and their coordinates.
-const SLOTS: &[(Slot, &str, Coordinate)] = &[
-    (Slot::Spring, "spring force", Coordinate::Deformation),
-    (Slot::Damping, "damping", Coordinate::Deformation),
-    (Slot::Friction, "friction", Coordinate::Speed),
+/// Slots, what they are called within a sentence, their coordinates, and what their laws give.
+const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
+    (
+        Slot::Spring,
+        "spring force",
+        Coordinate::Deformation,
+        "spring force",
+        Quantity::FORCE,
+    ),
+    (
+        Slot::Damping,
+        "damping",
+        Coordinate::Deformation,
+        "damping coefficient",
+        Quantity::new(1, -1, 1),
+    ),
+    (
+        Slot::Friction,
+        "friction",
+        Coordinate::Speed,
+        "friction force",
+        Quantity::FORCE,
+    ),
     (
         Slot::PositionForce,
         "force over position",
         Coordinate::Position,
+        "force",
+        Quantity::FORCE,
     ),
-    (Slot::Drive, "drive", Coordinate::Input),
-    (Slot::Sensor, "sensor", Coordinate::Reading),
-    (Slot::Inertia, "inertia", Coordinate::Position),
+    (
+        Slot::Drive,
+        "drive",
+        Coordinate::Input,
+        "change of the input",
+        Quantity::INPUT,
+    ),
+    (
+        Slot::Sensor,
+        "sensor",
+        Coordinate::Reading,
+        "error of the sensor",
+        Quantity::POSITION,
+    ),
+    (
+        Slot::Inertia,
+        "inertia",
+        Coordinate::Position,
+        "relative change of the inertia",
+        Quantity::NUMBER,
+    ),
     (
         Slot::StiffnessDrift,
         "stiffness over time",
         Coordinate::Time,
+        "relative change of the stiffness",
+        Quantity::NUMBER,
     ),
-    (Slot::SensorDrift, "sensor over time", Coordinate::Time),
-    (Slot::Hysteresis, "hysteresis", Coordinate::Deformation),
+    (
+        Slot::SensorDrift,
+        "sensor over time",
+        Coordinate::Time,
+        "error of the sensor",
+        Quantity::POSITION,
+    ),
+    (
+        Slot::Hysteresis,
+        "hysteresis",
+        Coordinate::Deformation,
+        "hysteresis force",
+        Quantity::FORCE,
+    ),
 ];
 
 impl Slot {
@@ -75,6 +129,16 @@ impl Slot {
     /// What its laws are functions of.
     pub fn coordinate(self) -> Coordinate {
         SLOTS[self as usize].2
+    }
+
+    /// What its laws give, within a sentence.
+    pub fn law(self) -> &'static str {
+        SLOTS[self as usize].3
+    }
+
+    /// The quantity of its coordinate and that of its laws.
+    pub fn quantities(self) -> [Quantity; 2] {
+        [self.coordinate().quantity(), SLOTS[self as usize].4]
     }
 }
 
@@ -88,6 +152,16 @@ impl Coordinate {
             Self::Input => "input",
             Self::Reading => "reading",
             Self::Time => "time",
+        }
+    }
+
+    /// Its quantity.
+    pub fn quantity(self) -> Quantity {
+        match self {
+            Self::Deformation | Self::Position | Self::Reading => Quantity::POSITION,
+            Self::Speed => Quantity::VELOCITY,
+            Self::Input => Quantity::INPUT,
+            Self::Time => Quantity::TIME,
         }
     }
 }

@@ -1,0 +1,71 @@
+//! Whether the parameters of an effect mean anything where the data are.
+
+use super::explanation::Explanation;
+use super::fit::Fitted;
+use super::point::{Global, Point};
+use super::problem::Problem;
+use quell_model::effects::{ParameterRole, Quantity};
+
+/// Share of the range of a parameter within which it lies at the end of it.
+const AT_END: f64 = 1e-3;
+/// A bound this near to 1 stands for all of what a share is one of.
+const WHOLE: f64 = 0.03;
+/// Two-sided 95 % of the normal distribution.
+const NORMAL_95: f64 = 1.96;
+
+impl Problem<'_> {
+    /// Whether a parameter of an effect that was added lies at the end of its range: another law is at work.
+    ///
+    /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
+    /// frequency within the band. The ends of a share or of a side are laws of their own, and a phase has no ends.
+    pub fn is_at_end(&self, fitted: &Fitted) -> bool {
+        let point = &fitted.point;
+        let added = added(point, &fitted.globals);
+        let mut added = added.map(|(_, term, index)| {
+            let parameter = &point.terms[term].effect.parameters[index];
+            let value = point.terms[term].values[index];
+            let (low, high) = self.limits(point, Global::Parameter(term, index));
+            let near = |bound: f64| (value - bound).abs() < AT_END * (high - low);
+            let whole = |bound: f64| {
+                parameter.quantity == Quantity::NUMBER && (bound.abs() - 1.0).abs() < WHOLE
+            };
+            let end = |bound: f64| near(bound) && bound != parameter.neutral && !whole(bound);
+            has_ends(parameter.role) && (end(low) || end(high))
+        });
+        added.any(|is_at_end| is_at_end)
+    }
+
+    /// Whether every effect that was added has parameters that the data have determined, within what was visited: none
+    /// is at the end of its range, and none could be anywhere within it, but for the shape of a law, which may be of
+    /// no consequence.
+    pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
+        let fitted = &explanation.fitted;
+        let deviations = explanation.evidence.deviations(temperature);
+        let mut added = added(&fitted.point, &fitted.globals);
+        let known = added.all(|(unknown, term, index)| {
+            let role = fitted.point.terms[term].effect.parameters[index].role;
+            let (low, high) = self.limits(&fitted.point, Global::Parameter(term, index));
+            let wide = 2.0 * NORMAL_95 * deviations[unknown] > high - low;
+            !wide || !has_ends(role) || role == ParameterRole::Shape
+        });
+        known && !explanation.is_at_end
+    }
+}
+
+/// Whether a parameter has ends at which it means nothing.
+fn has_ends(role: ParameterRole) -> bool {
+    use ParameterRole::{Ordinate, Phase, Range};
+    !matches!(role, Phase | Ordinate | Range)
+}
+
+/// The unknowns that are parameters of effects that were added: which unknown, term and parameter.
+fn added<'a>(
+    point: &'a Point,
+    globals: &'a [Global],
+) -> impl Iterator<Item = (usize, usize, usize)> + use<'a> {
+    let all = globals.iter().enumerate();
+    all.filter_map(|(unknown, global)| match *global {
+        Global::Parameter(term, index) if term >= point.given_terms => Some((unknown, term, index)),
+        _ => None,
+    })
+}

@@ -1,0 +1,138 @@
+//! The explanations that were looked at, one of each structure, and what is believed of each.
+
+use super::evidence::CALIBRATED;
+use super::explanation::{Explanation, Judge};
+use super::point::Point;
+use super::screen::Table;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+
+/// Explanations that are fitted again where the noise is found to be another: more than a credible set has.
+const KEPT: usize = 12;
+
+/// An explanation, and the tables by whose effects it was extended.
+struct Entry {
+    own: Explanation,
+    extended: Vec<Table>,
+}
+
+/// Explanations, each with a structure of its own.
+pub struct Pool {
+    /// In the order in which they were found; the first is the model as it was given, refitted.
+    all: Vec<Entry>,
+}
+
+impl Pool {
+    /// With the refitted model alone.
+    pub fn new(baseline: Explanation) -> Self {
+        Self {
+            all: vec![Entry {
+                own: baseline,
+                extended: Vec::new(),
+            }],
+        }
+    }
+
+    /// Adds an explanation, unless the same structure is there with a better fit.
+    pub fn add(&mut self, next: Explanation) {
+        match self.all.iter_mut().find(|entry| entry.own.is_like(&next)) {
+            Some(entry) if entry.own.fitted.cost > next.fitted.cost => entry.own = next,
+            Some(_) => {}
+            None => self.all.push(Entry {
+                own: next,
+                extended: Vec::new(),
+            }),
+        }
+    }
+
+    /// The refitted model and the most probable structures, each fitted anew.
+    pub fn map(&self, judge: &Judge, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
+        let ranked = self.ranked(self.temperature(judge));
+        let first: Vec<&Explanation> = ranked.iter().take(KEPT).map(|own| own.0).collect();
+        let is_kept = |own: &Explanation| {
+            own.terms() == 0 || first.iter().any(|other| std::ptr::eq(*other, own))
+        };
+        let entry = |entry: &Entry| Entry {
+            own: refit(&entry.own),
+            extended: entry.extended.clone(),
+        };
+        let kept = self.all.par_iter().filter(|entry| is_kept(&entry.own));
+        Self {
+            all: kept.map(entry).collect(),
+        }
+    }
+
+    /// The explanation that has the structure of a point.
+    pub fn like(&self, point: &Point) -> Option<&Explanation> {
+        let mut all = self.all.iter().map(|entry| &entry.own);
+        all.find(|own| own.has_structure_of(point))
+    }
+
+    /// The model as it was given, refitted.
+    pub fn baseline(&self) -> &Explanation {
+        &self.all[0].own
+    }
+
+    /// The most probable one.
+    pub fn best(&self, judge: &Judge) -> &Explanation {
+        self.ranked(self.temperature(judge))[0].0
+    }
+
+    /// Marks a structure as extended by the effects of a table.
+    pub fn mark(&mut self, own: &Explanation, table: Table) {
+        let like = |entry: &&mut Entry| entry.own.is_like(own);
+        let entries = self.all.iter_mut().filter(like);
+        entries.for_each(|entry| entry.extended.push(table));
+    }
+
+    /// Whether a structure was extended by the effects of a table.
+    pub fn is_extended(&self, own: &Explanation, table: Table) -> bool {
+        let mut extended = self
+            .all
+            .iter()
+            .filter(|entry| entry.extended.contains(&table));
+        extended.any(|entry| entry.own.is_like(own))
+    }
+
+    /// How often a structure was extended.
+    pub fn extended(&self) -> usize {
+        self.all.iter().map(|entry| entry.extended.len()).sum()
+    }
+
+    /// Chi-squared a row of what is left by the explanation that leaves least, at least 1: of what was fitted and
+    /// of what was held out, there beyond the errors of the fit.
+    pub fn unit(&self, judge: &Judge) -> f64 {
+        let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
+        let left = |entry: &Entry| {
+            (entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()) / rows
+        };
+        self.all
+            .iter()
+            .map(left)
+            .fold(f64::INFINITY, f64::min)
+            .max(1.0)
+    }
+
+    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`].
+    pub fn temperature(&self, judge: &Judge) -> f64 {
+        let left =
+            |entry: &&Entry| entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit();
+        let best = self.all.iter().min_by(|a, b| left(a).total_cmp(&left(b)));
+        let correlation = best.map_or(1.0, |entry| entry.own.evidence.correlation());
+        CALIBRATED * self.unit(judge) * correlation
+    }
+
+    /// All of them with the logarithms of their marginal likelihoods, the most probable first; those that mean nothing
+    /// where the data are, as a parameter is at the end of its range, come last: they lead nowhere.
+    pub fn ranked(&self, temperature: f64) -> Vec<(&Explanation, f64)> {
+        let scored = |entry: &'_ Entry| entry.own.log_evidence(temperature);
+        let mut ranked: Vec<(&Explanation, f64)> = self
+            .all
+            .iter()
+            .map(|entry| (&entry.own, scored(entry)))
+            .collect();
+        let order = |own: &(&Explanation, f64)| (own.0.is_at_end, -own.1);
+        ranked.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
+        ranked
+    }
+}

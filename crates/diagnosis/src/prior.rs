@@ -1,0 +1,92 @@
+//! Prior probabilities: how large the parameters of an effect are, and how likely a structure is.
+//!
+//! A parameter enters the marginal likelihood by the width of its prior at the fitted value,
+//! `w = 1 / (sqrt(2 pi) p(theta))`: the deviation of the normal density that is as high there. Data that know it
+//! to a deviation `s` much less than `w` cost the effect `ln(w / s)`; data that say nothing of it cost nothing.
+
+use super::point::{EffectAt, Global, Point};
+use super::problem::Problem;
+use super::screen::{Table, candidates};
+use quell_model::effects::ParameterRole;
+use quell_recording::Role;
+use std::f64::consts::{PI, TAU};
+
+/// Log of the odds that one more effect is missing against none more: each is half as likely as the one before.
+const ONE_MORE: f64 = -std::f64::consts::LN_2;
+
+/// Log of the odds of a law that a sensor of this kind cannot have by itself: one in twenty.
+const NOT_BY_ITSELF: f64 = -3.0;
+
+impl Problem<'_> {
+    /// Width of the prior of an unknown, as the fit sees it, at its value in a point.
+    ///
+    /// Sizes have a Cauchy density about the neutral value, whose scale is the typical size: of no preferred
+    /// order of magnitude beyond it. Times, positions and phases are uniform; frequencies and orders uniform in
+    /// their logarithm; shapes uniform within their bounds, in the logarithm where these span a decade. Keys have
+    /// what is believed of them.
+    pub fn prior_width(&self, point: &Point, global: Global) -> f64 {
+        let root = TAU.sqrt();
+        let Global::Parameter(term, index) = global else {
+            return match global {
+                Global::Key(key) if self.beliefs[key].1.is_finite() => self.beliefs[key].1,
+                _ => self.typical(point, global),
+            };
+        };
+        if let Some(std) = self.given(term, index).and_then(|value| value.std) {
+            return std;
+        }
+        let own = &point.terms[term];
+        let parameter = &own.effect.parameters[index];
+        let value = own.values[index];
+        let (low, high) = (parameter.bounds)(&self.scales);
+        let typical = self.typical(point, global);
+        let decades = |value: f64| value.abs().max(1e-3 * typical) * (high / low).ln() / root;
+        match parameter.role {
+            ParameterRole::Size => {
+                let ratio = (value - parameter.neutral) / typical;
+                typical * PI * (1.0 + ratio * ratio) / root
+            }
+            ParameterRole::Time => self.scales.duration() / root,
+            ParameterRole::Position => self.scales.travel().max(typical) / root,
+            ParameterRole::Phase => TAU / root,
+            // Of the curve as a whole more is known.
+            ParameterRole::Ordinate | ParameterRole::Range => typical,
+            ParameterRole::Frequency | ParameterRole::Order if low > 0.0 => decades(value),
+            _ if low > 0.0 && high > 10.0 * low => decades(value),
+            _ => (high - low) / root,
+        }
+    }
+
+    /// Log of the prior probability of a structure, relative to that of the model as it was given: each effect
+    /// could have been any of the candidates.
+    pub fn log_prior(&self, point: &Point) -> f64 {
+        let each = self.log_prior_of_one();
+        let terms = point.terms[point.given_terms..].iter();
+        let of = |term: &quell_model::Term| {
+            let (effect, _): EffectAt = term.identity();
+            // Two laws that are told as one are two all the same.
+            let laws = if effect.parts(&term.values).is_some() {
+                2.0
+            } else {
+                1.0
+            };
+            let odd = effect.is_of_deformation_only() && self.sees_positions();
+            laws * each + if odd { NOT_BY_ITSELF } else { 0.0 }
+        };
+        terms.map(of).sum()
+    }
+
+    /// Log of the prior odds of one effect.
+    pub fn log_prior_of_one(&self) -> f64 {
+        let count = [Table::Named, Table::Learned].map(|table| candidates(self, table).len());
+        -(count.iter().sum::<usize>().max(1) as f64).ln() + ONE_MORE
+    }
+
+    /// Whether no output is a deformation.
+    fn sees_positions(&self) -> bool {
+        let outputs = &self.experiments[0].outputs;
+        outputs
+            .iter()
+            .all(|output| output.role != Role::Deformation)
+    }
+}
