@@ -3,7 +3,7 @@
 use super::bootstrap::{Scatter, bootstrap};
 use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
 use super::explanation::Explanation;
-use super::found::Found;
+use super::found::{Found, is_or_contains};
 use super::law_curve::law_curve;
 use super::locate::Located;
 use super::point::{EffectAt, Global};
@@ -135,10 +135,13 @@ fn finding(
     let (best, without) = (&found.best, found.without(effect));
     let own = best.effects();
     let mut alternatives: Vec<&Effect> = Vec::new();
-    for equal in &found.equals {
+    let without_it = |own: &&Explanation| {
+        let effects = own.effects();
+        !effects.iter().any(|law| is_or_contains(law, &effect))
+    };
+    for equal in found.equals.iter().filter(without_it) {
         for (other, _) in equal.effects() {
-            let shared = own.iter().any(|own| own.0 == other);
-            if !shared && !alternatives.contains(&other) && replaces(best, equal, effect) {
+            if !own.iter().any(|own| own.0 == other) && !alternatives.contains(&other) {
                 alternatives.push(other);
             }
         }
@@ -164,13 +167,6 @@ fn finding(
             .collect(),
         curve: None,
     }
-}
-
-/// Whether an explanation has all other effects of the best one, so that it replaces this one.
-fn replaces(best: &Explanation, other: &Explanation, effect: EffectAt) -> bool {
-    let (own, theirs) = (best.effects(), other.effects());
-    let mut kept = own.iter().filter(|kept| **kept != effect);
-    kept.all(|kept| theirs.iter().any(|other| other.0 == kept.0)) || theirs.len() < own.len()
 }
 
 fn parameters(

@@ -118,9 +118,10 @@ impl Search<'_> {
 }
 
 /// The most probable explanations beside the one that is told that hold, with it, the share of the credible set. One
-/// whose law contains that of the told one as a limit, as Stribeck's friction contains Coulomb's, says the same.
+/// that has its effects and more, or laws that contain them as limits, as Stribeck's friction contains Coulomb's, does
+/// not contradict it.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
-    let same = |own: &Explanation| own.is_like(best) || contains(own, best);
+    let same = |own: &Explanation| contains(own, best);
     let mut held: f64 = ranked
         .iter()
         .filter(|own| same(&own.0))
@@ -137,19 +138,16 @@ fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanatio
     set
 }
 
-/// Whether an explanation differs from a simpler one only by laws that contain those of it as limits.
+/// Whether an explanation has all effects of a simpler one, or laws that contain them as limits.
 fn contains(own: &Explanation, simpler: &Explanation) -> bool {
-    let (own, theirs) = (own.effects(), simpler.effects());
-    let mut new = own.iter().filter(|effect| !theirs.contains(effect));
-    let gone: Vec<_> = theirs
-        .iter()
-        .filter(|effect| !own.contains(effect))
-        .collect();
-    let is_limit = |law: &EffectAt| {
-        let limit = |simple: &&&EffectAt| simple.1 == law.1 && law.0.contains(simple.0);
-        gone.iter().any(|simple| limit(&simple))
-    };
-    own.len() == theirs.len() && new.all(is_limit)
+    let own = own.effects();
+    let mut simpler = simpler.effects().into_iter();
+    simpler.all(|simple| own.iter().any(|law| is_or_contains(law, &simple)))
+}
+
+/// Whether a law is another one, or has it as a limit.
+pub fn is_or_contains(law: &EffectAt, simple: &EffectAt) -> bool {
+    law == simple || law.1 == simple.1 && law.0.contains(simple.0)
 }
 
 impl Found {
@@ -164,7 +162,7 @@ impl Found {
     /// Probability that an effect is missing: of all explanations together that have it, or a law of which it is a
     /// limit.
     pub fn probability(&self, effect: EffectAt) -> f64 {
-        let is = |own: &EffectAt| own.1 == effect.1 && own.0.contains(effect.0) || *own == effect;
+        let is = |own: &EffectAt| is_or_contains(own, &effect);
         let with = self
             .ranked
             .iter()

@@ -10,10 +10,18 @@ use std::cmp::Ordering;
 /// Explanations that are fitted again where the noise is found to be another: more than a credible set has.
 const KEPT: usize = 12;
 
+/// Share of what laws explain by which they are wrong, and by which nobody knows how: those of the catalogue are
+/// idealised.
+///
+/// Source: Kennedy and O'Hagan, J. Royal Statistical Society B 63 (2001).
+const DISCREPANCY: f64 = 0.02;
+
 /// An explanation, and the tables by whose effects it was extended.
 struct Entry {
     own: Explanation,
     extended: Vec<Table>,
+    /// Whether it was fitted again without each of its effects.
+    thinned: bool,
 }
 
 /// Explanations, each with a structure of its own.
@@ -29,6 +37,7 @@ impl Pool {
             all: vec![Entry {
                 own: baseline,
                 extended: Vec::new(),
+                thinned: false,
             }],
         }
     }
@@ -36,11 +45,15 @@ impl Pool {
     /// Adds an explanation, unless the same structure is there with a better fit.
     pub fn add(&mut self, next: Explanation) {
         match self.all.iter_mut().find(|entry| entry.own.is_like(&next)) {
-            Some(entry) if entry.own.fitted.cost > next.fitted.cost => entry.own = next,
+            Some(entry) if entry.own.fitted.cost > next.fitted.cost => {
+                entry.own = next;
+                entry.thinned = false;
+            }
             Some(_) => {}
             None => self.all.push(Entry {
                 own: next,
                 extended: Vec::new(),
+                thinned: false,
             }),
         }
     }
@@ -55,6 +68,7 @@ impl Pool {
         let entry = |entry: &Entry| Entry {
             own: refit(&entry.own),
             extended: entry.extended.clone(),
+            thinned: entry.thinned,
         };
         let kept = self.all.par_iter().filter(|entry| is_kept(&entry.own));
         Self {
@@ -85,6 +99,13 @@ impl Pool {
         entries.for_each(|entry| entry.extended.push(table));
     }
 
+    /// Marks a structure as fitted again without each of its effects; whether it was before.
+    pub fn thin_out(&mut self, own: &Explanation) -> bool {
+        let mut like = self.all.iter_mut().filter(|entry| entry.own.is_like(own));
+        let thinned = like.next().map(|entry| std::mem::replace(&mut entry.thinned, true));
+        thinned.unwrap_or(true)
+    }
+
     /// Whether a structure was extended by the effects of a table.
     pub fn is_extended(&self, own: &Explanation, table: Table) -> bool {
         let mut extended = self
@@ -113,13 +134,17 @@ impl Pool {
             .max(1.0)
     }
 
-    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`].
+    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`], and of
+    /// what the laws of the best explanation may be wrong by, a share [`DISCREPANCY`] of what they explain.
     pub fn temperature(&self, judge: &Judge) -> f64 {
         let left =
             |entry: &&Entry| entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit();
         let best = self.all.iter().min_by(|a, b| left(a).total_cmp(&left(b)));
         let correlation = best.map_or(1.0, |entry| entry.own.evidence.correlation());
-        CALIBRATED * self.unit(judge) * correlation
+        let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
+        let explained = left(&&self.all[0]) / rows - self.unit(judge);
+        let wrong = DISCREPANCY.powi(2) * explained.max(0.0);
+        CALIBRATED * self.unit(judge) * correlation + wrong * self.all[0].own.evidence.correlation()
     }
 
     /// All of them with the logarithms of their marginal likelihoods, the most probable first; those that mean nothing

@@ -113,20 +113,19 @@ impl Search<'_> {
         next.or_else(|| best.is_learned().then(|| open(pool, &learned, 1)).flatten())
     }
 
-    /// Drops from the best explanation every term without which the evidence is no less.
+    /// Drops from the best explanation every term without which the evidence is no less. What is known without it is
+    /// fitted again from where this one ended: a term may have led the others out of a minimum that was none of theirs.
     fn thin_out(&self, pool: &mut Pool) {
         loop {
             let best = pool.best(self.judge).clone();
             let point = &best.fitted.point;
-            if best.terms() < 2 {
+            if best.terms() < 2 || pool.thin_out(&best) {
                 return;
             }
             let terms: Vec<usize> = (point.given_terms..point.terms.len()).collect();
             let without: Vec<Explanation> = terms
                 .into_par_iter()
-                .map(|term| point.without(term))
-                .filter(|point| pool.like(point).is_none())
-                .map(|point| self.refitted(&point))
+                .map(|term| self.refitted(&point.without(term)))
                 .collect();
             without.into_iter().for_each(|next| pool.add(next));
             if pool.best(self.judge).is_like(&best) {
