@@ -69,6 +69,27 @@ impl Data {
             judged_by,
         }
     }
+
+    /// The same in long steps of the integration, where that spares some.
+    pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
+        let long = |all: &[Experiment]| -> Vec<Option<Experiment>> {
+            all.iter().map(|own| own.in_long_steps(model)).collect()
+        };
+        let (experiments, apart) = (long(&self.experiments), long(&self.apart));
+        experiments.iter().any(Option::is_some).then(|| {
+            let or_own = |long: Vec<Option<Experiment>>, own: &[Experiment]| -> Vec<Experiment> {
+                let pairs = long.into_iter().zip(own);
+                pairs.map(|(long, own)| long.unwrap_or_else(|| own.clone())).collect()
+            };
+            Self {
+                experiments: or_own(experiments, &self.experiments),
+                apart: or_own(apart, &self.apart),
+                train: self.train.clone(),
+                held_out: self.held_out.clone(),
+                judged_by: self.judged_by,
+            }
+        })
+    }
 }
 
 /// The problem of fitting a model to experiments; noise white, at the level of third differences.
@@ -140,7 +161,7 @@ fn limits(range: (f64, f64), given: Option<(f64, f64)>, value: f64, std: f64) ->
     (low.max(range.0), high.min(range.1))
 }
 
-fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
+pub fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
     let guess = |output: &quell_model::Output| {
         let floor = quell_signal::noise_floor(&output.values).standard_deviation;
         let size = output.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));

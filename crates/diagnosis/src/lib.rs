@@ -24,6 +24,7 @@ mod found;
 mod law_curve;
 mod left;
 mod locate;
+mod long_steps;
 mod looks;
 mod meaning;
 mod next_move;

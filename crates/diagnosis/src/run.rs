@@ -8,9 +8,11 @@ use super::error::DiagnosisError;
 use super::excitation::Untold;
 use super::explanation::{Explanation, Judge};
 use super::fit::{Fitted, Projector};
+use super::long_steps::searched_in_long_steps;
 use super::next_move::next_move;
 use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
+use super::pool::Pool;
 use super::problem::Problem;
 use super::remarks::recorded;
 use super::settled::{search, settled};
@@ -30,7 +32,10 @@ pub(super) fn attempt(
     progress: Progress,
 ) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
     let data = Data::new(model, fitted, apart);
-    let (outcome, points) = investigate(model, &data, known, options, progress, recorded(train))?;
+    let long = data.in_long_steps(model);
+    let data_and_long = (&data, long.as_ref());
+    let remarks = recorded(train);
+    let (outcome, points) = investigate(model, data_and_long, known, options, progress, remarks)?;
     Ok((named(outcome, &data, train), points))
 }
 
@@ -49,7 +54,7 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
 /// The whole journey: what it says, and the explanations that were looked at.
 fn investigate(
     model: &Model,
-    data: &Data,
+    (data, long): (&Data, Option<&Data>),
     known: &Known,
     options: &Options,
     progress: Progress,
@@ -70,8 +75,11 @@ fn investigate(
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
-    let found = settled(&mut problem, &mut projector, &judge, baseline, told);
+    let pool = searched_in_long_steps(&mut problem, &mut projector, &judge, &baseline, long, told);
+    let pool = pool.unwrap_or_else(|| Pool::new(baseline));
+    let pool = settled(&mut problem, &mut projector, &judge, pool, told);
     let search = search(&problem, &projector, &judge, told);
+    let found = search.found(pool);
     options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
     if options.enough.was_asked() {

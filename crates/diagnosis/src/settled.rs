@@ -3,9 +3,8 @@
 
 use super::candidate::Known;
 use super::descent::Descent;
-use super::explanation::{Explanation, Judge};
+use super::explanation::Judge;
 use super::fit::Projector;
-use super::found::Found;
 use super::outcome::Progress;
 use super::pool::Pool;
 use super::problem::Problem;
@@ -17,18 +16,19 @@ use super::weights::measured_again;
 /// Times that the noise is measured again: with one effect in the model, and with all.
 const AGAIN: usize = 3;
 
-/// What a refitted model lacks.
+/// Explanations of what a refitted model lacks, beside those that are known.
 pub fn settled(
     problem: &mut Problem,
     projector: &mut Projector,
     judge: &Judge,
-    baseline: Explanation,
+    mut pool: Pool,
     told: (&Known, Progress),
-) -> Found {
-    let mut pool = Pool::new(baseline);
+) -> Pool {
     // By single laws of the catalogue first: what these leave tells the noise, and whether there is more to look for.
     let baseline = pool.baseline().clone();
-    search(problem, projector, judge, told).extend_by(&mut pool, &baseline, Table::Named);
+    if !pool.is_extended(&baseline, Table::Named) {
+        search(problem, projector, judge, told).extend_by(&mut pool, &baseline, Table::Named);
+    }
     for _ in 0..AGAIN {
         let measured = with_noise_of_best(problem, projector, judge, &pool, told);
         pool = measured.unwrap_or(pool);
@@ -38,7 +38,7 @@ pub fn settled(
             break;
         }
     }
-    search(problem, projector, judge, told).found(pool)
+    pool
 }
 
 /// The explanations, fitted again where the best one tells another noise.
@@ -52,15 +52,22 @@ fn with_noise_of_best(
     let best = pool.best(judge);
     (problem.noise, problem.whitening) = measured_again(problem, &best.fitted.point)?;
     *projector = Projector::new(problem);
-    let search = search(problem, projector, judge, told);
-    Some(pool.map(judge, |own| {
-        let mut descent = Descent::new(search.problem, search.projector, &own.fitted.point, None);
-        descent.run(LONG);
-        if descent.winds() {
-            descent.hop();
-        }
-        judge.judge(search.problem, search.projector, descent.end())
-    }))
+    Some(search(problem, projector, judge, told).fitted_again(pool))
+}
+
+impl Search<'_> {
+    /// The most probable explanations of a pool, fitted again.
+    pub fn fitted_again(&self, pool: &Pool) -> Pool {
+        pool.map(self.judge, |own| {
+            let (problem, projector) = (self.problem, self.projector);
+            let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
+            descent.run(LONG);
+            if descent.winds() {
+                descent.hop();
+            }
+            self.judge.judge(problem, projector, descent.end())
+        })
+    }
 }
 
 /// A search by the noise as it is known.

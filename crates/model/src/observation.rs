@@ -10,16 +10,19 @@ use super::{Departure, ExperimentError, Model};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::noise_floor;
 
-/// The same where an input is sampled more densely: half, as a law with a memory sees where its motion turns
-/// once a step.
-const RADIANS_A_COARSE_STEP: f64 = 0.125;
+/// Parts of a step that make the error of the integration nothing beside that of the input.
+const FINER: usize = 4;
+
+/// The same while a search is on: the classical Runge-Kutta method makes of a linear chain another one, whose
+/// frequency is wrong by `0.5^4 / 120 = 5e-4`, and the fit finds that one.
+const RADIANS_A_LONG_STEP: f64 = 0.5;
 
 /// Share of the steps that must be left at most for it to be worth while.
 const SPARED: f64 = 0.7;
 
 /// Difference of two predictions in standard deviations of a sensor's noise that is not seen: its square is
 /// below that by which chance moves the chi-squared of a million samples.
-const UNSEEN: f64 = 0.03;
+const UNSEEN: f64 = 0.1;
 
 impl Experiment {
     /// The recording as the model sees it; the grid is fine enough for the mode that it believes in.
@@ -87,7 +90,7 @@ impl Experiment {
     /// Takes longer steps where the input was sampled more densely than its motion needs, and no sensor sees
     /// the difference.
     fn coarsen(&mut self, model: &Model) {
-        let step = RADIANS_A_COARSE_STEP / model.fastest();
+        let step = RADIANS_A_STEP / model.fastest();
         let span = self.span();
         if self.hold != Hold::Spline
             || (span.1 - span.0) / step > SPARED * self.grid.input.len() as f64
@@ -98,9 +101,12 @@ impl Experiment {
             return;
         };
         let fine = self.predicted(model);
-        let before = (std::mem::replace(&mut self.grid, coarse), self.hold);
+        // What the smoother input makes of the motion, in steps as short as before.
+        let divided = coarse.divided(FINER);
+        let before = (std::mem::replace(&mut self.grid, divided), self.hold);
         self.hold = Hold::Smooth;
         let other = self.predicted(model);
+        self.grid = coarse;
         let unseen = |(output, (fine, other)): (&Output, (&Vec<f64>, &Vec<f64>))| {
             let noise = noise_floor(&output.values).standard_deviation;
             let square: f64 = fine.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
@@ -110,6 +116,24 @@ impl Experiment {
         if !self.outputs.iter().zip(pairs).all(unseen) {
             (self.grid, self.hold) = before;
         }
+    }
+
+    /// The same with long steps, where that spares some: for a search, which fits the keys to them.
+    #[must_use]
+    pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
+        let step = RADIANS_A_LONG_STEP / model.fastest();
+        let (time, values) = (&self.input_time, &self.input_values);
+        let grid = match self.hold {
+            Hold::Spline | Hold::Smooth => Grid::new(time, values, Hold::Smooth, step),
+            Hold::ZeroOrder => Grid::of_means(time, values, step),
+            Hold::Linear => return None,
+        };
+        let grid = grid.ok()?;
+        let spared = (grid.input.len() as f64) < SPARED * self.grid.input.len() as f64;
+        spared.then(|| Self {
+            grid,
+            ..self.clone()
+        })
     }
 
     /// The prediction of each output, its clock as a first guess has it.

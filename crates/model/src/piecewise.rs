@@ -106,6 +106,45 @@ impl Grid {
         Ok(grid)
     }
 
+    /// An input that is held from sample to sample, as its means over about a step each: what it does to something
+    /// slow is the same.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_means(time: &[f64], values: &[f64], step: f64) -> Result<Self, SignalError> {
+        let last = time.len().saturating_sub(1);
+        let knots = spaced(time, step);
+        let mean = |pair: &[usize]| {
+            let own = pair[0]..pair[1];
+            let whole: f64 = own.clone().map(|k| values[k] * (time[k + 1] - time[k])).sum();
+            whole / (time[pair[1]] - time[pair[0]])
+        };
+        let mut means: Vec<f64> = knots.windows(2).map(mean).collect();
+        means.extend(values.get(last));
+        let time: Vec<f64> = knots.iter().map(|&knot| time[knot]).collect();
+        Self::new(&time, &means, Hold::ZeroOrder, step)
+    }
+
+    /// The same input in shorter steps, `parts` of each.
+    #[must_use]
+    pub fn divided(&self, parts: usize) -> Self {
+        let mut divided = Self {
+            time: vec![self.time[0]],
+            input: Vec::with_capacity(parts * self.input.len()),
+        };
+        for (ends, whole) in self.time.windows(2).zip(&self.input) {
+            for part in 0..parts {
+                let share = |part: usize| (ends[1] - ends[0]) * part as f64 / parts as f64;
+                divided.input.push(whole.shifted(share(part)));
+                divided.time.push(match part + 1 == parts {
+                    true => ends[1],
+                    false => ends[0] + share(part + 1),
+                });
+            }
+        }
+        divided
+    }
+
     /// The longest step, s.
     pub fn step(&self) -> f64 {
         let steps = self.time.windows(2).map(|w| w[1] - w[0]);
@@ -118,7 +157,17 @@ impl Grid {
 ///
 /// Source: Savitzky and Golay, Analytical Chemistry 36 (1964); here for stamps that need not be regular.
 fn smooth(time: &[f64], values: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
-    let last = time.len() - 1;
+    let knots = spaced(time, step);
+    let near = |&knot: &usize| local_cubic(time, values, knot, step);
+    (
+        knots.iter().map(|&knot| time[knot]).collect(),
+        knots.iter().map(near).collect(),
+    )
+}
+
+/// Indices of stamps about a step apart, the first and the last among them.
+fn spaced(time: &[f64], step: f64) -> Vec<usize> {
+    let last = time.len().saturating_sub(1);
     let (mut knots, mut at) = (Vec::new(), 0);
     while at < last {
         knots.push(at);
@@ -128,11 +177,7 @@ fn smooth(time: &[f64], values: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
             - 1;
     }
     knots.push(last);
-    let near = |&knot: &usize| local_cubic(time, values, knot, step);
-    (
-        knots.iter().map(|&knot| time[knot]).collect(),
-        knots.iter().map(near).collect(),
-    )
+    knots
 }
 
 /// Value at a stamp of the cubic that is nearest to the samples within a step of it; the sample itself where
