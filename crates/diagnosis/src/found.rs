@@ -65,6 +65,19 @@ impl Search<'_> {
     /// The most probable explanation whose parameters mean something, that predicts what was held out better than the
     /// model without it, and of whose effects none makes that prediction worse.
     fn told(&self, pool: &mut Pool) -> Told {
+        loop {
+            let told = self.first_sound(pool);
+            let temperature = pool.temperature(self.judge);
+            let log = told.best.log_evidence(temperature);
+            let better = |own: &Explanation| own.log_evidence(temperature) > log && !own.is_at_end;
+            // A fit without one of its effects may have ended in a better minimum than all before.
+            if !told.ablated.iter().any(better) {
+                return told;
+            }
+        }
+    }
+
+    fn first_sound(&self, pool: &mut Pool) -> Told {
         let temperature = pool.temperature(self.judge);
         let ranked = pool
             .ranked(temperature)

@@ -14,7 +14,7 @@ const KEPT: usize = 12;
 /// idealised.
 ///
 /// Source: Kennedy and O'Hagan, J. Royal Statistical Society B 63 (2001).
-const DISCREPANCY: f64 = 0.02;
+const DISCREPANCY: f64 = 0.1;
 
 /// An explanation, and the tables by whose effects it was extended.
 struct Entry {
@@ -134,17 +134,18 @@ impl Pool {
             .max(1.0)
     }
 
-    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`], and of
-    /// what the laws of the best explanation may be wrong by, a share [`DISCREPANCY`] of what they explain.
+    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`]; and of
+    /// that what its laws may be wrong by, up to a share [`DISCREPANCY`] of what they explain, and as correlated.
     pub fn temperature(&self, judge: &Judge) -> f64 {
         let left =
             |entry: &&Entry| entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit();
         let best = self.all.iter().min_by(|a, b| left(a).total_cmp(&left(b)));
         let correlation = best.map_or(1.0, |entry| entry.own.evidence.correlation());
         let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
-        let explained = left(&&self.all[0]) / rows - self.unit(judge);
-        let wrong = DISCREPANCY.powi(2) * explained.max(0.0);
-        CALIBRATED * self.unit(judge) * correlation + wrong * self.all[0].own.evidence.correlation()
+        let (first, unit) = (&self.all[0], self.unit(judge));
+        let explained = (left(&first) / rows - unit).max(0.0);
+        let wrong = (DISCREPANCY.powi(2) * explained).min(unit - 1.0);
+        CALIBRATED * unit * correlation + wrong * first.own.evidence.correlation()
     }
 
     /// All of them with the logarithms of their marginal likelihoods, the most probable first; those that mean nothing
