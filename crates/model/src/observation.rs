@@ -13,11 +13,11 @@ use quell_signal::noise_floor;
 /// Parts of a step that make the error of the integration nothing beside that of the input.
 const FINER: usize = 4;
 
-/// The same while a search is on: the classical Runge-Kutta method makes of a linear chain another one, whose
-/// frequency is wrong by `0.5^4 / 120 = 5e-4`, and the fit finds that one.
-const RADIANS_A_LONG_STEP: f64 = 0.5;
+/// Steps in a long one. The classical Runge-Kutta method makes of a linear chain another one, whose frequency is wrong
+/// by `0.5^4 / 120 = 5e-4`: a fit in long steps finds that one.
+const LONG: usize = 2;
 
-/// Share of the steps that must be left at most for it to be worth while.
+/// Share of the steps, or samples, that must be left at most for it to be worth while.
 const SPARED: f64 = 0.7;
 
 /// Difference of two predictions in standard deviations of a sensor's noise that is not seen: its square is
@@ -83,45 +83,55 @@ impl Experiment {
         }
         experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         experiment.windows = windows(model, &experiment);
-        experiment.coarsen(model);
+        experiment.smoothen(model);
         Ok(experiment)
     }
 
-    /// Takes longer steps where the input was sampled more densely than its motion needs, and no sensor sees
-    /// the difference.
-    fn coarsen(&mut self, model: &Model) {
-        let step = RADIANS_A_STEP / model.fastest();
-        let span = self.span();
-        if self.hold != Hold::Spline
-            || (span.1 - span.0) / step > SPARED * self.grid.input.len() as f64
-        {
+    /// Takes an input that was sampled more densely than its motion needs as smooth as that motion, where no sensor
+    /// sees the difference: what an encoder rounds is no motion, but friction would stick and slide by it.
+    fn smoothen(&mut self, model: &Model) {
+        if self.hold != Hold::Spline {
             return;
         }
-        let Ok(coarse) = Grid::new(&self.input_time, &self.input_values, Hold::Smooth, step) else {
-            return;
-        };
-        let fine = self.predicted(model);
-        // What the smoother input makes of the motion, in steps as short as before.
-        let divided = coarse.divided(FINER);
-        let before = (std::mem::replace(&mut self.grid, divided), self.hold);
-        self.hold = Hold::Smooth;
-        let other = self.predicted(model);
-        self.grid = coarse;
-        let unseen = |(output, (fine, other)): (&Output, (&Vec<f64>, &Vec<f64>))| {
+        let mut rough = None;
+        for steps in [LONG, 1] {
+            let step = steps as f64 * RADIANS_A_STEP / model.fastest();
+            let (time, values) = (&self.input_time, &self.input_values);
+            let Ok(smooth) = Grid::new(time, values, Hold::Smooth, step) else {
+                return;
+            };
+            if smooth.input.len() as f64 > SPARED * time.len() as f64 {
+                continue;
+            }
+            let rough = rough.get_or_insert_with(|| self.predicted(model));
+            let other = Self {
+                // In steps as short as before.
+                grid: smooth.divided(FINER * steps),
+                hold: Hold::Smooth,
+                ..self.clone()
+            };
+            if self.sees_no_difference(rough, &other.predicted(model)) {
+                (self.grid, self.hold) = (smooth.divided(steps), Hold::Smooth);
+                return;
+            }
+        }
+    }
+
+    /// Whether two predictions of all outputs are the same to the sensors.
+    fn sees_no_difference(&self, one: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
+        let pairs = one.iter().zip(other);
+        let mut unseen = self.outputs.iter().zip(pairs).map(|(output, (one, other))| {
             let noise = noise_floor(&output.values).standard_deviation;
-            let square: f64 = fine.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
-            square < (UNSEEN * noise).powi(2) * fine.len() as f64
-        };
-        let pairs = fine.iter().zip(&other);
-        if !self.outputs.iter().zip(pairs).all(unseen) {
-            (self.grid, self.hold) = before;
-        }
+            let square: f64 = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
+            square < (UNSEEN * noise).powi(2) * one.len() as f64
+        });
+        unseen.all(|unseen| unseen)
     }
 
     /// The same with long steps, where that spares some: for a search, which fits the keys to them.
     #[must_use]
     pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
-        let step = RADIANS_A_LONG_STEP / model.fastest();
+        let step = LONG as f64 * RADIANS_A_STEP / model.fastest();
         let (time, values) = (&self.input_time, &self.input_values);
         let grid = match self.hold {
             Hold::Spline | Hold::Smooth => Grid::new(time, values, Hold::Smooth, step),
