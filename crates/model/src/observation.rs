@@ -1,7 +1,7 @@
 //! From a recording to an experiment: which channel drives the model, which ones it predicts.
 
 use super::chain::MotorSide;
-use super::experiment::{Experiment, Output, RADIANS_A_STEP};
+use super::experiment::{Experiment, RADIANS_A_STEP};
 use super::output::output;
 use super::piecewise::{Grid, Hold};
 use super::predict::predict_windows;
@@ -11,11 +11,14 @@ use quell_recording::{Channel, Recording, Role};
 use quell_signal::noise_floor;
 
 /// Parts of a step that make the error of the integration nothing beside that of the input.
-const FINER: usize = 4;
+const FINER: f64 = 4.0;
 
 /// Steps in a long one. The classical Runge-Kutta method makes of a linear chain another one, whose frequency is wrong
 /// by `0.5^4 / 120 = 5e-4`: a fit in long steps finds that one.
-const LONG: usize = 2;
+const LONG: f64 = 2.0;
+
+/// Distance of two knots over what it should be, as they are samples.
+const LONGEST: f64 = 1.3;
 
 /// Share of the steps, or samples, that must be left at most for it to be worth while.
 const SPARED: f64 = 0.7;
@@ -93,25 +96,24 @@ impl Experiment {
         if self.hold != Hold::Spline {
             return;
         }
-        let mut rough = None;
-        for steps in [LONG, 1] {
-            let step = steps as f64 * RADIANS_A_STEP / model.fastest();
-            let (time, values) = (&self.input_time, &self.input_values);
-            let Ok(smooth) = Grid::new(time, values, Hold::Smooth, step) else {
+        let (short, mut rough) = (RADIANS_A_STEP / model.fastest(), None);
+        for spacing in [LONG * short, short] {
+            let hold = Hold::Smooth(spacing);
+            let smooth = |step| Grid::new(&self.input_time, &self.input_values, hold, step);
+            let Ok(grid) = smooth(LONGEST * spacing) else {
                 return;
             };
-            if smooth.input.len() as f64 > SPARED * time.len() as f64 {
+            if grid.input.len() as f64 > SPARED * self.input_time.len() as f64 {
                 continue;
             }
             let rough = rough.get_or_insert_with(|| self.predicted(model));
-            let other = Self {
-                // In steps as short as before.
-                grid: smooth.divided(FINER * steps),
-                hold: Hold::Smooth,
-                ..self.clone()
+            let other = |step| {
+                let grid = smooth(step).unwrap_or_else(|_| self.grid.clone());
+                Self { grid, hold, ..self.clone() }
             };
-            if self.sees_no_difference(rough, &other.predicted(model)) {
-                (self.grid, self.hold) = (smooth.divided(steps), Hold::Smooth);
+            // In steps that are short beside what the input is.
+            if self.sees_no_difference(rough, &other(short / FINER).predicted(model)) {
+                *self = other(short);
                 return;
             }
         }
@@ -131,12 +133,11 @@ impl Experiment {
     /// The same with long steps, where that spares some: for a search, which fits the keys to them.
     #[must_use]
     pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
-        let step = LONG as f64 * RADIANS_A_STEP / model.fastest();
+        let step = LONG * RADIANS_A_STEP / model.fastest();
         let (time, values) = (&self.input_time, &self.input_values);
         let grid = match self.hold {
-            Hold::Spline | Hold::Smooth => Grid::new(time, values, Hold::Smooth, step),
             Hold::ZeroOrder => Grid::of_means(time, values, step),
-            Hold::Linear => return None,
+            hold => Grid::new(time, values, hold, LONGEST * step),
         };
         let grid = grid.ok()?;
         let spared = (grid.input.len() as f64) < SPARED * self.grid.input.len() as f64;

@@ -40,7 +40,7 @@ impl Cubic {
 }
 
 /// The course of an input between its samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hold {
     /// Twice differentiable: positions, and band-limited forces.
     Spline,
@@ -48,9 +48,9 @@ pub enum Hold {
     Linear,
     /// The value stays until the next sample: what a controller puts out.
     ZeroOrder,
-    /// A spline through local cubics, a step apart: positions that were sampled more densely than their
-    /// motion needs.
-    Smooth,
+    /// A spline through local cubics, about so many seconds apart: positions that were sampled more densely than
+    /// their motion needs.
+    Smooth(f64),
 }
 
 /// Nodes of the integration and the input between them.
@@ -70,8 +70,8 @@ impl Grid {
     /// advance.
     pub fn new(time: &[f64], values: &[f64], hold: Hold, step: f64) -> Result<Self, SignalError> {
         let spline = CubicSpline::new(time, values, End::NotAKnot)?;
-        if hold == Hold::Smooth {
-            let (time, values) = smooth(time, values, step);
+        if let Hold::Smooth(spacing) = hold {
+            let (time, values) = smooth(time, values, spacing);
             return Self::new(&time, &values, Hold::Spline, step);
         }
         let mut grid = Self {
@@ -82,7 +82,7 @@ impl Grid {
             let (t0, h) = (time[k], time[k + 1] - time[k]);
             let slope = (values[k + 1] - values[k]) / h;
             let whole = match hold {
-                Hold::Spline | Hold::Smooth => {
+                Hold::Spline | Hold::Smooth(_) => {
                     let (m0, m1) = (spline.second(k), spline.second(k + 1));
                     let rate = slope - h * (2.0 * m0 + m1) / 6.0;
                     Cubic([values[k], rate, m0 / 2.0, (m1 - m0) / (6.0 * h)])
@@ -152,29 +152,29 @@ impl Grid {
     }
 }
 
-/// Stamps about a step apart, the first and the last among them, and at each the cubic that is nearest to
-/// the samples within a step of it: as much noise goes as a slower sensor that averages would have.
+/// Stamps about so far apart, the first and the last among them, and at each the cubic that is nearest to
+/// the samples within as far of it: as much noise goes as a slower sensor that averages would have.
 ///
 /// Source: Savitzky and Golay, Analytical Chemistry 36 (1964); here for stamps that need not be regular.
-fn smooth(time: &[f64], values: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
-    let knots = spaced(time, step);
-    let near = |&knot: &usize| local_cubic(time, values, knot, step);
+fn smooth(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
+    let knots = spaced(time, spacing);
+    let near = |&knot: &usize| local_cubic(time, values, knot, spacing);
     (
         knots.iter().map(|&knot| time[knot]).collect(),
         knots.iter().map(near).collect(),
     )
 }
 
-/// Indices of stamps about a step apart, the first and the last among them.
-fn spaced(time: &[f64], step: f64) -> Vec<usize> {
+/// Indices of the stamps that are nearest to one as far from the last, the first and the last stamp among them.
+fn spaced(time: &[f64], spacing: f64) -> Vec<usize> {
     let last = time.len().saturating_sub(1);
     let (mut knots, mut at) = (Vec::new(), 0);
     while at < last {
         knots.push(at);
-        at = time
-            .partition_point(|t| *t <= time[at] + step)
-            .clamp(at + 2, last + 1)
-            - 1;
+        let next = time[at] + spacing;
+        let after = time.partition_point(|t| *t < next).clamp(at + 1, last);
+        let before_is_nearer = next - time[after - 1] < time[after] - next;
+        at = if after > at + 1 && before_is_nearer { after - 1 } else { after };
     }
     knots.push(last);
     knots
