@@ -119,7 +119,7 @@ pub fn screen(
     let there = |effect: EffectAt| {
         let once = point.terms.iter().any(|term| term.identity() == effect);
         let mode = || is_mode(effect.0, &effect.0.neutral());
-        once && !effect.0.may_repeat() || full && mode()
+        once && !effect.0.may_repeat() || full && mode() || is_one_law_with(point, effect)
     };
     let tried: Vec<Vec<Start>> = candidates(problem, table)
         .into_par_iter()
@@ -280,6 +280,13 @@ struct Promise {
 fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     let all = rows.iter().flat_map(|part| part.iter().copied());
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
+}
+
+/// Whether an effect and one that is there are one law together, as one is a limit of the other at the same place.
+fn is_one_law_with(point: &Point, (effect, place): EffectAt) -> bool {
+    let one = |own: &Effect| own.contains(effect) || effect.contains(own);
+    let mut terms = point.terms[point.given_terms..].iter();
+    terms.any(|term| term.place == place && one(term.effect))
 }
 
 /// Whether an effect is a further mode, of which the chain has so many at most.
