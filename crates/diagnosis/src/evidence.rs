@@ -4,7 +4,15 @@
 //! approximation about the fit is
 //!
 //! ```text
-//! ln p(y) = -|r|^2 / 2T - ln det(I + W J'J W / T) / 2 + ln p(structure)
+//! ln p(y) = -|r|^2 / 2T - c / 2 - ln det(I + W J'J W / T) / 2 + ln p(structure)
+//! ```
+//!
+//! where `c` is twice the negative logarithm of the prior density at the fit, which no temperature makes cheaper. The
+//! fit is that of `T = 1`. With the halves `p` of the gradient of `c` and `g = W J'r` of what is yet to be fitted, both
+//! about the fit, the optimum at another temperature is better by
+//!
+//! ```text
+//! h' (I + W J'J W / T)^-1 h ,   h = g / T + (1 - 1 / T) p
 //! ```
 //!
 //! What was held out counts by its predictive density, the errors of the fit carried over: with residuals `q`, their
@@ -26,7 +34,7 @@ use super::point::{Global, Point};
 use super::problem::Problem;
 use super::shape::Corrections;
 use super::views::{Both, Views, joined, local_sizes};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Width of the prior of what a recording alone has (a clock's offset, how it starts), in typical sizes.
 const LOCAL: f64 = 10.0;
@@ -63,10 +71,16 @@ pub struct Evidence {
 /// shapes the last of them.
 #[derive(Clone, Debug)]
 struct Marginal {
-    /// Sum of squares of the fitted rows, departures from beliefs included, beyond what corrections explain.
-    left: f64,
+    /// Sum of squares of the fitted rows, and twice the negative logarithm of the prior density, at the fit.
+    cost: [f64; 2],
+    /// Halves of the gradients of the former by what is not fitted, and of the latter.
+    pulls: [DVector<f64>; 2],
+    /// Share of what these promise that is there, laws being curved.
+    kept: f64,
     /// `W J'J W`.
     information: DMatrix<f64>,
+    /// Sum of squares of the fitted rows, beyond what corrections explain.
+    left: f64,
     /// `q' (I + H S H')^-1 q` and `ln det(I + H S H')`.
     beyond: (f64, f64),
     /// Samples of what is left that say as much as one independent one.
@@ -80,21 +94,27 @@ impl Evidence {
         let here = views.see(point);
         let (scale, curves) = scale(problem, point);
         let slopes = views.slopes(point, &here).map(|slopes| slopes * &scale);
-        let exact = Marginal::new(fitted.cost, &here, &slopes);
+        let pull = scale.tr_mul(&pull(problem, fitted, scale.nrows()));
+        let believed = problem.disbelief(point);
+        let exact = Marginal::new(believed, &here, &here, &slopes, pull);
         let shaped = shaped.then(|| Corrections::new(problem, views, point, &here));
         let shaped = shaped.filter(|corrections| !corrections.columns.is_empty());
         let shaped = shaped.map(|corrections| {
             let shapes = joined(&corrections.columns, &here);
             let both = [0, 1].map(|k| beside(&slopes[k], &shapes[k]));
-            let step = asked_for(&both[0], &here[0], scale.ncols());
+            let unfitted = both[0].tr_mul(&here[0]).rows_range(scale.ncols()..).into_owned();
+            let step = asked_for(&both[0], &unfitted);
             let sizes = -step.rows_range(scale.ncols()..);
             let own = &scale * step.rows(0, scale.ncols());
             // What the corrections explain in truth, and not only to first order.
             let moved = problem.stepped(point, &fitted.globals, &own);
             let there = views.see(&corrections.applied(&moved, &sizes));
-            let beliefs = fitted.cost - here[0].norm_squared();
-            let cost = there[0].norm_squared() + beliefs + sizes.norm_squared();
-            Marginal::new(cost, &there, &both)
+            let mut marginal = Marginal::new(believed, &here, &there, &both, exact.pulls[1].clone());
+            let promised = -unfitted.dot(&sizes);
+            let fell = marginal.cost[0] - marginal.left - sizes.norm_squared();
+            marginal.kept = (fell / promised).clamp(0.0, 1.0);
+            marginal.pulls[0].rows_range_mut(scale.ncols()..).copy_from(&unfitted);
+            marginal
         });
         Self {
             exact,
@@ -171,15 +191,26 @@ impl Evidence {
 }
 
 impl Marginal {
-    /// From a cost, held-out residuals, and derivatives of fitted and held-out rows.
-    fn new(left: f64, [fitted, held_out]: &Both, slopes: &[DMatrix<f64>; 2]) -> Self {
+    /// From the residuals at the fit, those with corrections, the derivatives of fitted and held-out rows, and half the
+    /// gradient of the prior's cost.
+    fn new(
+        believed: f64,
+        here: &Both,
+        there: &Both,
+        slopes: &[DMatrix<f64>; 2],
+        pull: DVector<f64>,
+    ) -> Self {
         let information = slopes[0].tr_mul(&slopes[0]);
         let (_, root) = inverse(&information);
+        let count = information.nrows();
         Self {
-            left,
+            cost: [here[0].norm_squared(), believed],
+            pulls: [DVector::zeros(count), pull.resize_vertically(count, 0.0)],
+            kept: 1.0,
             information,
-            beyond: beyond(held_out, &(&slopes[1] * root)),
-            correlation: correlation(fitted),
+            left: there[0].norm_squared(),
+            beyond: beyond(&there[1], &(&slopes[1] * root)),
+            correlation: correlation(&there[0]),
         }
     }
 
@@ -190,7 +221,14 @@ impl Marginal {
     fn of_fitted(&self, temperature: f64) -> f64 {
         let n = self.information.nrows();
         let whole = DMatrix::identity(n, n) + &self.information / temperature;
-        -0.5 * (self.left / temperature + log_determinant(whole))
+        let [rows, beliefs] = &self.pulls;
+        let pull = rows / temperature + beliefs * (1.0 - 1.0 / temperature);
+        let Some(root) = Cholesky::new(whole) else {
+            return f64::NEG_INFINITY;
+        };
+        let gained = self.kept * pull.dot(&root.solve(&pull));
+        let [left, believed] = self.cost;
+        -0.5 * (left / temperature + believed - gained + log_determinant(&root))
     }
 
     fn of_held_out(&self, temperature: f64) -> f64 {
@@ -229,12 +267,25 @@ fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
-/// Step of all unknowns that residuals ask for by the last of these; a fit ended where the first of them, `fitted`, ask
-/// for nothing.
-fn asked_for(slopes: &DMatrix<f64>, residual: &DVector<f64>, fitted: usize) -> DVector<f64> {
-    let mut gradient = slopes.tr_mul(residual);
-    gradient.rows_mut(0, fitted).fill(0.0);
+/// Step of all unknowns, of which the last have this half of a gradient; a fit ended where the first have none.
+fn asked_for(slopes: &DMatrix<f64>, unfitted: &DVector<f64>) -> DVector<f64> {
+    let (all, last) = (slopes.ncols(), unfitted.len());
+    let mut gradient = DVector::zeros(all);
+    gradient.rows_mut(all - last, last).copy_from(unfitted);
     inverse(&slopes.tr_mul(slopes)).0 * gradient
+}
+
+/// Half the gradient of the prior's cost by all unknowns, of which there are so many.
+fn pull(problem: &Problem, fitted: &Fitted, count: usize) -> DVector<f64> {
+    let mut pull = DVector::zeros(count);
+    for belief in problem.beliefs_at(&fitted.point) {
+        for (global, slope) in belief.slopes {
+            if let Some(index) = fitted.globals.iter().position(|own| *own == global) {
+                pull[index] += belief.departure * slope;
+            }
+        }
+    }
+    pull
 }
 
 /// Root of the prior covariance of all unknowns, and the log of the prior density of learned curves over that of the
@@ -282,13 +333,11 @@ fn beyond(left: &DVector<f64>, errors: &DMatrix<f64>) -> (f64, f64) {
         return (f64::INFINITY, 0.0);
     };
     let foreseen = product.dot(&root.solve(&product));
-    let diagonal = root.l_dirty().diagonal();
-    let determinant = 2.0 * diagonal.iter().map(|value| value.ln()).sum::<f64>();
-    (left.norm_squared() - foreseen, determinant)
+    (left.norm_squared() - foreseen, log_determinant(&root))
 }
 
-/// Log determinant of a positive definite matrix; that of rounding where it is not.
-fn log_determinant(matrix: DMatrix<f64>) -> f64 {
-    let values = matrix.symmetric_eigenvalues();
-    values.iter().map(|value| value.max(1.0).ln()).sum()
+/// Log determinant of a matrix by its factor.
+fn log_determinant(root: &Cholesky<f64, Dyn>) -> f64 {
+    let diagonal = root.l_dirty().diagonal();
+    2.0 * diagonal.iter().map(|value| value.ln()).sum::<f64>()
 }
