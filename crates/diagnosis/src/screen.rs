@@ -13,7 +13,7 @@ use super::point::{EffectAt, Point};
 use super::problem::{Problem, Run};
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use quell_model::chain::RESONANCES;
-use quell_model::effects::{Effect, LEARNED, Law, Place};
+use quell_model::effects::{Effect, LEARNED, Law, Place, Slot};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -45,20 +45,40 @@ pub struct Start {
     factor: f64,
 }
 
-/// All effects of a table that the model can lack, at their places.
+/// All effects of a table that the model can lack, at their places: those that are one law at two places, as both are
+/// where the same bodies meet, once.
 pub fn candidates(problem: &Problem, table: Table) -> Vec<EffectAt> {
     let experiment = &problem.experiments[0];
     let places = (problem.kind.places)(experiment.input);
     let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
-    let mut found = Vec::new();
+    let keys: Vec<f64> = problem.beliefs.iter().map(|belief| belief.0).collect();
+    let linear = (problem.kind.linear)(&keys, experiment.input);
+    let mut found: Vec<EffectAt> = Vec::new();
     for &effect in table.effects(problem) {
         for &place in effect.places.iter().filter(|place| places.contains(place)) {
-            if !(own_clock && effect.shifts_stamps()) {
+            let one = |other: &EffectAt| {
+                let attached = linear.attachment(other.1) == linear.attachment(place);
+                attached && is_one_force(other.0, effect)
+            };
+            if !(own_clock && effect.shifts_stamps() || found.iter().any(one)) {
                 found.push((effect, place));
             }
         }
     }
     found
+}
+
+/// Whether two effects are the same force, once they act between the same bodies.
+fn is_one_force(one: &Effect, other: &Effect) -> bool {
+    let force = matches!(
+        (one.law)(&one.neutral()),
+        Law::Force(_) | Law::Friction(_)
+    );
+    let over_position = |own: &Effect| {
+        let slot = own.slot().filter(|_| own.is_learned());
+        matches!(slot, Some(Slot::Spring | Slot::PositionForce))
+    };
+    force && one == other || over_position(one) && over_position(other)
 }
 
 /// Where candidates come from.

@@ -246,17 +246,10 @@ impl Chain {
         bodies.hold(sticks)
     }
 
-    /// Where a place is in this chain: one that is missing is where its neighbour is.
+    /// Where a place is in this chain.
     #[inline(always)]
     pub(super) fn attachment(&self, place: Place) -> Attachment {
-        match (place, self.linear.link.is_some()) {
-            (_, false) => Attachment::Motor,
-            // A spring to ground: what is across it is at the link, and so is the drive.
-            _ if self.linear.motor == MotorSide::Fixed => Attachment::Link,
-            (Place::Drive, _) => Attachment::Motor,
-            (Place::Transmission, _) => Attachment::Across,
-            _ => Attachment::Link,
-        }
+        self.linear.attachment(place)
     }
 
     fn drive(&self, encoder: [f64; 2], input: f64) -> f64 {

@@ -30,6 +30,7 @@ mod trace;
 mod two_mass;
 mod windows;
 
+pub use attachment::Attachment;
 pub use circle::Radius;
 pub use departure::{Departure, StartComponent};
 pub use experiment::{Experiment, Output, Window};

@@ -1,5 +1,8 @@
 //! The linear part of a chain: what the keys of a model say.
 
+use super::attachment::Attachment;
+use crate::effects::Place;
+
 /// The motion of the motor side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotorSide {
@@ -69,4 +72,17 @@ impl Linear {
         position_loop: None,
         unit_force: 1.0,
     };
+
+    /// Where a force at a place acts: one that is missing is where its neighbour is.
+    #[inline(always)]
+    pub fn attachment(&self, place: Place) -> Attachment {
+        match (place, self.link.is_some()) {
+            (_, false) => Attachment::Motor,
+            // A spring to ground: what is across it is at the link, and so is the drive.
+            _ if self.motor == MotorSide::Fixed => Attachment::Link,
+            (Place::Drive, _) => Attachment::Motor,
+            (Place::Transmission, _) => Attachment::Across,
+            _ => Attachment::Link,
+        }
+    }
 }
