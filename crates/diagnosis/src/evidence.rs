@@ -156,17 +156,18 @@ impl Evidence {
         }
     }
 
-    /// Standard deviations of all unknowns, the shared ones first, as the fit sees them.
-    pub fn deviations(&self, temperature: f64) -> Vec<f64> {
+    /// Covariance of all unknowns, the shared ones first, as the fit sees them.
+    pub fn covariance(&self, temperature: f64) -> DMatrix<f64> {
         let information = &self.likelier(temperature).0.information;
         let covariance = inverse(&(information / temperature)).0;
         let own = self.scale.nrows();
-        let whole = &self.scale * covariance.view((0, 0), (own, own)) * self.scale.transpose();
-        whole
-            .diagonal()
-            .iter()
-            .map(|variance| variance.sqrt())
-            .collect()
+        &self.scale * covariance.view((0, 0), (own, own)) * self.scale.transpose()
+    }
+
+    /// Standard deviations of all unknowns.
+    pub fn deviations(&self, temperature: f64) -> Vec<f64> {
+        let variances = self.covariance(temperature).diagonal();
+        variances.iter().map(|variance| variance.sqrt()).collect()
     }
 
     /// Sum of squares of the fitted rows beyond what the laws' shapes could be wrong by.

@@ -107,7 +107,7 @@ pub fn law_curve(
 }
 
 /// What a law sees beside its coordinate, with the stiffness and damping of a point.
-fn still(problem: &Problem, point: &Point) -> Motion {
+pub fn still(problem: &Problem, point: &Point) -> Motion {
     let linear = (problem.kind.linear)(&point.keys, problem.experiments[0].input);
     Motion {
         stiffness: linear.stiffness / linear.unit_force,

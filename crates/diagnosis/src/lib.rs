@@ -27,6 +27,7 @@ mod locate;
 mod long_steps;
 mod looks;
 mod meaning;
+mod naming;
 mod next_move;
 mod noise;
 mod noise_colour;

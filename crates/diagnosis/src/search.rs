@@ -46,7 +46,8 @@ impl Search<'_> {
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
-            if !(self.learn(pool) || self.exchange(pool)) || self.is_over() {
+            let is_better = self.learn(pool) || self.name(pool) || self.exchange(pool);
+            if !is_better || self.is_over() {
                 return;
             }
         }

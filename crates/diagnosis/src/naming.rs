@@ -1,0 +1,66 @@
+//! Names for learned laws: each named law of the slot, from where it is nearest to the learned curve.
+
+use super::explanation::Explanation;
+use super::law_curve::still;
+use super::point::{Global, Point};
+use super::pool::Pool;
+use super::search::Search;
+use nalgebra::DMatrix;
+use quell_model::Term;
+use quell_model::curves::{Curve, nearest};
+use rayon::prelude::*;
+
+impl Search<'_> {
+    /// Puts named laws in the place of the learned ones of the best explanation. Whether there is a better explanation.
+    pub fn name(&self, pool: &mut Pool) -> bool {
+        let best = pool.best(self.judge).clone();
+        let temperature = pool.temperature(self.judge);
+        let point = &best.fitted.point;
+        let added = point.given_terms..point.terms.len();
+        let starts = added.flat_map(|term| self.named(&best, term, temperature));
+        let starts: Vec<Point> = starts.filter(|point| pool.like(point).is_none()).collect();
+        let fitted = starts.into_par_iter().map(|point| self.refitted(&point));
+        for next in fitted.collect::<Vec<_>>() {
+            pool.add(next);
+        }
+        !pool.best(self.judge).is_like(&best)
+    }
+
+    /// Points with a named law in the place of a learned one.
+    fn named(&self, own: &Explanation, index: usize, temperature: f64) -> Vec<Point> {
+        let (problem, point) = (self.problem, &own.fitted.point);
+        let learned = &point.terms[index];
+        let at = still(problem, point);
+        let curve = covariance(own, index, temperature)
+            .and_then(|known| Curve::new(learned.effect, &learned.values, &known, &at));
+        let Some(curve) = curve else {
+            return Vec::new();
+        };
+        let laws = nearest(&curve, learned.place, &at, &problem.scales, problem.catalogue);
+        let with = |law: quell_model::curves::Nearest| {
+            let mut named = point.clone();
+            named.terms[index] = Term {
+                effect: law.effect,
+                place: learned.place,
+                values: law.values,
+            };
+            named
+        };
+        laws.into_iter().map(with).collect()
+    }
+}
+
+/// Covariance of the ordinates of a learned law; none of another.
+fn covariance(own: &Explanation, index: usize, temperature: f64) -> Option<DMatrix<f64>> {
+    let term = &own.fitted.point.terms[index];
+    let is_ordinate = |global: &Global| {
+        let ordinates = super::curves::ordinates(term.effect);
+        matches!(*global, Global::Parameter(of, parameter) if of == index && ordinates.contains(&parameter))
+    };
+    let globals = own.fitted.globals.iter().enumerate();
+    let ours: Vec<usize> = globals.filter(|own| is_ordinate(own.1)).map(|own| own.0).collect();
+    let whole = own.evidence.covariance(temperature);
+    term.effect
+        .is_learned()
+        .then(|| DMatrix::from_fn(ours.len(), ours.len(), |i, j| whole[(ours[i], ours[j])]))
+}
