@@ -3,6 +3,7 @@
 use super::baseline::{self, Data};
 use super::evidence::Evidence;
 use super::fit::{Fitted, Projector};
+use super::left::rounded;
 use super::point::{EffectAt, Point};
 use super::problem::{Problem, Rows};
 use super::split;
@@ -75,6 +76,8 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
+    /// Sums of the squared lengths of rests in which a sensor rounds, of fitted and of held-out rows.
+    pub rounded: [f64; 2],
     /// Components of the start that are free in the recordings kept apart, once that is decided.
     starts: Option<Vec<StartComponent>>,
 }
@@ -92,6 +95,7 @@ impl<'a> Judge<'a> {
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
+            rounded: [&data.train, &data.held_out].map(|rows| rounded(&data.experiments, rows)),
             starts: None,
         };
         if !data.apart.is_empty() {

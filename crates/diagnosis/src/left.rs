@@ -1,26 +1,40 @@
 //! Whether what an explanation leaves is noise.
 
-use super::explanation::Explanation;
+use super::explanation::{Explanation, Judge};
 use super::found::Found;
 use super::locate::Located;
+use super::problem::Rows;
 use super::search::Search;
 use super::thresholds::FLOOR;
+use quell_model::Experiment;
 use quell_signal::noise_floor;
 
 /// Residual, in times the noise, that is a mismatch even if it cannot be located: no estimate of a noise
 /// level is that far off.
 const CERTAIN: f64 = 1.5;
 
-impl Search<'_> {
+impl Judge<'_> {
     /// Whether what an explanation leaves, beyond what the shapes of its laws could be wrong by, is noise: of what was
     /// fitted, and of what was held out beyond the errors of the fit and rounding at rest.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
-        let (fitted, held) = (
-            self.judge.train_rows as f64,
-            self.judge.held_out_rows as f64,
-        );
+        let (fitted, held) = (self.train_rows as f64, self.held_out_rows as f64);
         let beyond = own.evidence.held_out_beyond_fit();
-        own.evidence.left() <= FLOOR * fitted && beyond <= FLOOR * held + self.rounding()
+        let chance = 2.0 * (VARIANCE * self.rounded[1]).sqrt();
+        own.evidence.left() <= FLOOR * fitted && beyond <= FLOOR * held + chance
+    }
+
+    /// Samples of what an explanation leaves that say as much as one independent one.
+    pub fn correlation(&self, own: &Explanation) -> f64 {
+        let rows = (self.train_rows + self.held_out_rows).max(1) as f64;
+        let of_rounding = 1.0 + VARIANCE * (self.rounded[0] + self.rounded[1]) / (2.0 * rows);
+        own.evidence.correlation().max(of_rounding)
+    }
+}
+
+impl Search<'_> {
+    /// Whether what an explanation leaves is noise.
+    pub fn leaves_noise(&self, own: &Explanation) -> bool {
+        self.judge.leaves_noise(own)
     }
 
     /// Whether the refitted model leaves nothing that could be located: a little above the noise may be noise of
@@ -37,26 +51,29 @@ impl Search<'_> {
     pub fn explains(&self, found: &Found) -> bool {
         self.leaves_noise(&found.best)
     }
+}
 
-    /// Chi-squared by which chance may raise what was held out where sensors round: twice the standard
-    /// deviation. While a sensor rests its error is one and the same, evenly drawn from a step, and its square
-    /// over the mean has a deviation of `sqrt(4 / 5)`.
-    fn rounding(&self) -> f64 {
-        let data = self.judge.data;
-        let mut squares = 0.0;
-        for (experiment, held_out) in data.experiments.iter().zip(&data.held_out) {
-            for (output, ranges) in experiment.outputs.iter().zip(held_out) {
-                let Some(step) = noise_floor(&output.values).quantisation else {
-                    continue;
-                };
-                for range in ranges {
-                    squares += rests(&output.values[range.clone()], step);
-                }
+/// Sum of the squared lengths of the stretches of rows in which sensors that round are at rest.
+///
+/// While a sensor rests its error is one and the same, evenly drawn from a step, and its square over the mean has a
+/// deviation of `sqrt(4 / 5)`: chi-squared has four fifths of this sum for a variance, beside two for each row.
+pub fn rounded(experiments: &[Experiment], rows: &[Vec<Rows>]) -> f64 {
+    let mut squares = 0.0;
+    for (experiment, rows) in experiments.iter().zip(rows) {
+        for (output, ranges) in experiment.outputs.iter().zip(rows) {
+            let Some(step) = noise_floor(&output.values).quantisation else {
+                continue;
+            };
+            for range in ranges {
+                squares += rests(&output.values[range.clone()], step);
             }
         }
-        2.0 * (0.8 * squares).sqrt()
     }
+    squares
 }
+
+/// Variance of the mean square of such an error, in that of a step's.
+pub const VARIANCE: f64 = 0.8;
 
 /// Sum of the squared lengths of the stretches in which values stay within a step, and half of one for what
 /// rounding differences are off.

@@ -90,7 +90,7 @@ fn look(
     if explains(&in_one) {
         return Ok(in_one);
     }
-    let better = alone || misses(&in_windows.model, train) < misses(&in_one.model, train);
+    let better = misses(&in_windows.model, train) < misses(&in_one.model, train);
     Ok(if better { in_windows } else { in_one })
 }
 

@@ -120,32 +120,39 @@ impl Pool {
         self.all.iter().map(|entry| entry.extended.len()).sum()
     }
 
-    /// Chi-squared a row of what is left by the explanation that leaves least, at least 1: of what was fitted and
-    /// of what was held out, there beyond the errors of the fit.
+    /// Chi-squared a row, at least 1, of what the explanation leaves that leaves least: of what was fitted and of what
+    /// was held out, there beyond the errors of the fit.
     pub fn unit(&self, judge: &Judge) -> f64 {
-        let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
-        let left = |entry: &Entry| {
-            (entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit()) / rows
-        };
-        self.all
-            .iter()
-            .map(left)
-            .fold(f64::INFINITY, f64::min)
-            .max(1.0)
+        unit(self.least(), judge)
     }
 
-    /// Temperature of the evidence: size and correlation of what the best explanation leaves, [`CALIBRATED`]; and of
-    /// that what its laws may be wrong by, up to a share [`DISCREPANCY`] of what they explain, and as correlated.
+    /// Temperature of the evidence: size and correlation of the noise, [`CALIBRATED`]; and of what laws may be wrong
+    /// by, up to a share [`DISCREPANCY`] of what they explain, and as correlated.
+    ///
+    /// The noise is between what the simplest explanation leaves that leaves nothing else, in which a small effect may
+    /// be, and what the one leaves that leaves least, which may have taken noise for an effect: their geometric mean.
     pub fn temperature(&self, judge: &Judge) -> f64 {
-        let left =
-            |entry: &&Entry| entry.own.evidence.left() + entry.own.evidence.held_out_beyond_fit();
-        let best = self.all.iter().min_by(|a, b| left(a).total_cmp(&left(b)));
-        let correlation = best.map_or(1.0, |entry| entry.own.evidence.correlation());
-        let rows = (judge.train_rows + judge.held_out_rows).max(1) as f64;
-        let (first, unit) = (&self.all[0], self.unit(judge));
-        let explained = (left(&first) / rows - unit).max(0.0);
-        let wrong = (DISCREPANCY.powi(2) * explained).min(unit - 1.0);
-        CALIBRATED * unit * correlation + wrong * first.own.evidence.correlation()
+        let (first, least) = (self.baseline(), self.least());
+        let noise = |own: &Explanation| unit(own, judge) * judge.correlation(own);
+        let noise = (noise(self.simplest(judge)) * noise(least)).sqrt();
+        let explained = (left(first) - left(least)).max(0.0) / rows(judge);
+        let wrong = (DISCREPANCY.powi(2) * explained).min(unit(least, judge) - 1.0);
+        CALIBRATED * noise + wrong * first.evidence.correlation()
+    }
+
+    /// The explanation that leaves least.
+    fn least(&self) -> &Explanation {
+        let all = self.all.iter().map(|entry| &entry.own);
+        let least = all.min_by(|a, b| left(a).total_cmp(&left(b)));
+        least.unwrap_or(self.baseline())
+    }
+
+    /// The simplest explanation that leaves nothing but noise; where none does the one that leaves least.
+    fn simplest(&self, judge: &Judge) -> &Explanation {
+        let all = self.all.iter().map(|entry| &entry.own);
+        let noise = all.filter(|own| judge.leaves_noise(own));
+        let order = |own: &&Explanation| own.terms();
+        noise.min_by_key(order).unwrap_or(self.least())
     }
 
     /// All of them with the logarithms of their marginal likelihoods, the most probable first; those that mean nothing
@@ -161,4 +168,19 @@ impl Pool {
         ranked.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
         ranked
     }
+}
+
+/// Chi-squared of what an explanation leaves.
+fn left(own: &Explanation) -> f64 {
+    own.evidence.left() + own.evidence.held_out_beyond_fit()
+}
+
+/// The same a row, at least 1.
+fn unit(own: &Explanation, judge: &Judge) -> f64 {
+    (left(own) / rows(judge)).max(1.0)
+}
+
+/// Rows in which it is left.
+fn rows(judge: &Judge) -> f64 {
+    (judge.train_rows + judge.held_out_rows).max(1) as f64
 }

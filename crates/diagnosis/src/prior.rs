@@ -28,7 +28,14 @@ impl Problem<'_> {
         let root = TAU.sqrt();
         let Global::Parameter(term, index) = global else {
             return match global {
-                Global::Key(key) if self.beliefs[key].1.is_finite() => self.beliefs[key].1,
+                Global::Key(key) if self.beliefs[key].1.is_finite() => {
+                    let (value, std) = self.beliefs[key];
+                    match self.logarithmic(global) {
+                        // Of a width that it has at the believed value: a damper that is not there is not unknown.
+                        true => std * value / point.keys[key],
+                        false => std,
+                    }
+                }
                 _ => self.typical(point, global),
             };
         };
