@@ -148,28 +148,32 @@ fn parameter(outcome: &Outcome, effect: &str, name: &str) -> f64 {
     parameters.find(|own| own.name == name).unwrap().value
 }
 
-/// Janot, Gautier and Brunot's axis: 20.4 N of Coulomb friction and 3.2 N of offset, and their mass and
-/// viscous friction, to 3 %.
+/// Janot, Gautier and Brunot's axis: 20.4 N of Coulomb friction and 3.2 N of offset, a mass of 95.1 kg. With these two
+/// laws 1.6 um are left, with friction over the velocity as a curve half of that. The best published, a NARX with
+/// instrumental variables, leaves .84 um.
 #[test]
-fn the_positioning_axis_has_coulomb_friction_and_an_offset() {
+fn the_positioning_axis_has_friction_that_is_a_curve() {
     let Some(folder) = example("emps", "emps") else {
         return;
     };
     let (outcome, scored) = diagnosed(&folder);
-    assert_eq!(names(&outcome), ["coulomb_friction", "force_offset"]);
+    assert_eq!(names(&outcome), ["learned_friction"]);
+    let curve = outcome.diagnosis.findings[0].curve.as_ref().unwrap();
+    let near = curve.learned.as_ref().unwrap().nearest.as_ref().unwrap();
+    assert_eq!(near.effect, "asymmetric_friction");
+    let [friction, asymmetry] = [0, 1].map(|k| near.parameters[k].value);
     let found = [
-        parameter(&outcome, "coulomb_friction", "friction") / 20.4,
-        parameter(&outcome, "force_offset", "force") / -3.2,
+        friction / 20.4,
+        friction * asymmetry / -3.2,
         outcome.model.value("mass").unwrap() / 95.1,
-        outcome.model.value("viscous").unwrap() / 203.5,
     ];
-    assert!(found.iter().all(|x| (x - 1.0).abs() < 0.03), "{found:?}");
-    // Mass and grease alone leave 7 um.
-    assert!(scored.rms < 2e-6, "{}", scored.rms);
+    // Part of what they call Coulomb friction rises with the speed.
+    assert!(found.iter().all(|x| (x - 1.0).abs() < 0.2), "{found:?}");
+    assert!(scored.rms < 1e-6, "{}", scored.rms);
 }
 
-/// Wigren and Schoukens' circuit: a cubic spring and, small beside it, a voltage that is not 0. From five
-/// seconds of noise to an arrow that was never shown, and grows past them.
+/// Wigren and Schoukens' circuit: a cubic spring and, small beside it, a voltage that is not 0 and damping that grows
+/// with the amplitude. From five seconds of noise to an arrow that was never shown, and grows past them.
 #[test]
 fn the_silverbox_has_a_cubic_spring_and_an_offset() {
     let Some(folder) = example("silverbox", "silverbox") else {
@@ -178,9 +182,9 @@ fn the_silverbox_has_a_cubic_spring_and_an_offset() {
     let train = read(&folder, "train.toml");
     let (short, _) = train.at(train.channels[0].time[3000]);
     let outcome = diagnosis(&folder, &short, &[]);
-    assert_eq!(names(&outcome), ["cubic_stiffness", "force_offset"]);
+    assert_eq!(names(&outcome)[..2], ["cubic_stiffness", "force_offset"]);
     let arrow = score(&outcome.model, &read(&folder, "held_out.toml")).unwrap();
-    assert!(arrow.rms < 0.6e-3, "{}", arrow.rms);
+    assert!(arrow.rms < 0.4e-3, "{}", arrow.rms);
 }
 
 /// A hub that feedback holds, from its current alone, in windows: dry friction of the harmonic drive,

@@ -30,6 +30,10 @@ const SETS: &[(&[&str], &str)] = &[
         &["deformation_gain", "sensor_gain"],
         "a sensor of the deformation alone shows both alike",
     ),
+    (
+        &["quantisation", "sensor_drift"],
+        "under noise that is less than a step, a sensor that rounds is slowly wrong wherever the motion is slow",
+    ),
 ];
 
 /// Why another name (or none) stands for an effect: a law that contains it as a limit, or a set.

@@ -79,7 +79,9 @@ impl Data {
         experiments.iter().any(Option::is_some).then(|| {
             let or_own = |long: Vec<Option<Experiment>>, own: &[Experiment]| -> Vec<Experiment> {
                 let pairs = long.into_iter().zip(own);
-                pairs.map(|(long, own)| long.unwrap_or_else(|| own.clone())).collect()
+                pairs
+                    .map(|(long, own)| long.unwrap_or_else(|| own.clone()))
+                    .collect()
             };
             Self {
                 experiments: or_own(experiments, &self.experiments),

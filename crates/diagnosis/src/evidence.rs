@@ -102,18 +102,24 @@ impl Evidence {
         let shaped = shaped.map(|corrections| {
             let shapes = joined(&corrections.columns, &here);
             let both = [0, 1].map(|k| beside(&slopes[k], &shapes[k]));
-            let unfitted = both[0].tr_mul(&here[0]).rows_range(scale.ncols()..).into_owned();
+            let unfitted = both[0]
+                .tr_mul(&here[0])
+                .rows_range(scale.ncols()..)
+                .into_owned();
             let step = asked_for(&both[0], &unfitted);
             let sizes = -step.rows_range(scale.ncols()..);
             let own = &scale * step.rows(0, scale.ncols());
             // What the corrections explain in truth, and not only to first order.
             let moved = problem.stepped(point, &fitted.globals, &own);
             let there = views.see(&corrections.applied(&moved, &sizes));
-            let mut marginal = Marginal::new(believed, &here, &there, &both, exact.pulls[1].clone());
+            let mut marginal =
+                Marginal::new(believed, &here, &there, &both, exact.pulls[1].clone());
             let promised = -unfitted.dot(&sizes);
             let fell = marginal.cost[0] - marginal.left - sizes.norm_squared();
             marginal.kept = (fell / promised).clamp(0.0, 1.0);
-            marginal.pulls[0].rows_range_mut(scale.ncols()..).copy_from(&unfitted);
+            marginal.pulls[0]
+                .rows_range_mut(scale.ncols()..)
+                .copy_from(&unfitted);
             marginal
         });
         Self {
@@ -276,12 +282,14 @@ fn asked_for(slopes: &DMatrix<f64>, unfitted: &DVector<f64>) -> DVector<f64> {
     inverse(&slopes.tr_mul(slopes)).0 * gradient
 }
 
-/// Half the gradient of the prior's cost by all unknowns, of which there are so many.
+/// Half the gradient of the prior's cost by all unknowns, of which there are so many; keys are fitted as they are
+/// believed, whatever the temperature.
 fn pull(problem: &Problem, fitted: &Fitted, count: usize) -> DVector<f64> {
     let mut pull = DVector::zeros(count);
     for belief in problem.beliefs_at(&fitted.point) {
         for (global, slope) in belief.slopes {
-            if let Some(index) = fitted.globals.iter().position(|own| *own == global) {
+            let index = fitted.globals.iter().position(|own| *own == global);
+            if let Some(index) = index.filter(|_| !matches!(global, Global::Key(_))) {
                 pull[index] += belief.departure * slope;
             }
         }

@@ -76,7 +76,7 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
-    /// Sums of the squared lengths of rests in which a sensor rounds, of fitted and of held-out rows.
+    /// Sums of the squared lengths of rests in which a sensor rounds, of whole recordings and of held-out rows.
     pub rounded: [f64; 2],
     /// Components of the start that are free in the recordings kept apart, once that is decided.
     starts: Option<Vec<StartComponent>>,
@@ -90,12 +90,13 @@ impl<'a> Judge<'a> {
             ranges.map(|range| range.len()).sum()
         };
         let apart: usize = data.apart.iter().map(|e| e.samples()).sum();
+        let whole: Vec<_> = data.experiments.iter().map(split::whole).collect();
         let mut judge = Self {
             model,
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
-            rounded: [&data.train, &data.held_out].map(|rows| rounded(&data.experiments, rows)),
+            rounded: [&whole, &data.held_out].map(|rows| rounded(&data.experiments, rows)),
             starts: None,
         };
         if !data.apart.is_empty() {

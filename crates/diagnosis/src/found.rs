@@ -44,9 +44,6 @@ impl Search<'_> {
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature);
         let first = told.best.log_evidence(temperature);
-        for (own, log) in ranked.iter().take(12) {
-            eprintln!("ZZ {:?} {:.1} T {:.1} end {} mean {} held {:.1} train {:.1} left {:.1} values {:?} keys {:?}", own.fitted.point.structure().iter().map(|s| (s.0, s.1)).collect::<Vec<_>>(), log, temperature, own.is_at_end, self.problem.is_meaningful(own, temperature), own.held_out, own.train, own.evidence.left(), own.fitted.point.terms.iter().map(|t| t.values.clone()).collect::<Vec<_>>(), own.fitted.point.keys);
-        }
         let weigh = |(own, log): (&Explanation, f64)| {
             let sound = !told.refused.iter().any(|other| other.is_like(own))
                 && self.problem.is_meaningful(own, temperature);

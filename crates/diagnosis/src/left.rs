@@ -19,14 +19,15 @@ impl Judge<'_> {
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         let (fitted, held) = (self.train_rows as f64, self.held_out_rows as f64);
         let beyond = own.evidence.held_out_beyond_fit();
-        let chance = 2.0 * (VARIANCE * self.rounded[1]).sqrt();
+        let [_, held_out] = self.rounded;
+        let chance = 2.0 * (VARIANCE * held_out).sqrt();
         own.evidence.left() <= FLOOR * fitted && beyond <= FLOOR * held + chance
     }
 
     /// Samples of what an explanation leaves that say as much as one independent one.
     pub fn correlation(&self, own: &Explanation) -> f64 {
-        let rows = (self.train_rows + self.held_out_rows).max(1) as f64;
-        let of_rounding = 1.0 + VARIANCE * (self.rounded[0] + self.rounded[1]) / (2.0 * rows);
+        let samples: usize = self.data.experiments.iter().map(|e| e.samples()).sum();
+        let of_rounding = 1.0 + VARIANCE * self.rounded[0] / (2 * samples.max(1)) as f64;
         own.evidence.correlation().max(of_rounding)
     }
 }

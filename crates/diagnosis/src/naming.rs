@@ -36,7 +36,13 @@ impl Search<'_> {
         let Some(curve) = curve else {
             return Vec::new();
         };
-        let laws = nearest(&curve, learned.place, &at, &problem.scales, problem.catalogue);
+        let laws = nearest(
+            &curve,
+            learned.place,
+            &at,
+            &problem.scales,
+            problem.catalogue,
+        );
         let with = |law: quell_model::curves::Nearest| {
             let mut named = point.clone();
             named.terms[index] = Term {
@@ -58,7 +64,10 @@ fn covariance(own: &Explanation, index: usize, temperature: f64) -> Option<DMatr
         matches!(*global, Global::Parameter(of, parameter) if of == index && ordinates.contains(&parameter))
     };
     let globals = own.fitted.globals.iter().enumerate();
-    let ours: Vec<usize> = globals.filter(|own| is_ordinate(own.1)).map(|own| own.0).collect();
+    let ours: Vec<usize> = globals
+        .filter(|own| is_ordinate(own.1))
+        .map(|own| own.0)
+        .collect();
     let whole = own.evidence.covariance(temperature);
     term.effect
         .is_learned()

@@ -102,7 +102,9 @@ impl Pool {
     /// Marks a structure as fitted again without each of its effects; whether it was before.
     pub fn thin_out(&mut self, own: &Explanation) -> bool {
         let mut like = self.all.iter_mut().filter(|entry| entry.own.is_like(own));
-        let thinned = like.next().map(|entry| std::mem::replace(&mut entry.thinned, true));
+        let thinned = like
+            .next()
+            .map(|entry| std::mem::replace(&mut entry.thinned, true));
         thinned.unwrap_or(true)
     }
 

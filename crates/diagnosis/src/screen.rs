@@ -70,10 +70,7 @@ pub fn candidates(problem: &Problem, table: Table) -> Vec<EffectAt> {
 
 /// Whether two effects are the same force, once they act between the same bodies.
 fn is_one_force(one: &Effect, other: &Effect) -> bool {
-    let force = matches!(
-        (one.law)(&one.neutral()),
-        Law::Force(_) | Law::Friction(_)
-    );
+    let force = matches!((one.law)(&one.neutral()), Law::Force(_) | Law::Friction(_));
     let over_position = |own: &Effect| {
         let slot = own.slot().filter(|_| own.is_learned());
         matches!(slot, Some(Slot::Spring | Slot::PositionForce))

@@ -109,7 +109,11 @@ impl Experiment {
             let rough = rough.get_or_insert_with(|| self.predicted(model));
             let other = |step| {
                 let grid = smooth(step).unwrap_or_else(|_| self.grid.clone());
-                Self { grid, hold, ..self.clone() }
+                Self {
+                    grid,
+                    hold,
+                    ..self.clone()
+                }
             };
             // In steps that are short beside what the input is.
             if self.sees_no_difference(rough, &other(short / FINER).predicted(model)) {
@@ -122,11 +126,15 @@ impl Experiment {
     /// Whether two predictions of all outputs are the same to the sensors.
     fn sees_no_difference(&self, one: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
         let pairs = one.iter().zip(other);
-        let mut unseen = self.outputs.iter().zip(pairs).map(|(output, (one, other))| {
-            let noise = noise_floor(&output.values).standard_deviation;
-            let square: f64 = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
-            square < (UNSEEN * noise).powi(2) * one.len() as f64
-        });
+        let mut unseen = self
+            .outputs
+            .iter()
+            .zip(pairs)
+            .map(|(output, (one, other))| {
+                let noise = noise_floor(&output.values).standard_deviation;
+                let square: f64 = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
+                square < (UNSEEN * noise).powi(2) * one.len() as f64
+            });
         unseen.all(|unseen| unseen)
     }
 

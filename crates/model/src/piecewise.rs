@@ -116,7 +116,10 @@ impl Grid {
         let knots = spaced(time, step);
         let mean = |pair: &[usize]| {
             let own = pair[0]..pair[1];
-            let whole: f64 = own.clone().map(|k| values[k] * (time[k + 1] - time[k])).sum();
+            let whole: f64 = own
+                .clone()
+                .map(|k| values[k] * (time[k + 1] - time[k]))
+                .sum();
             whole / (time[pair[1]] - time[pair[0]])
         };
         let mut means: Vec<f64> = knots.windows(2).map(mean).collect();
@@ -174,7 +177,11 @@ fn spaced(time: &[f64], spacing: f64) -> Vec<usize> {
         let next = time[at] + spacing;
         let after = time.partition_point(|t| *t < next).clamp(at + 1, last);
         let before_is_nearer = next - time[after - 1] < time[after] - next;
-        at = if after > at + 1 && before_is_nearer { after - 1 } else { after };
+        at = if after > at + 1 && before_is_nearer {
+            after - 1
+        } else {
+            after
+        };
     }
     knots.push(last);
     knots

@@ -122,6 +122,8 @@ pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
     properties: &[
         Property::Contains(&SENSOR_LAG),
         Property::Alike(Likeness::ShiftInTime),
+        // An own clock takes most of a lag, and differs for each size.
+        Property::ManyMinima,
     ],
     law: |p| {
         Law::Sensor(Box::new(LowPass {
