@@ -159,7 +159,7 @@ fn val_the_proposed_moves_tell_laws_of_friction_apart() {
 fn val_the_proposed_moves_tell_a_lag_from_a_delay() {
     let truth = term("sensor_lag", Place::Sensor, &[2e-3]);
     let moves = [step(0.5, 1.0, 3.0)];
-    let told = [5e-5, 7e-5, 1e-4, 1.5e-4].map(|noise| is_told_apart(&truth, &moves, noise, 1));
+    let told = [2e-5, 3e-5, 4e-5, 5e-5].map(|noise| is_told_apart(&truth, &moves, noise, 1));
     assert!(told.contains(&true));
 }
 

@@ -30,8 +30,9 @@ impl Problem<'_> {
     pub fn beliefs_at(&self, point: &Point) -> Vec<Belief> {
         let terms = point.terms.iter().enumerate();
         let curves = terms.flat_map(|(index, term)| curves::beliefs(&self.scales, index, term));
+        let belief = |(departure, slopes)| Belief { departure, slopes };
         let mut all = self.beliefs_of_model(point);
-        all.extend(curves);
+        all.extend(curves.map(belief));
         all
     }
 

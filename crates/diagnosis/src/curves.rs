@@ -11,7 +11,6 @@
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 4 and 9.9.
 
-use super::belief::Belief;
 use super::point::Global;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use quell_model::Term;
@@ -81,8 +80,11 @@ pub fn cost(scales: &Scales, term: &Term) -> f64 {
     whitened(scales, term).map_or(0.0, |(_, _, q)| (NU + count) * (q / NU).ln_1p())
 }
 
+/// A departure from what is believed, in standard deviations, and its derivatives by unknowns.
+pub type Row = (f64, Vec<(Global, f64)>);
+
 /// Its derivatives, as rows of a least-squares fit: of the Gaussian density that has the same slope there.
-pub fn beliefs(scales: &Scales, index: usize, term: &Term) -> Vec<Belief> {
+pub fn beliefs(scales: &Scales, index: usize, term: &Term) -> Vec<Row> {
     if !term.effect.is_learned() {
         return Vec::new();
     }
@@ -98,10 +100,8 @@ pub fn beliefs(scales: &Scales, index: usize, term: &Term) -> Vec<Belief> {
                 weight * inverse[(i, j)],
             )
         };
-        Belief {
-            departure: weight * white[i],
-            slopes: indices.iter().enumerate().map(slope).collect(),
-        }
+        let slopes = indices.iter().enumerate().map(slope).collect();
+        (weight * white[i], slopes)
     };
     (0..indices.len()).map(row).collect()
 }

@@ -66,12 +66,10 @@ impl Search<'_> {
     /// model without it, and of whose effects none makes that prediction worse.
     fn told(&self, pool: &mut Pool) -> Told {
         loop {
+            let known = pool.count();
             let told = self.first_sound(pool);
-            let temperature = pool.temperature(self.judge);
-            let log = told.best.log_evidence(temperature);
-            let better = |own: &Explanation| own.log_evidence(temperature) > log && !own.is_at_end;
             // A fit without one of its effects may have ended in a better minimum than all before.
-            if !told.ablated.iter().any(better) {
+            if pool.count() == known {
                 return told;
             }
         }

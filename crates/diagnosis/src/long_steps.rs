@@ -8,8 +8,9 @@
 
 use super::baseline::{Data, first_guess};
 use super::candidate::Known;
-use super::explanation::{Explanation, Judge};
+use super::explanation::Explanation;
 use super::fit::{Projector, orthonormal};
+use super::judge::Judge;
 use super::outcome::Progress;
 use super::point::Point;
 use super::pool::Pool;

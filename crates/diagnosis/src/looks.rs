@@ -9,6 +9,7 @@ use super::outcome::{Options, Outcome, Progress};
 use super::run::attempt;
 use super::score::score;
 use super::stretches::stretches;
+use super::thresholds::LOST;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 
@@ -90,8 +91,22 @@ fn look(
     if explains(&in_one) {
         return Ok(in_one);
     }
-    let better = misses(&in_windows.model, train) < misses(&in_one.model, train);
-    Ok(if better { in_windows } else { in_one })
+    Ok(match is_better(&in_windows, &in_one, train) {
+        true => in_windows,
+        false => in_one,
+    })
+}
+
+/// Whether one of two outcomes that both leave more than noise is the better one: the simpler, unless it misses the
+/// recordings by far more, in one piece.
+fn is_better(one: &Outcome, other: &Outcome, train: &[Recording]) -> bool {
+    let [own, theirs] = [one, other].map(|own| misses(&own.model, train));
+    let count = |own: &Outcome| own.diagnosis.findings.len();
+    match count(one) == count(other) {
+        true => own < theirs,
+        false if count(one) < count(other) => own < LOST * theirs,
+        false => LOST * own < theirs,
+    }
 }
 
 /// Whether a diagnosis leaves only noise.

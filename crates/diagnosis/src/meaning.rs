@@ -29,7 +29,11 @@ impl Problem<'_> {
             let whole = |bound: f64| {
                 parameter.quantity == Quantity::NUMBER && (bound.abs() - 1.0).abs() < WHOLE
             };
-            let end = |bound: f64| near(bound) && bound != parameter.neutral && !whole(bound);
+            // A law at the end of its shape is the simpler one that it contains.
+            let contains = point.terms[term].effect.limits().next().is_some();
+            let limit = contains && parameter.role == ParameterRole::Shape;
+            let end =
+                |bound: f64| near(bound) && (limit || bound != parameter.neutral && !whole(bound));
             has_ends(parameter.role) && (end(low) || end(high))
         });
         added.any(|is_at_end| is_at_end)

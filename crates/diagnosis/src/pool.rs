@@ -1,7 +1,8 @@
 //! The explanations that were looked at, one of each structure, and what is believed of each.
 
 use super::evidence::CALIBRATED;
-use super::explanation::{Explanation, Judge};
+use super::explanation::Explanation;
+use super::judge::Judge;
 use super::point::Point;
 use super::screen::Table;
 use rayon::prelude::*;
@@ -56,6 +57,11 @@ impl Pool {
                 thinned: false,
             }),
         }
+    }
+
+    /// Number of structures.
+    pub fn count(&self) -> usize {
+        self.all.len()
     }
 
     /// The refitted model and the most probable structures, each fitted anew.
@@ -135,7 +141,7 @@ impl Pool {
     /// be, and what the one leaves that leaves least, which may have taken noise for an effect: their geometric mean.
     pub fn temperature(&self, judge: &Judge) -> f64 {
         let (first, least) = (self.baseline(), self.least());
-        let noise = |own: &Explanation| unit(own, judge) * judge.correlation(own);
+        let noise = |own: &Explanation| unit(own, judge) * own.evidence.correlation();
         let noise = (noise(self.simplest(judge)) * noise(least)).sqrt();
         let explained = (left(first) - left(least)).max(0.0) / rows(judge);
         let wrong = (DISCREPANCY.powi(2) * explained).min(unit(least, judge) - 1.0);

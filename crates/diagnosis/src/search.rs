@@ -2,8 +2,9 @@
 //! evidence rises.
 
 use super::candidate::Known;
-use super::explanation::{Explanation, Judge};
+use super::explanation::Explanation;
 use super::fit::Projector;
+use super::judge::Judge;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
@@ -55,7 +56,8 @@ impl Search<'_> {
 
     /// Whether the search has gone on long enough.
     fn is_over(&self) -> bool {
-        self.known.enough.now() || self.problem.simulated.load(Relaxed) > ENOUGH
+        let stopped = self.known.enough.now() || self.problem.stop.now();
+        stopped || self.problem.simulated.load(Relaxed) > ENOUGH
     }
 
     /// Extends the next structure of a pool by laws of the catalogue, if there is one.

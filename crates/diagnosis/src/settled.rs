@@ -3,8 +3,8 @@
 
 use super::candidate::Known;
 use super::descent::Descent;
-use super::explanation::Judge;
 use super::fit::Projector;
+use super::judge::Judge;
 use super::outcome::Progress;
 use super::pool::Pool;
 use super::problem::Problem;

@@ -1,7 +1,7 @@
 //! Fitted and held-out rows of a problem, and their derivatives.
 
-use super::explanation::Judge;
 use super::fit::{Projector, orthonormal};
+use super::judge::Judge;
 use super::point::{Global, Point};
 use super::problem::Problem;
 use nalgebra::{DMatrix, DVector};

@@ -2,7 +2,7 @@
 
 use super::words::{advice, figure};
 use crate::document::{Diagnosis, Verdict};
-use crate::explanation::Judge;
+use crate::judge::Judge;
 use crate::next_move::{Information, SEPARATES};
 use crate::point::{Global, Point};
 use crate::problem::Problem;

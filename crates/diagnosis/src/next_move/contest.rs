@@ -32,7 +32,7 @@ const WORTH: f64 = 1.1;
 
 impl Contest<'_> {
     /// Part by part the one that makes the least distance the largest, among those of the first `count`
-    /// rivals that can be separated by then; of the nearest rival where none can.
+    /// rivals that can be separated by then; of the rival that is then the farthest where none can.
     ///
     /// What each part says adds, since each starts at rest where the one before has ended.
     pub fn plan(&self, payload: Payload, count: usize) -> Option<Plan> {
@@ -50,7 +50,12 @@ impl Contest<'_> {
             let separable = |k: &usize| longer.iter().any(|plan| plan.apart[*k] >= SEPARATES);
             let mut active: Vec<usize> = (0..count).filter(separable).collect();
             if active.is_empty() {
-                active.push(0);
+                let farthest = |k: usize| {
+                    let apart = longer.iter().map(|plan| plan.apart[k]);
+                    apart.fold(0.0, f64::max)
+                };
+                let all = (0..count).rev();
+                active.extend(all.max_by(|a, b| farthest(*a).total_cmp(&farthest(*b))));
             }
             let least = |plan: &Plan| {
                 let apart = active.iter().map(|&k| plan.apart[k]);
