@@ -149,8 +149,7 @@ fn parameter(outcome: &Outcome, effect: &str, name: &str) -> f64 {
 }
 
 /// Janot, Gautier and Brunot's axis: 20.4 N of Coulomb friction and 3.2 N of offset, a mass of 95.1 kg. With these two
-/// laws 1.6 um are left, with friction over the velocity as a curve half of that. The best published, a NARX with
-/// instrumental variables, leaves .84 um.
+/// laws 1.6 um are left, with friction over the velocity as a curve about half of that.
 #[test]
 fn the_positioning_axis_has_friction_that_is_a_curve() {
     let Some(folder) = example("emps", "emps") else {

@@ -30,10 +30,6 @@ const SETS: &[(&[&str], &str)] = &[
         &["deformation_gain", "sensor_gain"],
         "a sensor of the deformation alone shows both alike",
     ),
-    (
-        &["quantisation", "sensor_drift"],
-        "under noise that is less than a step, a sensor that rounds is slowly wrong wherever the motion is slow",
-    ),
 ];
 
 /// Why another name (or none) stands for an effect: a law that contains it as a limit, or a set.
@@ -42,6 +38,11 @@ pub fn known(effect: &Effect, named: Option<&str>) -> Option<&'static str> {
         // The noise floor of a sensor that rounds is step / sqrt(12): rounding is part of the noise.
         return (effect.name == "quantisation").then_some("what a sensor rounds away is its noise");
     };
+    if effect.name == "quantisation" && named == "sensor_drift" {
+        return Some(
+            "under noise that is less than a step, a sensor that rounds is slowly wrong wherever the motion is slow",
+        );
+    }
     if effect.limits().any(|simpler| simpler.name == named) {
         return Some("the simpler law is a limit of it, and explains the recording as well");
     }

@@ -6,7 +6,7 @@
 //!
 //! Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, chapter IX, for the modified equation.
 
-use super::baseline::{Data, first_guess};
+use super::baseline::first_guess;
 use super::candidate::Known;
 use super::explanation::Explanation;
 use super::fit::{Projector, orthonormal};
@@ -27,10 +27,9 @@ pub fn searched_in_long_steps(
     projector: &mut Projector,
     judge: &Judge,
     baseline: &Explanation,
-    long: Option<&Data>,
     told: (&Known, Progress),
 ) -> Option<Pool> {
-    let long = long?;
+    let long = judge.data.in_long_steps(judge.model)?;
     let point = &baseline.fitted.point;
     let mut own = Problem {
         experiments: &long.experiments,
@@ -39,7 +38,7 @@ pub fn searched_in_long_steps(
     if !is_unseen(problem, &own, point) {
         return None;
     }
-    let other = Judge::new(judge.model, long, &own, point);
+    let other = Judge::new(judge.model, &long, &own, point);
     let fitted = own.fit(point, projector, LONG);
     let first = other.judge(&own, projector, fitted);
     let pool = settled(&mut own, projector, &other, Pool::new(first), told);

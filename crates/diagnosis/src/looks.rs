@@ -15,8 +15,8 @@ use quell_recording::Recording;
 
 /// Says what physics a model lacks, from recordings of the machine.
 ///
-/// `held_out` recordings judge what `train` was fitted to; without them the last third of the moves is
-/// kept apart. The same input and seed give the same answer.
+/// `held_out` recordings judge what `train` was fitted to; without them every third stretch of three
+/// periods is kept apart. The same input and seed give the same answer.
 ///
 /// # Errors
 /// [`DiagnosisError`] where a recording does not suit the model, or it is stopped.

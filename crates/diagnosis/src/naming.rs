@@ -1,5 +1,6 @@
 //! Names for learned laws: each named law of the slot, from where it is nearest to the learned curve.
 
+use super::curves::ordinates;
 use super::explanation::Explanation;
 use super::law_curve::still;
 use super::point::{Global, Point};
@@ -7,7 +8,7 @@ use super::pool::Pool;
 use super::search::Search;
 use nalgebra::DMatrix;
 use quell_model::Term;
-use quell_model::curves::{Curve, nearest};
+use quell_model::curves::{Curve, Nearest, nearest};
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -43,7 +44,7 @@ impl Search<'_> {
             &problem.scales,
             problem.catalogue,
         );
-        let with = |law: quell_model::curves::Nearest| {
+        let with = |law: Nearest| {
             let mut named = point.clone();
             named.terms[index] = Term {
                 effect: law.effect,
@@ -58,18 +59,18 @@ impl Search<'_> {
 
 /// Covariance of the ordinates of a learned law; none of another.
 fn covariance(own: &Explanation, index: usize, temperature: f64) -> Option<DMatrix<f64>> {
-    let term = &own.fitted.point.terms[index];
-    let is_ordinate = |global: &Global| {
-        let ordinates = super::curves::ordinates(term.effect);
-        matches!(*global, Global::Parameter(of, parameter) if of == index && ordinates.contains(&parameter))
-    };
+    let effect = own.fitted.point.terms[index].effect;
+    if !effect.is_learned() {
+        return None;
+    }
+    let ordinates = ordinates(effect);
+    let is_ordinate = |global: &Global| matches!(*global, Global::Parameter(of, parameter) if of == index && ordinates.contains(&parameter));
     let globals = own.fitted.globals.iter().enumerate();
     let ours: Vec<usize> = globals
         .filter(|own| is_ordinate(own.1))
         .map(|own| own.0)
         .collect();
     let whole = own.evidence.covariance(temperature);
-    term.effect
-        .is_learned()
-        .then(|| DMatrix::from_fn(ours.len(), ours.len(), |i, j| whole[(ours[i], ours[j])]))
+    let between = |i: usize, j: usize| whole[(ours[i], ours[j])];
+    Some(DMatrix::from_fn(ours.len(), ours.len(), between))
 }

@@ -33,10 +33,7 @@ pub(super) fn attempt(
     progress: Progress,
 ) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
     let data = Data::new(model, fitted, apart);
-    let long = data.in_long_steps(model);
-    let data_and_long = (&data, long.as_ref());
-    let remarks = recorded(train);
-    let (outcome, points) = investigate(model, data_and_long, known, options, progress, remarks)?;
+    let (outcome, points) = investigate(model, &data, known, options, progress, recorded(train))?;
     Ok((named(outcome, &data, train), points))
 }
 
@@ -55,7 +52,7 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
 /// The whole journey: what it says, and the explanations that were looked at.
 fn investigate(
     model: &Model,
-    (data, long): (&Data, Option<&Data>),
+    data: &Data,
     known: &Known,
     options: &Options,
     progress: Progress,
@@ -76,7 +73,7 @@ fn investigate(
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
-    let pool = searched_in_long_steps(&mut problem, &mut projector, &judge, &baseline, long, told);
+    let pool = searched_in_long_steps(&mut problem, &mut projector, &judge, &baseline, told);
     let pool = pool.unwrap_or_else(|| Pool::new(baseline));
     let pool = settled(&mut problem, &mut projector, &judge, pool, told);
     let search = search(&problem, &projector, &judge, told);

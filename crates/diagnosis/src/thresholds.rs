@@ -9,8 +9,8 @@ pub const FLOOR: f64 = 1.21;
 pub const LONG: usize = 100;
 /// Most terms in one explanation: what a search of minutes can tell apart.
 pub const MOST_EFFECTS: usize = 6;
-/// Cost over that of the start of a continuation, or of the fit ahead, from which a fit has gone too far: twice the
-/// residual.
+/// Cost over that of the start of a continuation, of the fit ahead, or of a simpler model, from which one has gone too
+/// far: twice the residual.
 pub const LOST: f64 = 4.0;
 /// How many of a candidate's starts go on after a few steps.
 pub const SECOND: usize = 2;

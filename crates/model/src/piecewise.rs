@@ -128,26 +128,6 @@ impl Grid {
         Self::new(&time, &means, Hold::ZeroOrder, step)
     }
 
-    /// The same input in shorter steps, `parts` of each.
-    #[must_use]
-    pub fn divided(&self, parts: usize) -> Self {
-        let mut divided = Self {
-            time: vec![self.time[0]],
-            input: Vec::with_capacity(parts * self.input.len()),
-        };
-        for (ends, whole) in self.time.windows(2).zip(&self.input) {
-            for part in 0..parts {
-                let share = |part: usize| (ends[1] - ends[0]) * part as f64 / parts as f64;
-                divided.input.push(whole.shifted(share(part)));
-                divided.time.push(match part + 1 == parts {
-                    true => ends[1],
-                    false => ends[0] + share(part + 1),
-                });
-            }
-        }
-        divided
-    }
-
     /// The longest step, s.
     pub fn step(&self) -> f64 {
         let steps = self.time.windows(2).map(|w| w[1] - w[0]);

@@ -21,7 +21,7 @@ The model says what is believed, such as
   lever_arm_m = 1.8
   tip_height_m = 0.9
 Its parameters are refitted first, and what is still missing is looked for in the catalogue of
-effects. Without --held-out the last third of the moves judges what the rest was fitted to.
+effects. Without --held-out every third stretch of three periods judges what the rest was fitted to.
 
 With --batch or --queue each recording is diagnosed by itself, and a folder stands for the
 recordings below it; what has its result already is not done again. --queue only puts them in:
