@@ -76,11 +76,7 @@ fn recorded(model: &Model, phase: f64) -> Recording {
         ],
     };
     let experiment = Experiment::new(model, &recording).unwrap();
-    let truth = Term {
-        effect: &PUMP,
-        place: Place::Environment,
-        values: vec![5e-4],
-    };
+    let truth = Term::new(&PUMP, Place::Environment, vec![5e-4]);
     let start = Departure::default();
     let motion = simulate(model.kind, &model.keys(), &[truth], &experiment, &start);
     let mut shown = motion.predict(&experiment.outputs[0], 0.0).values;

@@ -152,11 +152,7 @@ fn neutral_effects_change_nothing() {
         for &place in effect.places {
             let values = effect.neutral();
             assert_eq!(
-                run(&[Term {
-                    effect,
-                    place,
-                    values
-                }]),
+                run(&[Term::new(effect, place, values)]),
                 baseline,
                 "{}",
                 effect.name

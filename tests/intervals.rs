@@ -75,11 +75,11 @@ fn case(seed: u64) -> (Recording, f64) {
     model.values[1].value = 0.05;
     let experiment = Experiment::new(&model, &recording(exact.clone(), still, &time)).unwrap();
     let k3 = random.random_range(0.5e4..1.5e4);
-    let hardening = Term {
-        effect: Effect::from_name("cubic_stiffness").unwrap(),
-        place: Place::Transmission,
-        values: vec![k3],
-    };
+    let hardening = Term::new(
+        Effect::from_name("cubic_stiffness").unwrap(),
+        Place::Transmission,
+        vec![k3],
+    );
     let motion = simulate(
         model.kind,
         &model.keys(),

@@ -19,11 +19,7 @@ fn joint() -> Model {
 }
 
 fn term(name: &str, place: Place, values: &[f64]) -> Term {
-    Term {
-        effect: Effect::from_name(name).unwrap(),
-        place,
-        values: values.to_vec(),
-    }
+    Term::new(Effect::from_name(name).unwrap(), place, values.to_vec())
 }
 
 /// Positions of the motor side under moves from rest to rest, a rest before them.

@@ -34,11 +34,7 @@ pub fn typical(machine: &Machine, effect: &'static Effect, place: Place, factor:
     let size = effect.size();
     let neutral = effect.parameters[size].neutral;
     values[size] = neutral + factor * (values[size] - neutral);
-    Term {
-        effect,
-        place,
-        values,
-    }
+    Term::new(effect, place, values)
 }
 
 fn experiment(machine: &Machine) -> Experiment {

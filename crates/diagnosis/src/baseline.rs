@@ -133,6 +133,7 @@ pub fn problem<'a>(
         departures: departures(model, experiments),
         departure_scale: departure_scale(&scales),
         catalogue: Catalogue::default(),
+        scales_of_each: Vec::new(),
         scales,
         frozen: false,
         stop: Stop::default(),
@@ -320,7 +321,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         input: input.max(f64::MIN_POSITIVE),
         natural_frequency: mode.map_or(fastest, |mode| mode.0),
         damping_ratio: mode.map_or(0.05, |mode| mode.1),
-        span,
+        span: experiments.iter().map(Experiment::span).fold(span, joined),
         sample_time: (span.1 - span.0) / output.values.len().max(1) as f64,
         candidate_events: Vec::new(),
         candidate_frequencies: Vec::new(),
@@ -331,6 +332,11 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         rigid: linear.link.is_none(),
         visited,
     }
+}
+
+/// The least range that contains two.
+fn joined(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+    (one.0.min(other.0), one.1.max(other.1))
 }
 
 /// The ranges that a motion visits, and those of what was recorded.

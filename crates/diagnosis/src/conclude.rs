@@ -6,7 +6,7 @@ use super::explanation::Explanation;
 use super::found::{Found, is_or_contains};
 use super::law_curve::law_curve;
 use super::locate::Located;
-use super::point::{EffectAt, Global};
+use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};
 use super::search::Search;
 use super::summary::{summary, times, whole};
@@ -29,14 +29,7 @@ pub fn conclude(
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
         _ => findings(search, found, &bootstrap(search, &found.best, seed)),
     };
-    let fit = Fit {
-        before: quality(search, &found.baseline),
-        after: match findings.is_empty() {
-            true => quality(search, &found.baseline),
-            false => quality(search, &found.best),
-        },
-        ..level(search.problem)
-    };
+    let fit = fit(search, found, reported(verdict, found));
     let mut diagnosis = Diagnosis {
         verdict,
         summary: String::new(),
@@ -63,6 +56,18 @@ pub fn conclude(
         search.problem.catalogue,
     );
     (diagnosis, scale)
+}
+
+fn fit(search: &Search, found: &Found, told: &Explanation) -> Fit {
+    let point = &told.fitted.point;
+    let alone = point.without_what_happened();
+    let of = |point: &Point| quality(search, point);
+    Fit {
+        before: of(&found.baseline.fitted.point),
+        after: of(point),
+        model_alone: (alone.terms.len() < point.terms.len()).then(|| of(&alone)),
+        ..level(search.problem)
+    }
 }
 
 /// The explanation that is offered: never one that was not believed.
@@ -165,6 +170,7 @@ fn finding(
             .into_iter()
             .map(|other| other.name.to_string())
             .collect(),
+        happened_in: Vec::new(),
         curve: None,
     }
 }
@@ -235,7 +241,7 @@ fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64
     all
 }
 
-/// The model with the findings in it, its parameters as they were fitted.
+/// The model with the findings in it that are the machine's, its parameters as they were fitted.
 pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
     let mut better = model.clone();
     let point = &explanation.fitted.point;
@@ -248,7 +254,7 @@ pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
             value.value = *fitted;
         }
     }
-    for term in found {
+    for term in found.iter().filter(|term| term.recording.is_none()) {
         better.effects.push(ModelEffect {
             effect: term.effect,
             place: term.place,

@@ -11,6 +11,7 @@ use super::screen::{Table, candidates};
 use super::search::Search;
 use super::successive_halving::Halving;
 use super::thresholds::{LOST, SECOND, SHORT};
+use quell_model::Term;
 
 /// Steps of the model's keys at each size.
 const FIRST: usize = 2;
@@ -55,7 +56,8 @@ impl Search<'_> {
             (cost, point)
         };
         let step = |last: &Point, values: &[f64]| {
-            fitted(last.with(effect, place, values.to_vec()), None, FIRST)
+            let term = Term::new(effect, place, values.to_vec());
+            fitted(last.with(term), None, FIRST)
         };
         let follow = |start: &Point, sizes: &[Vec<f64>]| {
             let mut ends: Vec<(f64, Point)> = Vec::new();

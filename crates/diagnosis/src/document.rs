@@ -66,6 +66,10 @@ pub struct Finding {
     pub evidence: String,
     /// Effects that the data cannot tell from it.
     pub alternatives: Vec<String>,
+    /// The recordings in which it happened, one for each time; empty where it is the machine's. The better model does
+    /// not have what happened.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub happened_in: Vec<String>,
     /// Its law as a curve, where it is a static one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<LawCurve>,
@@ -145,6 +149,9 @@ pub struct Fit {
     pub before: Quality,
     /// The model with the findings.
     pub after: Quality,
+    /// The better model: without the findings that [happened](Finding::happened_in). None where nothing happened.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_alone: Option<Quality>,
 }
 
 /// One proposed move, jerk-limited, from rest to rest. The first starts where the first recording does.

@@ -22,20 +22,25 @@ impl Search<'_> {
         else {
             return explanation;
         };
-        let candidates = &self.problem.scales.candidate_events;
-        let (effect, place) = (event.effect, event.place);
+        let each = self.problem.scales_of_each.iter();
+        let candidates = each.flat_map(|(own, scales)| {
+            let times = scales.candidate_events.iter();
+            times.map(|time| (*own, *time))
+        });
         let temperature = CALIBRATED * self.judge.unit(&explanation);
         let mut best = explanation.clone();
-        for &time in candidates {
+        for (recording, time) in candidates {
             let point = &best.fitted.point;
-            let own = point.terms.iter().filter(|term| is_like(term, event));
+            let here = |term: &&Term| is_like(term, event) && term.recording == Some(recording);
+            let own = point.terms.iter().filter(here);
             let mut times = own.map(|term| term.values[when]);
             if times.any(|own| (own - time).abs() <= self.problem.scales.period()) {
                 continue;
             }
-            let mut values = effect.neutral();
-            values[when] = time;
-            let next = self.with_event(&point.with(effect, place, values), when);
+            let mut next = event.clone().in_recording(Some(recording));
+            next.values = event.effect.neutral();
+            next.values[when] = time;
+            let next = self.with_event(&point.with(next), when);
             if next.log_evidence(temperature) > best.log_evidence(temperature) {
                 best = next;
             }
@@ -55,7 +60,7 @@ impl Search<'_> {
     ) -> Explanation {
         let mut point = found.fitted.point;
         let mut added = point.terms.split_off(point.given_terms);
-        let time = |term: &Term| (is_like(term, event)).then(|| term.values[when]);
+        let time = |term: &Term| is_like(term, event).then(|| (term.recording, term.values[when]));
         let order = |a: &Term, b: &Term| time(a).partial_cmp(&time(b));
         added.sort_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
         point.terms.append(&mut added);

@@ -6,7 +6,6 @@ use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
 use super::pool::Pool;
-use super::problem::Problem;
 use super::screen::{Start, Table, screen};
 use super::search::Search;
 use super::successive_halving::Halving;
@@ -23,10 +22,8 @@ impl Search<'_> {
     pub fn extend(&self, from: &Explanation, table: Table, pool: &Pool) -> Vec<Explanation> {
         let temperature = pool.temperature(self.judge);
         let before = quell_model::simulations();
-        let located = Problem {
-            scales: self.problem.located_in(from),
-            ..self.problem.clone()
-        };
+        let mut located = self.problem.clone();
+        located.locate_again(from);
         let search = Search {
             problem: &located,
             ..*self
@@ -84,11 +81,11 @@ impl Search<'_> {
         }
         let starts = screen(problem, point, linear, self.projector, (table, SIZES));
         let candidate = |starts: Vec<Start>| {
-            let with = |from: &Point, s: &Start| from.with(s.effect, s.place, s.values.clone());
+            let with = |from: &Point, s: &Start| from.with(s.term.clone());
             let near = starts.iter().map(|start| with(point, start));
             let near = near.chain([with(&believed, &starts[0])]);
             Candidate {
-                effect: (starts[0].effect, starts[0].place),
+                effect: starts[0].term.identity(),
                 near: near.collect(),
                 far: Vec::new(),
             }
@@ -167,9 +164,7 @@ fn chosen(starts: Vec<Start>, fall: f64, most: usize) -> Vec<Vec<Start>> {
         if start.score < fall {
             break;
         }
-        let same = |group: &&mut Vec<Start>| {
-            (group[0].effect, group[0].place) == (start.effect, start.place)
-        };
+        let same = |group: &&mut Vec<Start>| group[0].term.identity() == start.term.identity();
         let room = groups.len() < most;
         match groups.iter_mut().find(same) {
             Some(group) => group.push(start),

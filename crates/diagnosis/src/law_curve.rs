@@ -170,12 +170,9 @@ impl Drawn<'_> {
 
     /// A named law over what was visited.
     fn named(&self, covariance: &DMatrix<f64>) -> Option<LawCurve> {
-        let Term {
-            effect,
-            values,
-            place,
-        } = self.term;
-        let points = points(self.slot, visited(self.slot, *place, &self.problem.scales)?);
+        let Term { effect, values, .. } = self.term;
+        let range = visited(self.slot, self.term.place, &self.problem.scales)?;
+        let points = points(self.slot, range);
         let at = |values: &[f64]| {
             let law = curve(effect, values, &self.at, &points);
             law.map(DVector::from_vec)
@@ -257,6 +254,7 @@ mod tests {
             parameters: Vec::new(),
             evidence: String::new(),
             alternatives: Vec::new(),
+            happened_in: Vec::new(),
             curve: Some(LawCurve {
                 law: "spring force".into(),
                 unit: "N".into(),

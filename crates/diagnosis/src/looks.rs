@@ -7,8 +7,8 @@ use super::error::DiagnosisError;
 use super::excitation::{Carried, at_rest, carried, mute, silent};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::attempt;
-use super::score::score;
-use super::stretches::stretches;
+use super::score::score_with;
+use super::stretches::{Stretches, stretches};
 use super::thresholds::LOST;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
@@ -35,29 +35,45 @@ pub fn diagnose(
     if let Carried::Nothing(words) = carried(model, train)? {
         return silent(model, train, &words);
     }
-    let (train, mut left_out) = stretches(train);
-    let (held_out, also) = stretches(held_out);
-    left_out.extend(also);
-    let mut outcome = look(model, &train, &held_out, options, progress)?;
+    let (known, apart) = (stretches(train), stretches(held_out));
+    let mut outcome = look(model, &known, &apart, options, progress)?;
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
+    let left_out = known.remarks.into_iter().chain(apart.remarks);
     outcome.diagnosis.remarks.splice(0..0, left_out);
     outcome.diagnosis.check()?;
+    where_it_happened(&mut outcome, train);
     Ok(outcome)
+}
+
+/// Tells of each finding the recordings in which it happened.
+fn where_it_happened(outcome: &mut Outcome, recordings: &[Recording]) {
+    for finding in &mut outcome.diagnosis.findings {
+        let own = outcome.happened.iter().filter(|term| {
+            term.effect.name == finding.effect && term.place.name() == finding.place
+        });
+        let indices = own.filter_map(|term| term.recording);
+        let names = indices.map(|index| recordings[index].name.clone());
+        finding.happened_in = names.collect();
+    }
 }
 
 /// Of recordings that are no longer than they need to be.
 fn look(
     model: &Model,
-    train: &[Recording],
-    held_out: &[Recording],
+    known: &Stretches,
+    held_out: &Stretches,
     options: &Options,
     progress: Progress,
 ) -> Result<Outcome, DiagnosisError> {
-    let (fitted, apart) = (experiments(model, train)?, experiments(model, held_out)?);
+    let train = &known.recordings[..];
+    let (fitted, mut apart) = (experiments(model, known)?, experiments(model, held_out)?);
+    for experiment in &mut apart {
+        experiment.recording += train.len();
+    }
     mute(model, train, &fitted)?;
-    mute(model, held_out, &apart)?;
+    mute(model, &held_out.recordings, &apart)?;
     let unknown = Known {
         enough: options.enough.clone(),
         ..Known::default()
@@ -91,7 +107,7 @@ fn look(
     if explains(&in_one) {
         return Ok(in_one);
     }
-    Ok(match is_better(&in_windows, &in_one, train) {
+    Ok(match is_better(&in_windows, &in_one, known) {
         true => in_windows,
         false => in_one,
     })
@@ -99,8 +115,8 @@ fn look(
 
 /// Whether one of two outcomes that both leave more than noise is the better one: the simpler, unless it misses the
 /// recordings by far more, in one piece.
-fn is_better(one: &Outcome, other: &Outcome, train: &[Recording]) -> bool {
-    let [own, theirs] = [one, other].map(|own| misses(&own.model, train));
+fn is_better(one: &Outcome, other: &Outcome, train: &Stretches) -> bool {
+    let [own, theirs] = [one, other].map(|own| misses(own, train));
     let count = |own: &Outcome| own.diagnosis.findings.len();
     match count(one) == count(other) {
         true => own < theirs,
@@ -116,13 +132,15 @@ fn explains(outcome: &Outcome) -> bool {
     matches!(verdict, NoMismatch | Named | Ambiguous | NotExcited)
 }
 
-/// By how much a model misses recordings, replayed in one piece: the mean square in units of the noise.
-fn misses(model: &Model, recordings: &[Recording]) -> f64 {
-    let square = |recording| match score(model, recording) {
-        Ok(score) => score.rms_over_noise.powi(2),
-        Err(_) => f64::INFINITY,
+/// By how much a model and what happened miss recordings, replayed in one piece: the mean square in units of the
+/// noise.
+fn misses(own: &Outcome, train: &Stretches) -> f64 {
+    let square = |(part, &recording): (&Recording, &usize)| {
+        let score = score_with(&own.model, &own.happened, part.clone(), recording);
+        score.map_or(f64::INFINITY, |score| score.rms_over_noise.powi(2))
     };
-    recordings.iter().map(square).sum()
+    let parts = train.recordings.iter().zip(&train.of);
+    parts.map(square).sum()
 }
 
 /// The same experiments without starts within them.
@@ -132,10 +150,12 @@ fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
     whole
 }
 
-fn experiments(model: &Model, recordings: &[Recording]) -> Result<Vec<Experiment>, DiagnosisError> {
+fn experiments(model: &Model, stretches: &Stretches) -> Result<Vec<Experiment>, DiagnosisError> {
     let mut all = Vec::new();
-    for recording in recordings {
-        all.push(at_rest(Experiment::new(model, recording)?));
+    for (part, &recording) in stretches.recordings.iter().zip(&stretches.of) {
+        let mut experiment = at_rest(Experiment::new(model, part)?);
+        experiment.recording = recording;
+        all.push(experiment);
     }
     Ok(all)
 }
@@ -154,8 +174,12 @@ fn in_two(
             continue;
         };
         let (before, after) = recording.at(cut.time);
-        fitted.push(Experiment::new(model, &before)?);
-        apart.push(Experiment::new(model, &after)?);
+        for (part, parts) in [(before, &mut fitted), (after, &mut apart)] {
+            parts.push(Experiment {
+                recording: experiment.recording,
+                ..Experiment::new(model, &part)?
+            });
+        }
     }
     Ok((fitted, apart))
 }

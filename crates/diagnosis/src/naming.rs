@@ -48,8 +48,8 @@ impl Search<'_> {
             let mut named = point.clone();
             named.terms[index] = Term {
                 effect: law.effect,
-                place: learned.place,
                 values: law.values,
+                ..learned.clone()
             };
             named
         };

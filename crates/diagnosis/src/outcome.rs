@@ -3,8 +3,8 @@
 use super::document::Diagnosis;
 use super::stop::Stop;
 use super::traces::Traces;
-use quell_model::Model;
 use quell_model::effects::Catalogue;
+use quell_model::{Model, Term};
 
 /// What the caller may choose.
 #[derive(Clone, Debug)]
@@ -35,8 +35,10 @@ impl Default for Options {
 pub struct Outcome {
     /// What it says.
     pub diagnosis: Diagnosis,
-    /// The model with the findings in it.
+    /// The model with the findings in it, but for what happened in one recording.
     pub model: Model,
+    /// What happened in one recording.
+    pub happened: Vec<Term>,
     /// What a report draws.
     pub traces: Traces,
 }

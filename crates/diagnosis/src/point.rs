@@ -71,6 +71,13 @@ impl Point {
         effects
     }
 
+    /// The point without what happened in one recording.
+    pub fn without_what_happened(&self) -> Self {
+        let mut point = self.clone();
+        point.terms.retain(|term| term.recording.is_none());
+        point
+    }
+
     /// The point without an effect that was added.
     pub fn without_effect(&self, effect: EffectAt) -> Self {
         let mut point = self.clone();
@@ -97,13 +104,9 @@ impl Point {
     }
 
     /// The point with one more effect.
-    pub fn with(&self, effect: &'static Effect, place: Place, values: Vec<f64>) -> Self {
+    pub fn with(&self, term: Term) -> Self {
         let mut point = self.clone();
-        point.terms.push(Term {
-            effect,
-            place,
-            values,
-        });
+        point.terms.push(term);
         point
     }
 }

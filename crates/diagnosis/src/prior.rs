@@ -53,7 +53,11 @@ impl Problem<'_> {
                 let ratio = (value - parameter.neutral) / typical;
                 typical * PI * (1.0 + ratio * ratio) / root
             }
-            ParameterRole::Time => self.scales.duration() / root,
+            // At any time of any recording.
+            ParameterRole::Time => {
+                let each = self.experiments.iter().map(|own| own.span());
+                each.map(|(from, to)| to - from).sum::<f64>() / root
+            }
             ParameterRole::Position => self.scales.travel().max(typical) / root,
             ParameterRole::Phase => TAU / root,
             // Of the curve as a whole more is known.

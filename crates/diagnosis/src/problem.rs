@@ -49,6 +49,9 @@ pub struct Problem<'a> {
     pub catalogue: Catalogue,
     /// How large the motion is.
     pub scales: Scales,
+    /// The same for what happened in one recording only: with the time of each, and the instants at which something
+    /// seems to happen in it.
+    pub scales_of_each: Vec<(usize, Scales)>,
     /// Whether only what each experiment alone has is fitted.
     pub frozen: bool,
     /// Ends the work before its time.

@@ -1,15 +1,13 @@
 //! How well an explanation fits what it was fitted to, and what was held out.
 
 use super::document::{Fit, Quality};
-use super::explanation::Explanation;
 use super::point::Point;
 use super::problem::{Problem, Rows};
 use super::search::Search;
 
 /// Root mean square residuals in the unit of the first output, and in times the noise of each recording.
-pub fn quality(search: &Search, explanation: &Explanation) -> Quality {
+pub fn quality(search: &Search, point: &Point) -> Quality {
     let (judge, problem) = (search.judge, search.problem);
-    let point = &explanation.fitted.point;
     let of = |rows: &[Vec<Rows>]| rms(problem, point, rows);
     let [train, train_over] = of(&problem.rows);
     let [held, held_over] = match judge.data.apart.is_empty() {
@@ -58,5 +56,6 @@ pub fn level(problem: &Problem) -> Fit {
         unit: output.unit.clone(),
         before: nothing,
         after: nothing,
+        model_alone: None,
     }
 }

@@ -9,9 +9,8 @@ use quell_recording::Role;
 use std::f64::consts::TAU;
 
 impl Problem<'_> {
-    /// The scales, with the events, frequencies, orders and stops that an explanation leaves, those that were
-    /// suggested before behind them.
-    pub fn located_in(&self, own: &Explanation) -> Scales {
+    /// Takes the events, frequencies, orders and stops that an explanation leaves for those to look at.
+    pub fn locate_again(&mut self, own: &Explanation) {
         let located = self.locate(own);
         tracing::debug!(
             times = ?located.candidate_events,
@@ -20,7 +19,9 @@ impl Problem<'_> {
             "candidate events"
         );
         let mut scales = self.scales.clone();
-        scales.candidate_events = located.candidate_events;
+        scales
+            .candidate_events
+            .clone_from(&located.candidate_events);
         scales.candidate_frequencies = located.candidate_frequencies;
         scales.candidate_orders = located.candidate_orders;
         scales.candidate_stops = located.candidate_stops;
@@ -29,17 +30,48 @@ impl Problem<'_> {
             let output = &self.experiments[0].outputs[0];
             scales.candidate_frequencies = super::screen::peaks(&output.time, &residual[0]);
         }
-        scales
+        self.scales = scales;
+        self.scales_of_each = self.of_each(own, located.candidate_events);
+    }
+
+    /// The scales of each recording, the events of the first one being known.
+    fn of_each(&self, own: &Explanation, first: Vec<f64>) -> Vec<(usize, Scales)> {
+        let mut each: Vec<(usize, Scales)> = Vec::new();
+        let mut known = Some(first);
+        for (e, experiment) in self.experiments.iter().enumerate() {
+            let events = known.take();
+            let events = events.unwrap_or_else(|| self.locate_in(own, e).candidate_events);
+            let span = experiment.span();
+            match each.iter_mut().find(|own| own.0 == experiment.recording) {
+                Some((_, scales)) => {
+                    scales.span = (scales.span.0.min(span.0), scales.span.1.max(span.1));
+                    scales.candidate_events.extend(events);
+                }
+                None => each.push((
+                    experiment.recording,
+                    Scales {
+                        span,
+                        candidate_events: events,
+                        ..self.scales.clone()
+                    },
+                )),
+            }
+        }
+        each
     }
 
     /// Where the residual of the first output sits.
     pub fn locate(&self, own: &Explanation) -> Located {
+        self.locate_in(own, 0)
+    }
+
+    fn locate_in(&self, own: &Explanation, e: usize) -> Located {
         let (problem, point) = (self, &own.fitted.point);
-        let residual = problem.explained(point, 0);
-        let (experiment, local) = (&problem.experiments[0], &point.locals[0]);
+        let residual = problem.explained(point, e);
+        let (experiment, local) = (&problem.experiments[e], &point.locals[e]);
         let simulated = simulate_windows(
             problem.kind,
-            &problem.keys(point, 0),
+            &problem.keys(point, e),
             &point.terms,
             experiment,
             &local.departures,
@@ -64,7 +96,7 @@ impl Problem<'_> {
         locate(&Residual {
             time: &output.time,
             residual: &residual[0],
-            noise_std: problem.whitening[0][0].deviation,
+            noise_std: problem.whitening[e][0].deviation,
             motor: &motor,
             link: &link,
             dynamics: Dynamics {

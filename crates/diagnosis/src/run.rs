@@ -69,7 +69,7 @@ fn investigate(
     let baseline: Explanation = judge.judge(&problem, &projector, fitted);
     progress(0.1, "locating the mismatch");
     let located = problem.locate(&baseline);
-    problem.scales = problem.located_in(&baseline);
+    problem.locate_again(&baseline);
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
@@ -97,7 +97,9 @@ fn investigate(
     let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);
     let better = better_model(model, told);
+    let terms = told.fitted.point.terms.iter().cloned();
     let outcome = Outcome {
+        happened: terms.filter(|term| term.recording.is_some()).collect(),
         model: match scale {
             Some(scale) => scale.corrected(better),
             None => better,

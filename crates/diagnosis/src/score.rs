@@ -7,7 +7,7 @@ use super::fit::Projector;
 use super::split;
 use super::start::ringing;
 use super::weights::measure_noise;
-use quell_model::{Experiment, Model, Output};
+use quell_model::{Experiment, Model, Output, Term};
 use quell_recording::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -52,13 +52,24 @@ pub fn predict(
     model: &Model,
     recording: Recording,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
+    predict_with(model, &[], recording, 0)
+}
+
+/// [`predict`] with what happened in a set of recordings, of which this is the one of an index.
+fn predict_with(
+    model: &Model,
+    happened: &[Term],
+    recording: Recording,
+    index: usize,
+) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
     if let Carried::Nothing(words) = carried(model, std::slice::from_ref(&recording))? {
         let recording = recording.name;
         return Err(DiagnosisError::Still { recording, words });
     }
     let name = recording.name.clone();
     let mut experiments = vec![Experiment::of(model, recording)?];
-    let (residuals, noise) = left(model, &experiments);
+    experiments[0].recording = index;
+    let (residuals, noise) = left(model, happened, &experiments);
     let score = score_of(&experiments[0], &residuals[0], noise);
     let numbers = [
         score.rms,
@@ -75,11 +86,13 @@ pub fn predict(
 }
 
 /// What the model leaves of each output, and the first one's noise.
-fn left(model: &Model, experiments: &[Experiment]) -> (Vec<Vec<f64>>, f64) {
+fn left(model: &Model, happened: &[Term], experiments: &[Experiment]) -> (Vec<Vec<f64>>, f64) {
     let rows = experiments.iter().map(split::whole).collect();
     let mut fit = problem(model, experiments, rows);
     fit.freeze();
-    let start = fit.start(model);
+    let mut start = fit.start(model);
+    start.terms.extend_from_slice(happened);
+    start.given_terms = start.terms.len();
     let mut projector = Projector::new(&fit);
     let still = fit.fit(&start, &projector, 15);
     let first = ringing(&mut fit, still, &projector);
@@ -117,6 +130,19 @@ impl Predicted {
 /// As [`predict`].
 pub fn score(model: &Model, recording: &Recording) -> Result<Score, DiagnosisError> {
     Ok(predict(model, recording.clone())?.1)
+}
+
+/// [`score`] with what happened in a set of recordings, of which this is the one of an index.
+///
+/// # Errors
+/// As [`predict`].
+pub fn score_with(
+    model: &Model,
+    happened: &[Term],
+    recording: Recording,
+    index: usize,
+) -> Result<Score, DiagnosisError> {
+    Ok(predict_with(model, happened, recording, index)?.1)
 }
 
 fn score_of(experiment: &Experiment, residual: &[f64], deviation: f64) -> Score {

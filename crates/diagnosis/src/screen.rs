@@ -12,8 +12,9 @@ use super::fit::{Linearised, Projector, orthonormal};
 use super::point::{EffectAt, Point};
 use super::problem::{Problem, Run};
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
+use quell_model::Term;
 use quell_model::chain::RESONANCES;
-use quell_model::effects::{Effect, LEARNED, Law, Place, Slot};
+use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -30,15 +31,11 @@ const CURVE: f64 = 3.0;
 /// Share of the mismatch that is promise enough.
 const HOPEFUL: f64 = 0.5;
 
-/// An effect at a place with values to start from.
+/// An effect with values to start from.
 #[derive(Clone)]
 pub struct Start {
-    /// Which.
-    pub effect: &'static Effect,
-    /// Where.
-    pub place: Place,
-    /// Values.
-    pub values: Vec<f64>,
+    /// Which, where and how large.
+    pub term: Term,
     /// By how much the cost should fall.
     pub score: f64,
     /// Times this size the cost would be least, were the effect linear in it.
@@ -152,19 +149,34 @@ pub fn screen(
 }
 
 impl Screen<'_> {
+    /// An effect at its place with the values of its grid; what happens, in each recording.
+    fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
+        let problem = self.problem;
+        let of = |scales: &Scales, recording: Option<usize>| -> Vec<Term> {
+            let term = |values| Term::new(effect, place, values).in_recording(recording);
+            (effect.starts)(scales).into_iter().map(term).collect()
+        };
+        match effect.happens() {
+            true => {
+                let each = problem.scales_of_each.iter();
+                each.flat_map(|(own, scales)| of(scales, Some(*own)))
+                    .collect()
+            }
+            false => of(&problem.scales, None),
+        }
+    }
+
     /// The best sizes of one candidate.
     fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
-        let start = |values: Vec<f64>| {
-            let (score, factor) = self.score(&self.point.with(effect, place, values.clone()));
+        let start = |term: Term| {
+            let (score, factor) = self.score(&self.point.with(term.clone()));
             Start {
-                effect,
-                place,
-                values,
+                term,
                 score,
                 factor,
             }
         };
-        let grid = (effect.starts)(&self.problem.scales);
+        let grid = self.starts(effect, place);
         let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
@@ -172,9 +184,9 @@ impl Screen<'_> {
         let size = effect.size();
         let (low, high) = (effect.parameters[size].bounds)(&self.problem.scales);
         for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
-            let mut values = own.values.clone();
-            values[size] = (values[size] * own.factor).clamp(low, high);
-            let resized = start(values);
+            let mut term = own.term.clone();
+            term.values[size] = (term.values[size] * own.factor).clamp(low, high);
+            let resized = start(term);
             if resized.score > own.score {
                 *own = resized;
             }
@@ -185,23 +197,23 @@ impl Screen<'_> {
 
     /// A learned law at the curve that is likeliest to first order, for each range of its knots.
     fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
-        let starts = (effect.starts)(&self.problem.scales).into_iter();
-        let curve = |neutral: Vec<f64>| self.curve(effect, place, neutral);
+        let starts = self.starts(effect, place).into_iter();
         starts
-            .filter_map(curve)
+            .filter_map(|neutral| self.curve(neutral))
             .max_by(|a, b| a.score.total_cmp(&b.score))
             .into_iter()
             .collect()
     }
 
-    fn curve(&self, effect: &'static Effect, place: Place, neutral: Vec<f64>) -> Option<Start> {
+    fn curve(&self, neutral: Term) -> Option<Start> {
+        let effect = neutral.effect;
         let ordinates = ordinates(effect);
         let step = FINE * size(&self.problem.scales, effect);
         let last = self.point.terms.len();
         let column = |&index: &usize| {
-            let mut values = neutral.clone();
-            values[index] += step;
-            let moved = self.point.with(effect, place, values);
+            let mut moved = neutral.clone();
+            moved.values[index] += step;
+            let moved = self.point.with(moved);
             let run = |e: usize| {
                 self.problem
                     .run_again(&moved, e, last, &self.linear.runs[e])
@@ -222,13 +234,11 @@ impl Screen<'_> {
         let mut start = neutral;
         let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
         for (&index, value) in ordinates.iter().zip(values.iter()) {
-            start[index] = value.clamp(low, high);
+            start.values[index] = value.clamp(low, high);
         }
         let score = -white.dot(&gradient);
         score.is_finite().then_some(Start {
-            effect,
-            place,
-            values: start,
+            term: start,
             score,
             factor: 1.0,
         })

@@ -50,8 +50,8 @@ impl Corrections {
             };
             let neutral = Term {
                 effect,
-                place: term.place,
                 values: (effect.starts)(&problem.scales).swap_remove(0),
+                ..term.clone()
             };
             let mut own = Correction {
                 ordinates: ordinates(effect),
@@ -91,16 +91,12 @@ impl Corrections {
 impl Correction {
     /// Derivatives, mixed as the prior correlates the ordinates.
     fn columns(&self, problem: &Problem, views: &Views, point: &Point, here: &Both) -> Vec<Both> {
-        let Term {
-            effect,
-            place,
-            values,
-        } = &self.neutral;
+        let neutral = &self.neutral;
         let slope = |&index: &usize| {
-            let step = STEP * (effect.parameters[index].typical)(&problem.scales);
-            let mut values = values.clone();
-            values[index] += step;
-            views.slope(here, &point.with(effect, *place, values), step)
+            let step = STEP * (neutral.effect.parameters[index].typical)(&problem.scales);
+            let mut moved = neutral.clone();
+            moved.values[index] += step;
+            views.slope(here, &point.with(moved), step)
         };
         let slopes: Vec<Both> = self.ordinates.iter().map(slope).collect();
         let slopes = joined(&slopes, here).map(|slopes| slopes * &self.root);

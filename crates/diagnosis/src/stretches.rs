@@ -13,16 +13,27 @@ const STRETCHES: usize = 10;
 /// Share of a stretch's samples that a channel must have for the stretch to count.
 const PRESENT: f64 = 0.5;
 
-/// The recordings, long ones as [`STRETCHES`] recordings each, and what there is to say of it.
-pub fn stretches(recordings: &[Recording]) -> (Cow<'_, [Recording]>, Vec<String>) {
-    if recordings
-        .iter()
-        .all(|recording| longest(recording).is_none())
-    {
-        return (Cow::Borrowed(recordings), Vec::new());
+/// Recordings that are no longer than they need to be.
+pub struct Stretches<'a> {
+    /// Stretches, or whole recordings.
+    pub recordings: Cow<'a, [Recording]>,
+    /// Index of the recording that each is a part of.
+    pub of: Vec<usize>,
+    /// What there is to say of it.
+    pub remarks: Vec<String>,
+}
+
+/// The recordings, long ones as [`STRETCHES`] recordings each.
+pub fn stretches(recordings: &[Recording]) -> Stretches<'_> {
+    if recordings.iter().all(|own| longest(own).is_none()) {
+        return Stretches {
+            recordings: Cow::Borrowed(recordings),
+            of: (0..recordings.len()).collect(),
+            remarks: Vec::new(),
+        };
     }
-    let (mut all, mut remarks) = (Vec::new(), Vec::new());
-    for recording in recordings {
+    let (mut all, mut of, mut remarks) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, recording) in recordings.iter().enumerate() {
         let parts = longest(recording).map(|channel| cut(recording, channel));
         match parts.filter(|parts| !parts.is_empty()) {
             Some(parts) => {
@@ -31,8 +42,13 @@ pub fn stretches(recordings: &[Recording]) -> (Cow<'_, [Recording]>, Vec<String>
             }
             None => all.push(recording.clone()),
         }
+        of.resize(all.len(), index);
     }
-    (Cow::Owned(all), remarks)
+    Stretches {
+        recordings: Cow::Owned(all),
+        of,
+        remarks,
+    }
 }
 
 /// The channel of most samples, where these are more than are needed.
@@ -97,11 +113,17 @@ mod tests {
     #[test]
     fn what_is_short_is_left_alone_and_what_is_long_is_seen_from_end_to_end() {
         let short = [recording(ENOUGH)];
-        let (all, remarks) = stretches(&short);
-        assert!(all.len() == 1 && remarks.is_empty());
-        let long = [recording(5 * ENOUGH)];
-        let (parts, remarks) = stretches(&long);
-        assert_eq!((parts.len(), remarks.len()), (STRETCHES, 1));
+        let all = stretches(&short);
+        assert!(all.of == [0] && all.remarks.is_empty());
+        let long = [recording(5 * ENOUGH), recording(ENOUGH)];
+        let Stretches {
+            recordings: mut parts,
+            of,
+            remarks,
+        } = stretches(&long);
+        assert_eq!(of, [[0; STRETCHES].as_slice(), &[1]].concat());
+        assert_eq!(remarks.len(), 1);
+        parts.to_mut().pop();
         let samples: usize = parts.iter().map(|part| part.channels[0].time.len()).sum();
         assert!(samples.abs_diff(ENOUGH) <= STRETCHES, "{samples}");
         let [first, last] = [&parts[0], &parts[STRETCHES - 1]].map(|part| &part.channels[1].time);

@@ -103,6 +103,7 @@ impl TrackerScale {
                 true => vec![LEVER_ARM.into()],
                 false => Vec::new(),
             },
+            happened_in: Vec::new(),
             curve: None,
         }
     }

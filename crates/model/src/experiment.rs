@@ -68,6 +68,8 @@ pub struct Experiment {
     pub input_unit: String,
     /// The payload of the axis, as the recording calls it.
     pub payload: Option<String>,
+    /// The recording of a set that it is, or is a part of: what happened in one did not happen in another.
+    pub recording: usize,
 }
 
 /// Radians of the fastest mode in a step. With 0.25 the classical Runge-Kutta method errs by

@@ -68,6 +68,7 @@ impl Experiment {
             position_unit,
             input_unit: input.unit,
             payload: recording.payload,
+            recording: 0,
         };
         for channel in recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);

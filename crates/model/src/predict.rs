@@ -24,9 +24,26 @@ pub struct Term {
     pub place: Place,
     /// Its parameters.
     pub values: Vec<f64>,
+    /// The one [recording](Experiment::recording) of a set in which it happened; none of what is the machine's.
+    pub recording: Option<usize>,
 }
 
 impl Term {
+    /// An effect of the machine.
+    pub fn new(effect: &'static Effect, place: Place, values: Vec<f64>) -> Self {
+        Self {
+            effect,
+            place,
+            values,
+            recording: None,
+        }
+    }
+
+    /// The same in one recording only.
+    pub fn in_recording(self, recording: Option<usize>) -> Self {
+        Self { recording, ..self }
+    }
+
     /// Effect and place.
     pub fn identity(&self) -> (&'static Effect, Place) {
         (self.effect, self.place)
@@ -35,6 +52,11 @@ impl Term {
     /// Whether it changes anything: where its size is neutral the motion is that without it, to the bit.
     pub fn acts(&self) -> bool {
         !self.effect.vanishes(&self.values)
+    }
+
+    /// Whether it changes anything in an experiment.
+    pub fn acts_in(&self, experiment: &Experiment) -> bool {
+        self.recording.is_none_or(|own| own == experiment.recording) && self.acts()
     }
 
     /// The value of its size.
@@ -159,7 +181,7 @@ fn ready<'a>(
     let mut chain = Chain::new(linear);
     let (mut sensors, mut drives, mut timed) = (Vec::new(), Vec::new(), Timed::default());
     for term in terms {
-        if !term.acts() {
+        if !term.acts_in(experiment) {
             continue;
         }
         add(
@@ -373,10 +395,9 @@ impl Simulated {
 impl Model {
     /// The model's effects with their numbers.
     pub fn terms(&self) -> Vec<Term> {
-        let term = |effect: &super::ModelEffect| Term {
-            effect: effect.effect,
-            place: effect.place,
-            values: effect.parameters.iter().map(|p| p.value).collect(),
+        let term = |effect: &super::ModelEffect| {
+            let values = effect.parameters.iter().map(|p| p.value).collect();
+            Term::new(effect.effect, effect.place, values)
         };
         self.effects.iter().map(term).collect()
     }

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::Shown;
-use super::{head, law, words};
+use super::{happened, head, law, words};
 use quell_diagnosis::{Finding, Verdict};
 use quell_model::effects::Place;
 use quell_page::{Page, Table, number};
@@ -20,7 +20,9 @@ pub fn section(page: Page, case: &Case) -> Page {
         ),
         _ => format!("What is left on moves that were not fitted to: {left}."),
     });
-    table(page, case)
+    let alone = happened::left_alone(case);
+    let alone = alone.map(|alone| format!("{}.", words::capital(&alone)));
+    table(alone.into_iter().fold(page, Page::text), case)
 }
 
 /// The effects that cannot be told apart.
@@ -70,7 +72,11 @@ fn sits_with_all(case: &Case, finding: &Finding) -> bool {
 
 /// The parameters of the explanation that was written into the model.
 pub fn parameters(page: Page, case: &Case) -> Page {
-    let names = case.findings();
+    let names = happened::in_model(&case.diagnosis.findings).map(|own| case.title(&own.effect));
+    let names = match words::list(&names.collect::<Vec<_>>(), "and") {
+        none if none.is_empty() => "none of them".into(),
+        names => names,
+    };
     let page = page.heading("Its size").text(format!(
         "The model that was written has {names}; the other explanations fit with a size of their \
          own.",
@@ -118,6 +124,7 @@ fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
     let name = words::capital(&finding.title(case.catalogue));
     let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
     let page = means(page, case, &finding.effect);
+    let page = happened::of(finding).into_iter().fold(page, Page::text);
     let page = law::section(page, case, finding);
     let page = match finding.evidence.is_empty() {
         true => page,

@@ -116,13 +116,17 @@ fn frequency(frequency: f64) -> Figure {
 
 /// What is left on what was held out: in the unit of the recording, then in times the noise.
 pub fn left(case: &Case) -> String {
-    let fit = &case.diagnosis.fit;
+    left_by(case, &case.diagnosis.fit.after)
+}
+
+/// The same of another model.
+pub fn left_by(case: &Case, quality: &Quality) -> String {
     let shown = case.misfit_unit();
     format!(
         "{} {} rms, {} times the noise",
-        shown.number(rms_of(&fit.after)),
+        shown.number(rms_of(quality)),
         shown.unit,
-        times(ratio_of(&fit.after, fit))
+        times(ratio_of(quality, &case.diagnosis.fit))
     )
 }
 

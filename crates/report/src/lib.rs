@@ -3,6 +3,7 @@
 mod case;
 mod findings;
 mod follows;
+mod happened;
 mod head;
 mod law;
 mod motion;

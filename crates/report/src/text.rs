@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::case::Case;
 use super::shown::Shown;
-use super::{head, law, next, words};
+use super::{happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
 
@@ -113,10 +113,11 @@ fn fit(case: &Case) -> String {
         ),
         false => columns(["misfit", ""], rows.map(|(name, before, _)| [name, before])),
     };
-    let left = match case.has_after() {
+    let mut left = match case.has_after() {
         true => format!("left: {} on what was held out\n", head::left(case)),
         false => String::new(),
     };
+    left.extend(happened::left_alone(case).map(|alone| format!("{alone}\n")));
     format!(
         "{table}noise: {} {}\n{left}",
         shown.number(*noise_std),
@@ -140,7 +141,9 @@ fn what_to_know(case: &Case, finding: &Finding) -> Vec<String> {
         .map(|remedy| format!("{name}: {remedy}"));
     let shape = law::lines(case, finding);
     let shape = (!shape.is_empty()).then(|| shape.join(" "));
-    shape.into_iter().chain(remedy).chain(doubt).collect()
+    let happened = happened::of(finding).map(|happened| format!("{name}: {happened}"));
+    let lines = shape.into_iter().chain(happened);
+    lines.chain(remedy).chain(doubt).collect()
 }
 
 fn next_move(next: &NextMove) -> Vec<String> {

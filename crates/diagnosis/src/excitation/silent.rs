@@ -38,6 +38,7 @@ pub fn silent(
                 unit: output.unit.clone(),
                 before: nothing,
                 after: nothing,
+                model_alone: None,
             },
             nuisances: BTreeMap::new(),
             next_move: None,
@@ -45,6 +46,7 @@ pub fn silent(
             remarks: recorded(recordings),
         },
         model: model.clone(),
+        happened: Vec::new(),
         traces: Traces::default(),
     })
 }

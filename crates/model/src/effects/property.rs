@@ -104,6 +104,14 @@ impl Effect {
         recurs.then(|| self.index(ParameterRole::Time)).flatten()
     }
 
+    /// Whether it belongs to the recording in which it happened, and is not the machine's: it acts from an instant
+    /// on, or follows a curve over the recording's time.
+    pub fn happens(&self) -> bool {
+        let over_time = |slot: Slot| slot.coordinate() == super::Coordinate::Time;
+        let learned = self.is_learned() && self.slot().is_some_and(over_time);
+        learned || self.index(ParameterRole::Time).is_some()
+    }
+
     /// Whether a machine may have it more than once: it has an instant, a place, a frequency or an order of its
     /// own.
     pub fn may_repeat(&self) -> bool {

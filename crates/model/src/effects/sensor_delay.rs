@@ -2,7 +2,7 @@
 
 use super::grid::sizes;
 use super::shared_parameters::DELAY;
-use super::{Effect, Law, Likeness, Place, Property, Sensor};
+use super::{Effect, Law, Likeness, Parameter, Place, Property, Sensor};
 
 struct Delay {
     delay: f64,
@@ -14,20 +14,31 @@ impl Sensor for Delay {
     }
 }
 
-/// A dead time of the sensor: it shows `y(t - T)`.
+/// A dead time of the sensor: it shows `y(t - T)`. Below 0 it is early beside the input, which is late.
 pub const SENSOR_DELAY: Effect = Effect {
     name: "sensor_delay",
     title: "sensor delay",
     places: &[Place::Sensor],
     physics: "Exposure, averaging and transmission take time: the stamp t stands on what was at t - T. \
+        A negative delay is one of the channel that drives the model: beside it the sensor is early. \
         Where the sensor's clock has an unknown offset, the two are one. Source: Astrom and \
         Wittenmark, Computer-Controlled Systems (1997), chapter 3.",
     remedy: "Shift the sensor's stamps by the delay.",
-    parameters: &[DELAY],
+    parameters: &[Parameter {
+        bounds: |scales| {
+            let (_, most) = (DELAY.bounds)(scales);
+            (-most, most)
+        },
+        ..DELAY
+    }],
     properties: &[
         Property::ShiftsStamps,
         Property::Alike(Likeness::ShiftInTime),
     ],
     law: |p| Law::Sensor(Box::new(Delay { delay: p[0] })),
-    starts: |scales| sizes(scales.period(), [0.003, 0.01, 0.03, 0.1, 0.3]),
+    starts: |scales| {
+        let late = sizes(scales.period(), [0.003, 0.01, 0.03, 0.1, 0.3]);
+        let early = sizes(scales.period(), [-0.003, -0.01, -0.03, -0.1, -0.3]);
+        [late, early].concat()
+    },
 };

@@ -58,8 +58,9 @@ pub(super) fn generate(draw: &mut Draw, kind: Option<Kind>) -> Result<Option<Cas
         }
     };
     let recorded = record(draw, &hurt, &train, "train");
-    // Knocks happen once.
+    // Knocks and grips happen once.
     hurt.joint.knocks.clear();
+    hurt.joint.payload = None;
     let tested = record(draw, &hurt, &test, "test");
     let mut truth = truth(&arm, &instruments, &hidden, rich, residual);
     truth.more.insert("starts_ringing".into(), ringing.into());

@@ -1,0 +1,41 @@
+//! What happened in one recording, and is not the machine's.
+
+use super::case::Case;
+use super::{head, words};
+use quell_diagnosis::Finding;
+
+/// Says of a finding in which recordings it happened, and that the better model does not have it; nothing of what is
+/// the machine's.
+pub fn of(finding: &Finding) -> Option<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in &finding.happened_in {
+        let name = format!("\"{name}\"");
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let often = match finding.happened_in.len() {
+        0 => return None,
+        1 => "once".into(),
+        count => format!("{count} times"),
+    };
+    Some(format!(
+        "It happened {often}, in {}. The better model does not have it.",
+        words::list(&names, "and")
+    ))
+}
+
+/// What the better model alone leaves of the recordings; nothing where nothing happened.
+pub fn left_alone(case: &Case) -> Option<String> {
+    let quality = case.diagnosis.fit.model_alone?;
+    Some(format!(
+        "the better model alone, without what happened, leaves {}",
+        head::left_by(case, &quality)
+    ))
+}
+
+/// The findings that the better model has.
+pub fn in_model(findings: &[Finding]) -> impl Iterator<Item = &Finding> {
+    let stays = |finding: &&Finding| finding.happened_in.is_empty();
+    findings.iter().filter(stays)
+}
