@@ -55,11 +55,13 @@ fn shown(
     let white = noise_floor(residual).standard_deviation;
     let least = rounding(&output.values).max(f64::MIN_POSITIVE);
     let quiet = quiet(experiment, output, decay);
-    let stretches: Vec<Vec<f64>> = quiet
-        .iter()
-        .map(|range| detrended(&residual[range.clone()]))
-        .collect();
-    let stretches = quietest(stretches);
+    // Where nothing moves what was recorded is noise, too: what a model makes there, as one that was given a start to
+    // make up for what it lacks, is none.
+    let quieter = |range: &std::ops::Range<usize>| {
+        let [left, all] = [residual, &output.values].map(|values| detrended(&values[range.clone()]));
+        if power(&all) < power(&left) { all } else { left }
+    };
+    let stretches = quietest(quiet.iter().map(quieter).collect());
     let count: usize = stretches.iter().map(Vec::len).sum();
     let views: Vec<&[f64]> = stretches.iter().map(Vec::as_slice).collect();
     let found = match count >= FEWEST {
@@ -141,13 +143,16 @@ fn moved(experiment: &Experiment) -> bool {
 /// Stretches as quiet as the quietest one, within what chance makes of the deviation of stretches of at
 /// least [`SHORTEST`] samples: where something still rings is no noise.
 fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let power = |s: &Vec<f64>| s.iter().map(|v| v * v).sum::<f64>() / s.len() as f64;
     let long = stretches.iter().filter(|s| s.len() >= SHORTEST);
-    let least = long.map(power).fold(f64::INFINITY, f64::min);
+    let least = long.map(|s| power(s)).fold(f64::INFINITY, f64::min);
     // Four standard deviations of a variance of that many samples, both ways.
     let most = least * (1.0 + 8.0 * (2.0 / SHORTEST as f64).sqrt());
     let quiet = |s: &Vec<f64>| s.len() >= SHORTEST && power(s) <= most;
     stretches.into_iter().filter(quiet).collect()
+}
+
+fn power(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64
 }
 
 /// Stretches of rest in which nothing rings any more.

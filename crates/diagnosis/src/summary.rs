@@ -2,6 +2,7 @@
 
 use super::document::{Diagnosis, Finding, Verdict};
 use super::split::HeldOut;
+use super::thresholds::FLOOR;
 use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
 
@@ -24,12 +25,23 @@ pub fn summary(
     }
     let names = || names(diagnosis, catalogue);
     match diagnosis.verdict {
-        Verdict::NoMismatch => format!(
-            "Nothing is missing: with its parameters refitted the model explains the recording down to \
-             the noise ({} times the noise on {}).",
-            times(before.held_out_over_noise),
-            held_out.trim_end_matches(',')
-        ),
+        Verdict::NoMismatch => {
+            let left = format!(
+                "{} times the noise on {}",
+                times(before.held_out_over_noise),
+                held_out.trim_end_matches(',')
+            );
+            match before.held_out_over_noise.powi(2) <= FLOOR {
+                true => format!(
+                    "Nothing is missing: with its parameters refitted the model explains the recording down to \
+                     the noise ({left})."
+                ),
+                false => format!(
+                    "Nothing was found to be missing: with its parameters refitted the model leaves {left}. What is \
+                     left has no place in the chain: it is noise of another colour, or a mismatch too small to be named."
+                ),
+            }
+        }
         Verdict::Named => format!("The model lacks {}: {change}.", names()),
         Verdict::Ambiguous => format!(
             "The model lacks {}, which this recording cannot tell from {}: {change}.",

@@ -15,6 +15,7 @@ type Each<T> = Vec<Vec<T>>;
 /// Sets level and colour of the noise, and the weights, from the residual at a point.
 pub fn measure_noise(problem: &mut Problem, point: &Point) {
     let (noise, left) = measured(problem, point);
+    tracing::debug!(?noise, "noise");
     problem.whitening = weights(problem, &noise, &left);
     problem.noise = noise;
 }
