@@ -3,14 +3,12 @@
 use super::descent::Descent;
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
+use super::fit::Linearised;
 use super::point::{Global, Point};
 use super::search::Search;
 use super::thresholds::SHORT;
 use quell_model::Term;
 use std::cmp::Ordering;
-
-/// Steps in which the size of an event is found at the instant at which it is a candidate.
-const SIZE: usize = 2;
 
 impl Search<'_> {
     /// An explanation whose last effect is an event, with further ones of its kind at the instants at which
@@ -29,6 +27,7 @@ impl Search<'_> {
         });
         let temperature = CALIBRATED * self.judge.unit(&explanation);
         let mut best = explanation.clone();
+        let mut known = None;
         for (recording, time) in candidates {
             let point = &best.fitted.point;
             let here = |term: &&Term| is_like(term, event) && term.recording == Some(recording);
@@ -40,9 +39,15 @@ impl Search<'_> {
             let mut next = event.clone().in_recording(Some(recording));
             next.values = event.effect.neutral();
             next.values[when] = time;
-            let next = self.with_event(&point.with(next), when);
+            let slopes = known.get_or_insert_with(|| self.problem.linearise(point, self.projector));
+            let Some(sized) = self.sized(&point.with(next), slopes, temperature) else {
+                continue;
+            };
+            let fitted = self.problem.fit(&sized, self.projector, SHORT);
+            let next = self.judge.judge(self.problem, self.projector, fitted);
             if next.log_evidence(temperature) > best.log_evidence(temperature) {
                 best = next;
+                known = None;
             }
         }
         match best.fitted.point.terms.len() > point.terms.len() {
@@ -86,19 +91,20 @@ impl Search<'_> {
         }
     }
 
-    /// A structure whose last term is an event: what is not its time first, then all.
-    fn with_event(&self, point: &Point, when: usize) -> Explanation {
+    /// A point whose last term is an event, with its size by one step from where all else is known; none where it
+    /// promises less than an effect must gain to be worth its prior odds.
+    fn sized(&self, point: &Point, known: &Linearised, temperature: f64) -> Option<Point> {
+        let last = point.terms.len() - 1;
+        let when = point.terms[last].effect.event_time()?;
         let mut held = point.clone();
-        held.held = vec![Global::Parameter(point.terms.len() - 1, when)];
-        let fitted = |point: &Point, steps| {
-            let mut descent = Descent::new(self.problem, self.projector, point, None);
-            descent.run(steps);
-            descent.end()
-        };
-        let mut sized = fitted(&held, SIZE).point;
+        held.held = vec![Global::Parameter(last, when)];
+        let mut descent = Descent::new(self.problem, self.projector, &held, Some(known));
+        descent.glance();
+        let worth = -2.0 * temperature * self.problem.log_prior_of_one();
+        let promises = known.cost - descent.cost() > worth;
+        let mut sized = descent.end().point;
         sized.held.clear();
-        let fitted = fitted(&sized, SHORT);
-        self.judge.judge(self.problem, self.projector, fitted)
+        promises.then_some(sized)
     }
 }
 

@@ -58,8 +58,13 @@ fn shown(
     // Where nothing moves what was recorded is noise, too: what a model makes there, as one that was given a start to
     // make up for what it lacks, is none.
     let quieter = |range: &std::ops::Range<usize>| {
-        let [left, all] = [residual, &output.values].map(|values| detrended(&values[range.clone()]));
-        if power(&all) < power(&left) { all } else { left }
+        let [left, all] =
+            [residual, &output.values].map(|values| detrended(&values[range.clone()]));
+        if power(&all) < power(&left) {
+            all
+        } else {
+            left
+        }
     };
     let stretches = quietest(quiet.iter().map(quieter).collect());
     let count: usize = stretches.iter().map(Vec::len).sum();

@@ -10,6 +10,9 @@ use std::cmp::Ordering;
 
 /// Explanations that are fitted again where the noise is found to be another: more than a credible set has.
 const KEPT: usize = 12;
+/// Logarithm of the odds against the best one at which an explanation is not fitted again: that of a probability of
+/// 5e-5, a two-hundredth of what a credible set leaves out.
+const HOPELESS: f64 = 10.0;
 
 /// Share of what laws explain by which they are wrong, and by which nobody knows how: those of the catalogue are
 /// idealised.
@@ -67,7 +70,9 @@ impl Pool {
     /// The refitted model and the most probable structures, each fitted anew.
     pub fn map(&self, judge: &Judge, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
         let ranked = self.ranked(self.temperature(judge));
-        let first: Vec<&Explanation> = ranked.iter().take(KEPT).map(|own| own.0).collect();
+        let hopeful = |own: &&(&Explanation, f64)| own.1 > ranked[0].1 - HOPELESS;
+        let first = ranked.iter().filter(hopeful).take(KEPT);
+        let first: Vec<&Explanation> = first.map(|own| own.0).collect();
         let is_kept = |own: &Explanation| {
             own.terms() == 0 || first.iter().any(|other| std::ptr::eq(*other, own))
         };

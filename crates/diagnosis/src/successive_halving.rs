@@ -119,12 +119,26 @@ impl<'a> Halving<'a> {
 
     /// Carries all to their ends, or to where they cannot win any more; judged.
     pub fn finish(mut self) -> Vec<Explanation> {
-        let entrants = std::mem::take(&mut self.entrants);
+        let mut entrants = std::mem::take(&mut self.entrants);
         let winner = self.winner().unwrap_or(f64::INFINITY);
-        let mut chosen: Vec<Descent> = entrants
-            .into_par_iter()
-            .filter_map(|entrant| self.chosen(entrant, winner))
-            .collect();
+        let chosen_of = |entrants: Vec<Entrant<'a>>, rival| -> Vec<Descent<'a>> {
+            let chosen = entrants.into_par_iter();
+            chosen
+                .filter_map(|entrant| self.chosen(entrant, rival))
+                .collect()
+        };
+        entrants.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let behind = entrants.split_off(HALF.min(entrants.len()));
+        let mut chosen = chosen_of(entrants, winner);
+        // Of those behind, one must come before the last of these.
+        let last = chosen.iter().map(Descent::cost);
+        let last = last.fold(f64::NEG_INFINITY, f64::max);
+        let rival = if chosen.len() < HALF {
+            winner
+        } else {
+            last.min(winner)
+        };
+        chosen.extend(chosen_of(behind, rival));
         chosen.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         chosen.truncate(HALF);
         let costs = chosen.iter().map(Descent::cost);
