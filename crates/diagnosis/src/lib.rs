@@ -24,6 +24,7 @@ mod found;
 mod judge;
 mod law_curve;
 mod left;
+mod limits;
 mod locate;
 mod long_steps;
 mod looks;

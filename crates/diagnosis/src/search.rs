@@ -116,8 +116,9 @@ impl Search<'_> {
         next.or_else(|| best.is_learned().then(|| open(pool, &learned, 1)).flatten())
     }
 
-    /// Drops from the best explanation every term without which the evidence is no less. What is known without it is
-    /// fitted again from where this one ended: a term may have led the others out of a minimum that was none of theirs.
+    /// Drops from the best explanation every term without which the evidence is no less, or puts a simpler law in its
+    /// place that it contains. What is known without it is fitted again from where this one ended: a term may have led
+    /// the others out of a minimum that was none of theirs.
     fn thin_out(&self, pool: &mut Pool) {
         loop {
             let best = pool.best(self.judge).clone();
@@ -126,11 +127,12 @@ impl Search<'_> {
                 return;
             }
             let terms: Vec<usize> = (point.given_terms..point.terms.len()).collect();
-            let without: Vec<Explanation> = terms
-                .into_par_iter()
-                .map(|term| self.refitted(&point.without(term)))
-                .collect();
-            without.into_iter().for_each(|next| pool.add(next));
+            let simpler = terms.into_par_iter().flat_map_iter(|term| {
+                let limits = self.limits_of(point, term);
+                std::iter::once(point.without(term)).chain(limits)
+            });
+            let simpler: Vec<Explanation> = simpler.map(|point| self.refitted(&point)).collect();
+            simpler.into_iter().for_each(|next| pool.add(next));
             if pool.best(self.judge).is_like(&best) {
                 return;
             }

@@ -1,4 +1,4 @@
-//! Cogging: a force of the drive that is periodic in position.
+//! Cogging: a force that is periodic in position.
 
 use super::grid::{PHASES, orders, product};
 use super::shared_parameters::{ORDER, PHASE};
@@ -18,14 +18,15 @@ impl Force for Cogging {
     }
 }
 
-/// A force periodic in the motor side's position: `F = A sin(N x + phase)`.
+/// A force periodic in the position of the motor side, or of the link: `F = A sin(N x + phase)`.
 pub const COGGING: Effect = Effect {
     name: "cogging",
     title: "cogging",
-    places: &[Place::Drive],
+    places: &[Place::Drive, Place::Link],
     physics: "Magnets pull at the teeth of the stator, with or without a current: F = A sin(N x + \
         phase), N periods in 2 pi of position, a multiple of poles and slots. Its frequency follows \
-        the speed, and it does no net work over a period. Source: Zhu and Howe, IEEE Trans. Energy \
+        the speed, and it does no net work over a period. Detents, and the balls of a guide, do the same at the \
+        link. Source: Zhu and Howe, IEEE Trans. Energy \
         Conversion 15 (2000); Hanselman, Brushless Permanent Magnet Motor Design (2003).",
     remedy: "Look for the motor's poles, a ball screw or a bent shaft at this period; compensate it \
         by a table over the position.",

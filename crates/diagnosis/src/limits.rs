@@ -1,0 +1,51 @@
+//! Simpler laws in the place of those that contain them as limits: where a load hangs on an axis that hardly turns,
+//! its weight is a constant force.
+
+use super::point::Point;
+use super::problem::Problem;
+use super::search::Search;
+use quell_model::Term;
+use quell_model::effects::{Effect, Place};
+
+impl Search<'_> {
+    /// Points with the simpler laws that a term contains in its place, each at the size of its grid that fits best.
+    pub fn limits_of(&self, point: &Point, term: usize) -> Vec<Point> {
+        let own = &point.terms[term];
+        let there = own.effect.limits().filter_map(|simpler| {
+            let place = place_of(self.problem, simpler, own.place)?;
+            self.best_of_grid(point, term, (simpler, place))
+        });
+        there.collect()
+    }
+
+    fn best_of_grid(
+        &self,
+        point: &Point,
+        term: usize,
+        (effect, place): (&'static Effect, Place),
+    ) -> Option<Point> {
+        let with = |values| {
+            let mut next = point.clone();
+            let recording = point.terms[term].recording;
+            next.terms[term] = Term::new(effect, place, values).in_recording(recording);
+            let cost = self.problem.evaluate(&next, self.projector).cost;
+            (cost, next)
+        };
+        let grid = (effect.starts)(&self.problem.scales);
+        let best = grid.into_iter().map(with);
+        let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, next)| next)
+    }
+}
+
+/// The place of an effect at which it acts between the same bodies as another one does.
+fn place_of(problem: &Problem, effect: &Effect, place: Place) -> Option<Place> {
+    let input = problem.experiments[0].input;
+    let places = (problem.kind.places)(input);
+    let keys: Vec<f64> = problem.beliefs.iter().map(|belief| belief.0).collect();
+    let linear = (problem.kind.linear)(&keys, input);
+    let same = |own: &Place| {
+        *own == place || places.contains(own) && linear.attachment(*own) == linear.attachment(place)
+    };
+    effect.places.iter().copied().find(same)
+}
