@@ -1,6 +1,7 @@
 //! The static law of a finding as a curve, with how well it is known.
 
 use super::bootstrap::Scatter;
+use super::law_points::law_points;
 use super::point::{EffectAt, Global, Point};
 use super::problem::Problem;
 use super::units::units;
@@ -27,6 +28,10 @@ pub struct LawCurve {
     pub values: Vec<f64>,
     /// 95 % band at the points.
     pub ci95: Vec<[f64; 2]>,
+    /// What the recording says without the law, each a coordinate and what the law should give there; empty where
+    /// that cannot be read off.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seen: Vec<[f64; 2]>,
     /// Of a learned law what its curve looks like.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearnedLaw>,
@@ -90,6 +95,7 @@ pub fn law_curve(
     };
     let drawn = Drawn {
         problem,
+        point,
         slot,
         term: &point.terms[index],
         at: still(problem, point),
@@ -119,6 +125,7 @@ pub fn still(problem: &Problem, point: &Point) -> Motion {
 /// A law to be drawn.
 struct Drawn<'a> {
     problem: &'a Problem<'a>,
+    point: &'a Point,
     slot: Slot,
     term: &'a Term,
     at: Motion,
@@ -212,6 +219,7 @@ impl Drawn<'_> {
             ci95: pairs
                 .map(|(value, half)| [value - half, value + half])
                 .collect(),
+            seen: law_points(self.problem, self.point, self.term.identity()),
             learned: None,
         }
     }
@@ -263,6 +271,7 @@ mod tests {
                 points: vec![-0.1, 0.1],
                 values: vec![-1.0 / 3.0, 1.0 / 3.0],
                 ci95: vec![[-0.5, -0.2], [0.2, 0.5]],
+                seen: vec![[-0.1, -0.3]],
                 learned: Some(LearnedLaw {
                     sentence: "The learned spring is odd.".into(),
                     nearest: None,

@@ -23,6 +23,7 @@ mod fit;
 mod found;
 mod judge;
 mod law_curve;
+mod law_points;
 mod left;
 mod limits;
 mod locate;

@@ -2,9 +2,10 @@
 
 use super::explanation::Explanation;
 use super::locate::{Dynamics, Located, Residual, locate};
+use super::point::Point;
 use super::problem::Problem;
 use quell_model::effects::Scales;
-use quell_model::simulate_windows;
+use quell_model::{Kinematics, simulate_windows};
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
@@ -40,7 +41,8 @@ impl Problem<'_> {
         let mut known = Some(first);
         for (e, experiment) in self.experiments.iter().enumerate() {
             let events = known.take();
-            let events = events.unwrap_or_else(|| self.locate_in(own, e).candidate_events);
+            let events =
+                events.unwrap_or_else(|| self.locate_in(&own.fitted.point, e).candidate_events);
             let span = experiment.span();
             match each.iter_mut().find(|own| own.0 == experiment.recording) {
                 Some((_, scales)) => {
@@ -62,26 +64,33 @@ impl Problem<'_> {
 
     /// Where the residual of the first output sits.
     pub fn locate(&self, own: &Explanation) -> Located {
-        self.locate_in(own, 0)
+        self.locate_in(&own.fitted.point, 0)
     }
 
-    fn locate_in(&self, own: &Explanation, e: usize) -> Located {
-        let (problem, point) = (self, &own.fitted.point);
-        let residual = problem.explained(point, e);
+    /// Motor side and link at the stamps of the first output of an experiment.
+    pub fn kinematics(&self, point: &Point, e: usize) -> [Vec<Kinematics>; 2] {
+        let (experiment, local) = (&self.experiments[e], &point.locals[e]);
+        let (keys, starts) = (self.keys(point, e), &local.departures);
+        let simulated = simulate_windows(self.kind, &keys, &point.terms, experiment, starts);
+        let (motor, link) = simulated.kinematics(&experiment.outputs[0].time, local.clocks[0]);
+        [motor, link]
+    }
+
+    /// Where the residual of the first output of an experiment sits.
+    fn locate_in(&self, point: &Point, e: usize) -> Located {
+        self.locate_series(point, e, &self.explained(point, e)[0])
+    }
+
+    /// Where a residual of the first output of an experiment sits, in the motion that a point makes.
+    pub fn locate_series(&self, point: &Point, e: usize, residual: &[f64]) -> Located {
+        let problem = self;
         let (experiment, local) = (&problem.experiments[e], &point.locals[e]);
-        let simulated = simulate_windows(
-            problem.kind,
-            &problem.keys(point, e),
-            &point.terms,
-            experiment,
-            &local.departures,
-        );
         let output = &experiment.outputs[0];
-        let (mut motor, mut link) = simulated.kinematics(&output.time, local.clocks[0]);
+        let [mut motor, mut link] = problem.kinematics(point, e);
         if output.role == Role::MotorPosition {
             // Where a law of position acts is where the axis was, not where an error of the force has carried the
             // simulation.
-            for (k, error) in residual[0].iter().enumerate() {
+            for (k, error) in residual.iter().enumerate() {
                 motor[k][0] += error;
                 link[k][0] += error;
             }
@@ -95,7 +104,7 @@ impl Problem<'_> {
         let restarts: Vec<f64> = windows.map(|w| w.time + local.clocks[0]).collect();
         locate(&Residual {
             time: &output.time,
-            residual: &residual[0],
+            residual,
             noise_std: problem.whitening[e][0].deviation,
             motor: &motor,
             link: &link,

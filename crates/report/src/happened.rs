@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::{head, words};
-use quell_diagnosis::Finding;
+use quell_diagnosis::{Finding, OutputTrace};
 
 /// Says of a finding in which recordings it happened, and that the better model does not have it; nothing of what is
 /// the machine's.
@@ -23,6 +23,24 @@ pub fn of(finding: &Finding) -> Option<String> {
         "It happened {often}, in {}. The better model does not have it.",
         words::list(&names, "and")
     ))
+}
+
+/// When something happened in the recording of a trace, and what, in the order of time.
+pub fn times(case: &Case, trace: &OutputTrace) -> Vec<(f64, String)> {
+    let mut all = Vec::new();
+    for finding in &case.diagnosis.findings {
+        let times = finding.parameters.iter();
+        let times = times.filter(|own| own.name == "time" || own.name.starts_with("time_"));
+        for (name, time) in finding.happened_in.iter().zip(times) {
+            // A trace bears its recording's name where there are several.
+            let several = trace.name.contains(": ");
+            if !several || trace.name.starts_with(&format!("{name}: ")) {
+                all.push((time.value, case.title(&finding.effect)));
+            }
+        }
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all
 }
 
 /// What the better model alone leaves of the recordings; nothing where nothing happened.

@@ -6,6 +6,9 @@ use super::words;
 use quell_diagnosis::{Finding, LawCurve, NearestLaw};
 use quell_page::{Chart, Page};
 
+/// What a recording shows of a law.
+const SEEN: &str = "what the recording says without it";
+
 /// What is known of a learned law: its shape, the named law that is nearest, and where it was learned. Nothing of a
 /// named law.
 pub fn lines(case: &Case, finding: &Finding) -> Vec<String> {
@@ -101,6 +104,11 @@ fn picture(case: &Case, finding: &Finding, curve: &LawCurve) -> Chart {
         let values = curve.ci95.iter().map(|band| band[edge] * up.factor);
         values.collect()
     };
+    let within = curve.points[0]..=curve.points[curve.points.len() - 1];
+    let seen = |axis: usize, factor: f64| -> Vec<f64> {
+        let points = curve.seen.iter().filter(|point| within.contains(&point[0]));
+        points.map(|point| point[axis] * factor).collect()
+    };
     let title = format!(
         "{}: {} over the {}",
         words::capital(&name),
@@ -116,6 +124,7 @@ fn picture(case: &Case, finding: &Finding, curve: &LawCurve) -> Chart {
         curve.law.clone(),
         y_unit,
     )
+    .points(SEEN, &seen(0, along.factor), &seen(1, up.factor))
     .band(&name, "95 % band", &x, &edge(0), &edge(1))
     .series(&name, &x, &up.values(&curve.values));
     let nearest = finding

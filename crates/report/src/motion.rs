@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::{Shown, peak};
-use super::words;
+use super::{happened, words};
 use core::ops::Range;
 use quell_diagnosis::{OutputTrace, Verdict};
 use quell_page::{Chart, Page};
@@ -108,6 +108,8 @@ fn curves(
 /// The residuals of the recording, before and after, with the noise.
 fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
     let chart = misfit(case, trace, "Misfit: recorded less predicted");
+    let happened = happened::times(case, trace).into_iter();
+    let chart = happened.fold(chart, |chart, (time, name)| chart.marker(time, name));
     let chart = over_time(case, chart, trace, &names.before, &trace.before);
     let chart = match case.has_after() {
         true => over_time(case, chart, trace, &names.after, &trace.after),
