@@ -1,11 +1,12 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
 use super::{CliError, output};
-use crate::diagnosis::{Score, predict};
+use crate::diagnosis::{Score, forecast, predict};
 use crate::model::Model;
 use crate::page::fixed;
 use crate::recording::Recording;
 use crate::report::Shown;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Scores a model on a recording: its error over the noise.
@@ -14,14 +15,19 @@ use std::path::PathBuf;
 Examples:
   quell score model.toml arm7
   quell score out/model.toml test/recording.toml --json
+  quell score out/model.toml test/recording.toml --first 50
 
-Only the clock offset, the output's offset and the sensor's frame are fitted; the model's parameters
-and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.")]
+Only the clock offset, the output's offset, the sensor's frame and a start that no sensor says are fitted; the
+model's parameters and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.
+With --first they are fitted to the first samples, and the score is of the free run that follows.")]
 pub struct Args {
     /// The model, such as the one that `quell diagnose` wrote.
     pub model: PathBuf,
     /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,
+    /// Fits offsets, clocks and start to the first N samples alone, and judges by those that follow.
+    #[arg(long, value_name = "N")]
+    pub first: Option<NonZeroUsize>,
     /// Prints JSON instead of text.
     #[arg(long)]
     pub json: bool,
@@ -34,7 +40,11 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let recording = Recording::from_path(&args.recording)?;
-    let (_, score) = predict(&model, recording).map_err(CliError::input)?;
+    let judged = match args.first {
+        Some(samples) => forecast(&model, recording, samples),
+        None => predict(&model, recording),
+    };
+    let (_, score) = judged.map_err(CliError::input)?;
     match args.json {
         true => output::json(&score),
         false => output::text(&text(&score)),
@@ -65,6 +75,8 @@ mod tests {
             noise_std: 6e-6,
             rms_over_noise: 1.02,
             fit_percent: 99.21,
+            windows: 1,
+            first: None,
         };
         let expected = "rms 6.12 urad, 1.020 times the noise of 6 urad; fit 99.21 %\n";
         assert_eq!(text(&score), expected);

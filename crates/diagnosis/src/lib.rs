@@ -72,6 +72,6 @@ pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;
 pub use outcome::{Options, Outcome, Progress};
-pub use score::{Predicted, Score, predict, score};
+pub use score::{Predicted, Score, forecast, predict, score};
 pub use stop::Stop;
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

@@ -7,7 +7,7 @@ use super::error::DiagnosisError;
 use super::excitation::{Carried, at_rest, carried, mute, silent};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::attempt;
-use super::score::score;
+use super::score::score_in_one_piece;
 use super::stretches::stretches;
 use super::thresholds::LOST;
 use quell_model::{Experiment, Model};
@@ -118,7 +118,7 @@ fn explains(outcome: &Outcome) -> bool {
 
 /// By how much a model misses recordings, replayed in one piece: the mean square in units of the noise.
 fn misses(model: &Model, recordings: &[Recording]) -> f64 {
-    let square = |recording| match score(model, recording) {
+    let square = |recording| match score_in_one_piece(model, recording) {
         Ok(score) => score.rms_over_noise.powi(2),
         Err(_) => f64::INFINITY,
     };

@@ -10,6 +10,7 @@ use super::weights::measure_noise;
 use quell_model::{Experiment, Model, Output};
 use quell_recording::Recording;
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 
 /// The error of a prediction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +26,22 @@ pub struct Score {
     /// `100 (1 - |error| / |recorded - mean|)`, percent; of a joint's link position, whose deformation is what
     /// the model is about, that of the deformation.
     pub fit_percent: f64,
+    /// Windows in which the motion was replayed, each with a start of its own; 1 is in one piece.
+    pub windows: usize,
+    /// Samples at the start of each output to which alone offsets, clocks and start were fitted, and which are not in
+    /// the error; none where they were fitted to all.
+    pub first: Option<usize>,
+}
+
+/// How a recording is replayed, and to what of it its offsets, clocks and starts are fitted.
+#[derive(Clone, Copy)]
+enum Replay {
+    /// To all; an axis that a force drives freely in windows, each with a start of its own.
+    InWindows,
+    /// To all, in one piece.
+    InOnePiece,
+    /// To so many samples at the start; in one piece, as a start within what follows would tell of it.
+    FromFirst(usize),
 }
 
 /// A prediction of every output, and the recording, at its stamps.
@@ -52,14 +69,51 @@ pub fn predict(
     model: &Model,
     recording: Recording,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
+    predicted(model, recording, Replay::InWindows)
+}
+
+/// As [`predict`], but clocks, offsets, frames and unknown starts are fitted to the first `samples` of each
+/// output alone, and the score is of all that follows: a free run into what nothing was fitted to.
+///
+/// # Errors
+/// As [`predict`], and where an output has no more than `samples`.
+pub fn forecast(
+    model: &Model,
+    recording: Recording,
+    samples: NonZeroUsize,
+) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
+    predicted(model, recording, Replay::FromFirst(samples.get()))
+}
+
+fn predicted(
+    model: &Model,
+    recording: Recording,
+    replay: Replay,
+) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
     if let Carried::Nothing(words) = carried(model, std::slice::from_ref(&recording))? {
         let recording = recording.name;
         return Err(DiagnosisError::Still { recording, words });
     }
     let name = recording.name.clone();
     let mut experiments = vec![Experiment::of(model, recording)?];
-    let (residuals, noise) = left(model, &experiments);
-    let score = score_of(&experiments[0], &residuals[0], noise);
+    let first = match replay {
+        Replay::FromFirst(first) => Some(first),
+        Replay::InWindows | Replay::InOnePiece => None,
+    };
+    let lengths = experiments[0].outputs.iter().map(|o| o.values.len());
+    let samples = lengths.min().unwrap_or(0);
+    if let Some(first) = first.filter(|first| *first >= samples) {
+        return Err(DiagnosisError::NothingFollows {
+            recording: name,
+            first,
+            samples,
+        });
+    }
+    if !matches!(replay, Replay::InWindows) {
+        experiments[0].windows.clear();
+    }
+    let (residuals, noise) = left(model, &experiments, first);
+    let score = score_of(&experiments[0], &residuals[0], noise, first);
     let numbers = [
         score.rms,
         score.noise_std,
@@ -74,18 +128,29 @@ pub fn predict(
     Ok((pairs.map(|(o, r)| Predicted::new(o, r)).collect(), score))
 }
 
-/// What the model leaves of each output, and the first one's noise.
-fn left(model: &Model, experiments: &[Experiment]) -> (Vec<Vec<f64>>, f64) {
-    let rows = experiments.iter().map(split::whole).collect();
+/// What the model leaves of each output, and the first one's noise; fitted to the first samples where these are
+/// given, else to all.
+fn left(model: &Model, experiments: &[Experiment], first: Option<usize>) -> (Vec<Vec<f64>>, f64) {
+    let rows = |experiment| match first {
+        Some(first) => split::first(experiment, first),
+        None => split::whole(experiment),
+    };
+    let rows = experiments.iter().map(rows).collect();
     let mut fit = problem(model, experiments, rows);
     fit.freeze();
     let start = fit.start(model);
     let mut projector = Projector::new(&fit);
     let still = fit.fit(&start, &projector, 15);
-    let first = ringing(&mut fit, still, &projector);
-    measure_noise(&mut fit, &first.point);
+    let rough = ringing(&mut fit, still, &projector);
+    if first.is_some() {
+        // The noise is told, but weighs nothing: it is measured on what follows, too.
+        let left = fit.explained(&rough.point, 0);
+        measure_noise(&mut fit, &rough.point);
+        return (left, fit.noise[0][0].deviation);
+    }
+    measure_noise(&mut fit, &rough.point);
     projector = Projector::new(&fit);
-    let fitted = fit.fit(&first.point, &projector, 15);
+    let fitted = fit.fit(&rough.point, &projector, 15);
     drop(projector);
     let noise = fit.noise[0][0].deviation;
     (fit.explained(&fitted.point, 0), noise)
@@ -119,11 +184,30 @@ pub fn score(model: &Model, recording: &Recording) -> Result<Score, DiagnosisErr
     Ok(predict(model, recording.clone())?.1)
 }
 
-fn score_of(experiment: &Experiment, residual: &[f64], deviation: f64) -> Score {
-    let output = &experiment.outputs[0];
+/// As [`score`], but in one piece whatever drives the model: what a force does wrong adds up.
+///
+/// # Errors
+/// As [`predict`].
+pub(super) fn score_in_one_piece(
+    model: &Model,
+    recording: &Recording,
+) -> Result<Score, DiagnosisError> {
+    Ok(predicted(model, recording.clone(), Replay::InOnePiece)?.1)
+}
+
+/// Of the first output's residual, without the rows that were fitted where only the first were.
+fn score_of(
+    experiment: &Experiment,
+    residual: &[f64],
+    deviation: f64,
+    first: Option<usize>,
+) -> Score {
+    let (output, from) = (&experiment.outputs[0], first.unwrap_or(0));
+    let residual = &residual[from..];
     let n = residual.len() as f64;
     let square: f64 = residual.iter().map(|r| r * r).sum();
     let shown = super::draw::shown(experiment, output);
+    let shown = &shown[from..];
     let mean = shown.iter().sum::<f64>() / n;
     let spread: f64 = shown.iter().map(|y| (y - mean).powi(2)).sum();
     Score {
@@ -132,5 +216,7 @@ fn score_of(experiment: &Experiment, residual: &[f64], deviation: f64) -> Score 
         noise_std: deviation * output.scale,
         rms_over_noise: (square / n).sqrt() / deviation,
         fit_percent: 100.0 * (1.0 - (square / spread).sqrt()),
+        windows: 1 + experiment.windows.len(),
+        first,
     }
 }
