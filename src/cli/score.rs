@@ -1,11 +1,10 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
 use super::{CliError, output};
-use crate::diagnosis::{Score, forecast, predict};
+use crate::diagnosis::{forecast, predict};
 use crate::model::Model;
-use crate::page::fixed;
 use crate::recording::Recording;
-use crate::report::Shown;
+use crate::report::score_line;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -47,38 +46,6 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let (_, score) = judged.map_err(CliError::input)?;
     match args.json {
         true => output::json(&score),
-        false => output::text(&text(&score)),
-    }
-}
-
-/// One line: rms, noise, and how much of the recording is explained.
-pub fn text(score: &Score) -> String {
-    let shown = Shown::of(&score.unit, score.rms);
-    let unit = &shown.unit;
-    let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));
-    format!(
-        "rms {rms} {unit}, {} times the noise of {noise} {unit}; fit {} %\n",
-        fixed(score.rms_over_noise, 3),
-        fixed(score.fit_percent, 2)
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_sentence_has_one_unit() {
-        let score = Score {
-            rms: 6.12e-6,
-            unit: "rad".into(),
-            noise_std: 6e-6,
-            rms_over_noise: 1.02,
-            fit_percent: 99.21,
-            windows: 1,
-            first: None,
-        };
-        let expected = "rms 6.12 urad, 1.020 times the noise of 6 urad; fit 99.21 %\n";
-        assert_eq!(text(&score), expected);
+        false => output::text(&format!("{}\n", score_line(&score))),
     }
 }

@@ -2,7 +2,9 @@
 
 use super::error::DiagnosisError;
 use super::law_curve::{LawCurve, LearnedLaw};
+use super::score::Score;
 use quell_model::effects::Catalogue;
+use quell_recording::Preferred;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -145,6 +147,30 @@ pub struct Fit {
     pub before: Quality,
     /// The model with the findings.
     pub after: Quality,
+    /// The same two models on each recording that was looked at whole, as [`score`](super::score()) says it; none
+    /// where nothing was fitted.
+    #[serde(default)]
+    pub scores: Vec<Scored>,
+}
+
+impl Fit {
+    /// The unit in which its misfits are told beside a motion of this size: that of the motion, or a smaller one.
+    pub fn shown(&self, motion: f64) -> Preferred {
+        Preferred::of_misfit(&self.unit, motion, self.noise_std.max(self.after.train_rms))
+    }
+}
+
+/// How well the model predicts one recording, before and after.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    /// Name of the recording.
+    pub recording: String,
+    /// Whether nothing was fitted to it.
+    pub held_out: bool,
+    /// The given model, its parameters refitted.
+    pub before: Score,
+    /// The model with the findings, as it is written.
+    pub after: Score,
 }
 
 /// One proposed move, jerk-limited, from rest to rest. The first starts where the first recording does.

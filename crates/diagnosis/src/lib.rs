@@ -3,6 +3,7 @@
 mod baseline;
 mod basin_hopping;
 mod belief;
+mod better_model;
 mod bootstrap;
 mod bounds;
 mod candidate;
@@ -44,6 +45,7 @@ mod residual_of;
 mod rounding;
 mod run;
 mod score;
+mod scores;
 mod screen;
 mod search;
 mod settled;
@@ -65,7 +67,7 @@ mod whitening;
 pub use baseline::scales;
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
-    Verdict,
+    Scored, Verdict,
 };
 pub use error::DiagnosisError;
 pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};

@@ -8,7 +8,7 @@ use super::excitation::{Carried, at_rest, carried, mute, silent};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::attempt;
 use super::score::score_in_one_piece;
-use super::stretches::stretches;
+use super::stretches::{is_whole, stretches};
 use super::thresholds::LOST;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
@@ -35,13 +35,18 @@ pub fn diagnose(
     if let Carried::Nothing(words) = carried(model, train)? {
         return silent(model, train, &words);
     }
-    let (train, mut left_out) = stretches(train);
-    let (held_out, also) = stretches(held_out);
+    let (parts, mut left_out) = stretches(train);
+    let (parts_apart, also) = stretches(held_out);
     left_out.extend(also);
-    let mut outcome = look(model, &train, &held_out, options, progress)?;
+    let mut outcome = look(model, &parts, &parts_apart, options, progress)?;
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
+    // What was used in parts has no score of its own.
+    let all = || train.iter().chain(held_out);
+    let is_one = |name: &str| all().any(|own| is_whole(own) && own.name == name);
+    let scores = &mut outcome.diagnosis.fit.scores;
+    scores.retain(|own| is_one(&own.recording));
     outcome.diagnosis.remarks.splice(0..0, left_out);
     outcome.diagnosis.check()?;
     Ok(outcome)
@@ -62,7 +67,8 @@ fn look(
         enough: options.enough.clone(),
         ..Known::default()
     };
-    let once = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
+    let once =
+        |pieces, known: &Known| attempt(model, (train, held_out), pieces, known, options, progress);
     if fitted[0].windows.is_empty() {
         return Ok(once((fitted, apart), &unknown)?.0);
     }

@@ -58,5 +58,6 @@ pub fn level(problem: &Problem) -> Fit {
         unit: output.unit.clone(),
         before: nothing,
         after: nothing,
+        scores: Vec::new(),
     }
 }

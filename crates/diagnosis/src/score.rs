@@ -8,7 +8,7 @@ use super::split;
 use super::start::ringing;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model, Output};
-use quell_recording::Recording;
+use quell_recording::{Preferred, Recording};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
@@ -26,11 +26,22 @@ pub struct Score {
     /// `100 (1 - |error| / |recorded - mean|)`, percent; of a joint's link position, whose deformation is what
     /// the model is about, that of the deformation.
     pub fit_percent: f64,
+    /// Samples that the error is of.
+    pub samples: usize,
+    /// Largest value of the first output as it is drawn: beside it the error is told.
+    pub motion: f64,
     /// Windows in which the motion was replayed, each with a start of its own; 1 is in one piece.
     pub windows: usize,
     /// Samples at the start of each output to which alone offsets, clocks and start were fitted, and which are not in
     /// the error; none where they were fitted to all.
     pub first: Option<usize>,
+}
+
+impl Score {
+    /// The unit in which error and noise are told: that of the motion, or a smaller one.
+    pub fn shown(&self) -> Preferred {
+        Preferred::of_misfit(&self.unit, self.motion, self.noise_std.max(self.rms))
+    }
 }
 
 /// How a recording is replayed, and to what of it its offsets, clocks and starts are fitted.
@@ -216,6 +227,8 @@ fn score_of(
         noise_std: deviation * output.scale,
         rms_over_noise: (square / n).sqrt() / deviation,
         fit_percent: 100.0 * (1.0 - (square / spread).sqrt()),
+        samples: residual.len(),
+        motion: shown.iter().fold(0.0, |most: f64, y| most.max(y.abs())) * output.scale,
         windows: 1 + experiment.windows.len(),
         first,
     }

@@ -35,6 +35,11 @@ pub fn stretches(recordings: &[Recording]) -> (Cow<'_, [Recording]>, Vec<String>
     (Cow::Owned(all), remarks)
 }
 
+/// Whether all samples of a recording are used.
+pub fn is_whole(recording: &Recording) -> bool {
+    longest(recording).is_none()
+}
+
 /// The channel of most samples, where these are more than are needed.
 fn longest(recording: &Recording) -> Option<&Channel> {
     let channels = recording.channels.iter();

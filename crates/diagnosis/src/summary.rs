@@ -1,21 +1,28 @@
 //! The verdict in one sentence.
 
-use super::document::{Diagnosis, Finding, Verdict};
+use super::document::{Diagnosis, Finding, Quality, Verdict};
+use super::excitation::figure;
 use super::split::HeldOut;
 use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
+use quell_recording::Preferred;
 
-/// One sentence, as an engineer would write it.
+/// One sentence, as an engineer would write it; residuals are told in the unit that is `shown`.
 pub fn summary(
     diagnosis: &Diagnosis,
+    shown: Preferred,
     scale: Option<&TrackerScale>,
     judged_by: HeldOut,
     catalogue: Catalogue,
 ) -> String {
     let held_out = judged_by.words();
     let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
+    let rms = |quality: &Quality| figure(quality.held_out_rms * shown.factor, "");
     let change = format!(
-        "on {held_out} the residual falls from {} to {} times the noise",
+        "on {held_out} the residual falls from {} to {} {} rms, {} to {} times the noise",
+        rms(before),
+        rms(after),
+        shown.unit,
         times(before.held_out_over_noise),
         times(after.held_out_over_noise)
     );
@@ -26,7 +33,9 @@ pub fn summary(
     match diagnosis.verdict {
         Verdict::NoMismatch => format!(
             "Nothing is missing: with its parameters refitted the model explains the recording down to \
-             the noise ({} times the noise on {}).",
+             the noise ({} {} rms, {} times the noise, on {}).",
+            rms(before),
+            shown.unit,
             times(before.held_out_over_noise),
             held_out.trim_end_matches(',')
         ),
@@ -43,9 +52,11 @@ pub fn summary(
         // Whoever finds that says it.
         Verdict::NotExcited => diagnosis.summary.clone(),
         Verdict::Unexplained => format!(
-            "Something is missing that the catalogue does not explain{}: the residual is {} times the \
-             noise on {}.",
+            "Something is missing that the catalogue does not explain{}: the residual is {} {} rms, {} times \
+             the noise, on {}.",
             place(diagnosis),
+            rms(before),
+            shown.unit,
             times(before.held_out_over_noise),
             held_out.trim_end_matches(',')
         ),

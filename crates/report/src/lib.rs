@@ -11,6 +11,7 @@ mod page;
 mod place;
 mod ranking;
 mod record;
+mod score;
 mod shares;
 mod shown;
 #[cfg(test)]
@@ -20,5 +21,6 @@ mod words;
 
 pub use case::Case;
 pub use page::{page, page_of};
+pub use score::score_line;
 pub use shown::Shown;
 pub use text::text;

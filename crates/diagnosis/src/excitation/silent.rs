@@ -38,6 +38,7 @@ pub fn silent(
                 unit: output.unit.clone(),
                 before: nothing,
                 after: nothing,
+                scores: Vec::new(),
             },
             nuisances: BTreeMap::new(),
             next_move: None,
