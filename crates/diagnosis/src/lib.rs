@@ -67,13 +67,13 @@ mod whitening;
 pub use baseline::scales;
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
-    Scored, Verdict,
+    Score, Scored, Verdict,
 };
 pub use error::DiagnosisError;
 pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;
 pub use outcome::{Options, Outcome, Progress};
-pub use score::{Predicted, Score, forecast, predict, score};
+pub use score::{Predicted, forecast, predict, score};
 pub use stop::Stop;
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

@@ -1,6 +1,7 @@
 //! How well a model predicts a recording that it has never seen.
 
 use super::baseline::problem;
+use super::document::Score;
 use super::error::DiagnosisError;
 use super::excitation::{Carried, carried};
 use super::fit::Projector;
@@ -8,41 +9,8 @@ use super::split;
 use super::start::ringing;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model, Output};
-use quell_recording::{Preferred, Recording};
-use serde::{Deserialize, Serialize};
+use quell_recording::Recording;
 use std::num::NonZeroUsize;
-
-/// The error of a prediction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Score {
-    /// Root mean square error of the first output, in `unit`.
-    pub rms: f64,
-    /// Its unit.
-    pub unit: String,
-    /// Standard deviation of the noise.
-    pub noise_std: f64,
-    /// The former over the latter.
-    pub rms_over_noise: f64,
-    /// `100 (1 - |error| / |recorded - mean|)`, percent; of a joint's link position, whose deformation is what
-    /// the model is about, that of the deformation.
-    pub fit_percent: f64,
-    /// Samples that the error is of.
-    pub samples: usize,
-    /// Largest value of the first output as it is drawn: beside it the error is told.
-    pub motion: f64,
-    /// Windows in which the motion was replayed, each with a start of its own; 1 is in one piece.
-    pub windows: usize,
-    /// Samples at the start of each output to which alone offsets, clocks and start were fitted, and which are not in
-    /// the error; none where they were fitted to all.
-    pub first: Option<usize>,
-}
-
-impl Score {
-    /// The unit in which error and noise are told: that of the motion, or a smaller one.
-    pub fn shown(&self) -> Preferred {
-        Preferred::of_misfit(&self.unit, self.motion, self.noise_std.max(self.rms))
-    }
-}
 
 /// How a recording is replayed, and to what of it its offsets, clocks and starts are fitted.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! The scores of the model before and after, a recording each.
 
-use super::document::{Fit, Quality, Scored};
-use super::score::{Score, score};
+use super::document::{Fit, Quality, Score, Scored};
+use super::score::score;
 use quell_model::Model;
 use quell_recording::Recording;
 
