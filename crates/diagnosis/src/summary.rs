@@ -75,7 +75,13 @@ pub fn whole(value: f64) -> String {
 pub fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio < 10.0 => format!("{ratio:.2}"),
-        ratio => whole(ratio),
+        ratio if ratio < 1e3 => whole(ratio),
+        // Three digits, as tables show.
+        ratio if ratio < 1e6 => {
+            let step = 10f64.powi(ratio.log10().floor() as i32 - 2);
+            whole((ratio / step).round() * step)
+        }
+        ratio => format!("{ratio:.2e}"),
     }
 }
 
