@@ -3,13 +3,14 @@
 use super::out::{Force, Out, Stage};
 use super::progress::Progress;
 use super::{CliError, choices, output};
-use crate::diagnosis::{Diagnosis, Options, diagnose, score};
+use crate::diagnosis::{Diagnosis, FittedParameter, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
     Claim, FindingSummary, Kind, ParameterSummary, ProofError, Score, Source, Verdict, read_cases,
     run as run_cases,
 };
 use crate::recording::{MANIFEST, Recording};
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -176,20 +177,25 @@ fn verdict(path: &Path, train: &Recording, test: &Recording) -> Result<Verdict, 
     })
 }
 
+/// A parameter as the truth has it: a mode's frequency, which people are told in hertz, in rad/s.
+fn in_si(parameter: &FittedParameter) -> ParameterSummary {
+    let factor = match parameter.unit.as_str() {
+        "Hz" => TAU,
+        _ => 1.0,
+    };
+    ParameterSummary {
+        name: parameter.name.clone(),
+        value: parameter.value * factor,
+        ci95: parameter.ci95.map(|edge| edge * factor),
+    }
+}
+
 fn summary(diagnosis: &Diagnosis) -> Verdict {
     let finding = |finding: &crate::diagnosis::Finding| FindingSummary {
         effect: finding.effect.clone(),
         place: finding.place.clone(),
         alternatives: finding.alternatives.clone(),
-        parameters: finding
-            .parameters
-            .iter()
-            .map(|parameter| ParameterSummary {
-                name: parameter.name.clone(),
-                value: parameter.value,
-                ci95: parameter.ci95,
-            })
-            .collect(),
+        parameters: finding.parameters.iter().map(in_si).collect(),
     };
     let claim = |finding: &crate::diagnosis::Finding| Claim {
         effect: finding.effect.clone(),

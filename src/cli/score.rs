@@ -1,11 +1,11 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
 use super::{CliError, output};
-use crate::diagnosis::{Score, predict};
+use crate::diagnosis::{forecast, predict};
 use crate::model::Model;
-use crate::page::fixed;
 use crate::recording::Recording;
-use crate::report::Shown;
+use crate::report::score_line;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Scores a model on a recording: its error over the noise.
@@ -14,14 +14,19 @@ use std::path::PathBuf;
 Examples:
   quell score model.toml arm7
   quell score out/model.toml test/recording.toml --json
+  quell score out/model.toml test/recording.toml --first 50
 
-Only the clock offset, the output's offset and the sensor's frame are fitted; the model's parameters
-and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.")]
+Only the clock offset, the output's offset, the sensor's frame and a start that no sensor says are fitted; the
+model's parameters and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.
+With --first they are fitted to the first samples, and the score is of the free run that follows.")]
 pub struct Args {
     /// The model, such as the one that `quell diagnose` wrote.
     pub model: PathBuf,
     /// The manifest, the folder that holds its recording.toml, or an MCAP file.
     pub recording: PathBuf,
+    /// Fits offsets, clocks and start to the first N samples alone, and judges by those that follow.
+    #[arg(long, value_name = "N")]
+    pub first: Option<NonZeroUsize>,
     /// Prints JSON instead of text.
     #[arg(long)]
     pub json: bool,
@@ -34,39 +39,13 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let recording = Recording::from_path(&args.recording)?;
-    let (_, score) = predict(&model, recording).map_err(CliError::input)?;
+    let judged = match args.first {
+        Some(samples) => forecast(&model, recording, samples),
+        None => predict(&model, recording),
+    };
+    let (_, score) = judged.map_err(CliError::input)?;
     match args.json {
         true => output::json(&score),
-        false => output::text(&text(&score)),
-    }
-}
-
-/// One line: rms, noise, and how much of the recording is explained.
-pub fn text(score: &Score) -> String {
-    let shown = Shown::of(&score.unit, score.rms);
-    let unit = &shown.unit;
-    let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));
-    format!(
-        "rms {rms} {unit}, {} times the noise of {noise} {unit}; fit {} %\n",
-        fixed(score.rms_over_noise, 3),
-        fixed(score.fit_percent, 2)
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_sentence_has_one_unit() {
-        let score = Score {
-            rms: 6.12e-6,
-            unit: "rad".into(),
-            noise_std: 6e-6,
-            rms_over_noise: 1.02,
-            fit_percent: 99.21,
-        };
-        let expected = "rms 6.12 urad, 1.020 times the noise of 6 urad; fit 99.21 %\n";
-        assert_eq!(text(&score), expected);
+        false => output::text(&format!("{}\n", score_line(&score))),
     }
 }

@@ -1,29 +1,45 @@
 //! From what the search found to verdict, findings and the better model.
 
+use super::better_model::better_model;
 use super::bootstrap::{Scatter, bootstrap};
-use super::document::{Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Verdict};
+use super::document::{
+    Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Scored, Verdict,
+};
+use super::draw::shown;
 use super::explanation::Explanation;
 use super::found::{Found, is_or_contains};
 use super::law_curve::law_curve;
 use super::locate::Located;
 use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};
+use super::scores::{Recordings, scores, take_over};
 use super::search::Search;
+use super::split::HeldOut;
 use super::summary::{summary, times, whole};
 use super::tracker_scale::TrackerScale;
-use quell_model::effects::Effect;
-use quell_model::{Model, ModelEffect, Value};
+use quell_model::Model;
+use quell_model::effects::{Effect, ParameterRole};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
-/// All of a diagnosis that follows from a search, and a scale of a tracker that is told in it; the intervals are
-/// drawn with a seed.
+/// A diagnosis, and what follows from it alone.
+pub struct Concluded {
+    /// What is said.
+    pub diagnosis: Diagnosis,
+    /// A scale of a tracker that is told in it.
+    pub scale: Option<TrackerScale>,
+    /// The model with the findings in it.
+    pub better: Model,
+}
+
+/// All of a diagnosis that follows from a search; the intervals are drawn with a seed.
 pub fn conclude(
     search: &Search,
     found: &Found,
     located: &Located,
-    remarks: Vec<String>,
+    (recordings, remarks): (Recordings, Vec<String>),
     seed: u64,
-) -> (Diagnosis, Option<TrackerScale>) {
+) -> Concluded {
     let verdict = verdict(search, found, located);
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
@@ -49,13 +65,51 @@ pub fn conclude(
         remarks,
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
+    let given = search.judge.model;
+    let refitted = better_model(given, &found.baseline);
+    let better = better_model(given, reported(verdict, found));
+    let better = match &scale {
+        Some(scale) => scale.corrected(better),
+        None => better,
+    };
+    let with_findings = (!diagnosis.findings.is_empty()).then_some(&better);
+    diagnosis.fit.scores = scores(&refitted, with_findings, recordings);
+    if is_seen_alike(search, &diagnosis.fit) {
+        take_over(&mut diagnosis.fit);
+    }
+    let (first, output) = (
+        &search.problem.experiments[0],
+        &search.problem.experiments[0].outputs[0],
+    );
+    let motion = shown(first, output)
+        .iter()
+        .fold(0.0, |most: f64, y| most.max(y.abs()));
     diagnosis.summary = summary(
         &diagnosis,
+        diagnosis.fit.shown(motion * output.scale),
         scale.as_ref(),
         search.judge.data.judged_by,
         search.problem.catalogue,
     );
-    (diagnosis, scale)
+    Concluded {
+        diagnosis,
+        scale,
+        better,
+    }
+}
+
+/// Whether the scores are of the motion as the search saw it: of whole recordings, which are judged by others; in one
+/// piece, or in windows, as it; with the payload of the model, and nothing that happened once.
+fn is_seen_alike(search: &Search, fit: &Fit) -> bool {
+    let (data, problem) = (search.judge.data, search.problem);
+    let experiments = || data.experiments.iter().chain(&data.apart);
+    let is_whole = |own: &Scored| own.before.windows == 1 && own.after.windows == 1;
+    let in_one_piece = experiments().all(|own| own.windows.is_empty());
+    data.judged_by == HeldOut::Recordings
+        && fit.model_alone.is_none()
+        && fit.scores.len() == experiments().count()
+        && fit.scores.iter().all(|own| is_whole(own) == in_one_piece)
+        && experiments().all(|own| own.payload == problem.payloads[0])
 }
 
 fn fit(search: &Search, found: &Found, told: &Explanation) -> Fit {
@@ -189,14 +243,20 @@ fn parameters(
     for (count, term) in terms.enumerate() {
         let own = &point.terms[term];
         for (index, parameter) in own.effect.parameters.iter().enumerate() {
+            // A mode is told in hertz, as everywhere outside of the equations.
+            let (factor, unit) = match parameter.role {
+                ParameterRole::Frequency => (TAU.recip(), "Hz".into()),
+                _ => (1.0, parameter.quantity.unit(&units)),
+            };
+            let ci95 = scatter.interval(search.problem, point, Global::Parameter(term, index));
             all.push(FittedParameter {
                 name: match count {
                     0 => parameter.name.to_string(),
                     _ => format!("{}_{}", parameter.name, count + 1),
                 },
-                value: own.values[index],
-                unit: parameter.quantity.unit(&units),
-                ci95: scatter.interval(search.problem, point, Global::Parameter(term, index)),
+                value: own.values[index] * factor,
+                unit,
+                ci95: ci95.map(|edge| edge * factor),
             });
         }
     }
@@ -239,31 +299,4 @@ fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64
         );
     }
     all
-}
-
-/// The model with the findings in it that are the machine's, its parameters as they were fitted.
-pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
-    let mut better = model.clone();
-    let point = &explanation.fitted.point;
-    for (value, fitted) in better.values.iter_mut().zip(&point.keys) {
-        value.value = *fitted;
-    }
-    let (given, found) = point.terms.split_at(point.given_terms);
-    for (effect, term) in better.effects.iter_mut().zip(given) {
-        for (value, fitted) in effect.parameters.iter_mut().zip(&term.values) {
-            value.value = *fitted;
-        }
-    }
-    for term in found.iter().filter(|term| term.recording.is_none()) {
-        better.effects.push(ModelEffect {
-            effect: term.effect,
-            place: term.place,
-            parameters: term
-                .values
-                .iter()
-                .map(|value| Value::from(*value))
-                .collect(),
-        });
-    }
-    better
 }

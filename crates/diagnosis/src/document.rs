@@ -3,6 +3,7 @@
 use super::error::DiagnosisError;
 use super::law_curve::{LawCurve, LearnedLaw};
 use quell_model::effects::Catalogue;
+use quell_recording::Preferred;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -152,6 +153,62 @@ pub struct Fit {
     /// The better model: without the findings that [happened](Finding::happened_in). None where nothing happened.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_alone: Option<Quality>,
+    /// The same two models on each recording that was looked at whole, as [`score`](super::score()) says it; none
+    /// where nothing was fitted.
+    #[serde(default)]
+    pub scores: Vec<Scored>,
+}
+
+impl Fit {
+    /// The unit in which its misfits are told beside a motion of this size: that of the motion, or a smaller one.
+    pub fn shown(&self, motion: f64) -> Preferred {
+        Preferred::of_misfit(&self.unit, motion, self.noise_std.max(self.after.train_rms))
+    }
+}
+
+/// The error of a prediction, as [`score`](super::score()) says it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Root mean square error of the first output, in `unit`.
+    pub rms: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Standard deviation of the noise.
+    pub noise_std: f64,
+    /// The former over the latter.
+    pub rms_over_noise: f64,
+    /// `100 (1 - |error| / |recorded - mean|)`, percent; of a joint's link position, whose deformation is what
+    /// the model is about, that of the deformation.
+    pub fit_percent: f64,
+    /// Samples that the error is of.
+    pub samples: usize,
+    /// Largest value of the first output as it is drawn: beside it the error is told.
+    pub motion: f64,
+    /// Windows in which the motion was replayed, each with a start of its own; 1 is in one piece.
+    pub windows: usize,
+    /// Samples at the start of each output to which alone offsets, clocks and start were fitted, and which are not in
+    /// the error; none where they were fitted to all.
+    pub first: Option<usize>,
+}
+
+impl Score {
+    /// The unit in which error and noise are told: that of the motion, or a smaller one.
+    pub fn shown(&self) -> Preferred {
+        Preferred::of_misfit(&self.unit, self.motion, self.noise_std.max(self.rms))
+    }
+}
+
+/// How well the model predicts one recording, before and after.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    /// Name of the recording.
+    pub recording: String,
+    /// Whether nothing was fitted to it.
+    pub held_out: bool,
+    /// The given model, its parameters refitted.
+    pub before: Score,
+    /// The model with the findings, as it is written.
+    pub after: Score,
 }
 
 /// One proposed move, jerk-limited, from rest to rest. The first starts where the first recording does.

@@ -86,6 +86,18 @@ pub enum DiagnosisError {
         /// Which channels stand still, and where.
         words: String,
     },
+    /// A forecast from so many samples that none is left to judge by.
+    #[error(
+        "\"{recording}\" has {samples} samples of an output: after the first {first} none is left to judge by"
+    )]
+    NothingFollows {
+        /// Name of the recording.
+        recording: String,
+        /// Samples that the start was to be fitted to.
+        first: usize,
+        /// How many there are.
+        samples: usize,
+    },
     /// A number of the diagnosis is not finite.
     #[error(
         "the diagnosis came to a number that is not finite ({0}): check units and scales of the recordings"

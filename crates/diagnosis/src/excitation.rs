@@ -16,3 +16,4 @@ pub use carried::{Carried, carried};
 pub use mute::mute;
 pub use silent::silent;
 pub use untold::Untold;
+pub use words::figure;

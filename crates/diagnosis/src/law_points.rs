@@ -21,8 +21,8 @@ const UNKNOWN: f64 = 1.5;
 /// A series at the stamps of the first output.
 type Series = Vec<f64>;
 
-/// Coordinate and force (of a sensor, its error) at stamps of the first output; empty where the force is not one that
-/// moves this output directly: behind a loop, or on another body.
+/// Coordinate and force (of a sensor, its error) at stamps of the first output; empty where the force does not move the
+/// link of a prescribed motor side: on a free one its own damping and loop are in between.
 pub fn law_points(problem: &Problem, point: &Point, effect: EffectAt) -> Vec<[f64; 2]> {
     let seen = effect.0.slot().and_then(|slot| match slot {
         Slot::Sensor => error_over_reading(problem, point, effect),
@@ -76,7 +76,6 @@ fn force_over(
     let linear = (problem.kind.linear)(&point.keys, experiment.input);
     let inertia = match (linear.motor, linear.link) {
         (MotorSide::Prescribed, Some((inertia, _))) if effect.1 != Place::Drive => inertia,
-        (MotorSide::Free { inertia, .. }, None) if linear.position_loop.is_none() => inertia,
         _ => return None,
     };
     let output = experiment.outputs.first()?;

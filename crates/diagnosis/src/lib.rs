@@ -3,6 +3,7 @@
 mod baseline;
 mod basin_hopping;
 mod belief;
+mod better_model;
 mod bootstrap;
 mod bounds;
 mod candidate;
@@ -46,6 +47,7 @@ mod residual_of;
 mod rounding;
 mod run;
 mod score;
+mod scores;
 mod screen;
 mod search;
 mod settled;
@@ -67,13 +69,13 @@ mod whitening;
 pub use baseline::scales;
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
-    Verdict,
+    Score, Scored, Verdict,
 };
 pub use error::DiagnosisError;
 pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;
 pub use outcome::{Options, Outcome, Progress};
-pub use score::{Predicted, Score, predict, score};
+pub use score::{Predicted, forecast, predict, score};
 pub use stop::Stop;
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

@@ -7,8 +7,8 @@ use super::error::DiagnosisError;
 use super::excitation::{Carried, at_rest, carried, mute, silent};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::attempt;
-use super::score::score_with;
-use super::stretches::{Stretches, stretches};
+use super::score::score_in_one_piece;
+use super::stretches::{Stretches, is_whole, stretches};
 use super::thresholds::LOST;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
@@ -40,6 +40,11 @@ pub fn diagnose(
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
+    // What was used in parts has no score of its own.
+    let all = || train.iter().chain(held_out);
+    let is_one = |name: &str| all().any(|own| is_whole(own) && own.name == name);
+    let scores = &mut outcome.diagnosis.fit.scores;
+    scores.retain(|own| is_one(&own.recording));
     let left_out = known.remarks.into_iter().chain(apart.remarks);
     outcome.diagnosis.remarks.splice(0..0, left_out);
     outcome.diagnosis.check()?;
@@ -78,7 +83,16 @@ fn look(
         enough: options.enough.clone(),
         ..Known::default()
     };
-    let once = |pieces, known: &Known| attempt(model, train, pieces, known, options, progress);
+    let once = |pieces, known: &Known| {
+        attempt(
+            model,
+            (train, &held_out.recordings),
+            pieces,
+            known,
+            options,
+            progress,
+        )
+    };
     if fitted[0].windows.is_empty() {
         return Ok(once((fitted, apart), &unknown)?.0);
     }
@@ -136,7 +150,7 @@ fn explains(outcome: &Outcome) -> bool {
 /// noise.
 fn misses(own: &Outcome, train: &Stretches) -> f64 {
     let square = |(part, &recording): (&Recording, &usize)| {
-        let score = score_with(&own.model, &own.happened, part.clone(), recording);
+        let score = score_in_one_piece(&own.model, &own.happened, part, recording);
         score.map_or(f64::INFINITY, |score| score.rms_over_noise.powi(2))
     };
     let parts = train.recordings.iter().zip(&train.of);

@@ -57,5 +57,6 @@ pub fn level(problem: &Problem) -> Fit {
         before: nothing,
         after: nothing,
         model_alone: None,
+        scores: Vec::new(),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::baseline::{Data, problem, refit};
 use super::candidate::Known;
-use super::conclude::{better_model, conclude, reported};
+use super::conclude::{Concluded, conclude, reported};
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::Untold;
@@ -16,6 +16,7 @@ use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::remarks::recorded;
+use super::scores::Recordings;
 use super::settled::{search, settled};
 use super::start::ringing;
 use super::thresholds::LONG;
@@ -26,15 +27,15 @@ use quell_recording::Recording;
 /// What experiments, and others held apart, say; and the explanations that were looked at.
 pub(super) fn attempt(
     model: &Model,
-    train: &[Recording],
+    recordings: Recordings,
     (fitted, apart): (Vec<Experiment>, Vec<Experiment>),
     known: &Known,
     options: &Options,
     progress: Progress,
 ) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
     let data = Data::new(model, fitted, apart);
-    let (outcome, points) = investigate(model, &data, known, options, progress, recorded(train))?;
-    Ok((named(outcome, &data, train), points))
+    let (outcome, points) = investigate(model, (&data, recordings), known, options, progress)?;
+    Ok((named(outcome, &data, recordings.0), points))
 }
 
 /// Where there are several recordings, each series that is drawn bears the name of its own.
@@ -52,12 +53,12 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
 /// The whole journey: what it says, and the explanations that were looked at.
 fn investigate(
     model: &Model,
-    data: &Data,
+    (data, recordings): (&Data, Recordings),
     known: &Known,
     options: &Options,
     progress: Progress,
-    mut remarks: Vec<String>,
 ) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
+    let mut remarks = recorded(recordings.0);
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
     problem.stop = options.stop.clone();
@@ -85,7 +86,12 @@ fn investigate(
             effects may be missing.";
         remarks.push(remark.into());
     }
-    let (mut diagnosis, scale) = conclude(&search, &found, &located, remarks, options.seed);
+    let told = (recordings, remarks);
+    let Concluded {
+        mut diagnosis,
+        scale,
+        better,
+    } = conclude(&search, &found, &located, told, options.seed);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
     }
@@ -96,14 +102,10 @@ fn investigate(
     let told = reported(verdict, &found);
     let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);
-    let better = better_model(model, told);
     let terms = told.fitted.point.terms.iter().cloned();
     let outcome = Outcome {
         happened: terms.filter(|term| term.recording.is_some()).collect(),
-        model: match scale {
-            Some(scale) => scale.corrected(better),
-            None => better,
-        },
+        model: better,
         diagnosis,
         traces,
     };

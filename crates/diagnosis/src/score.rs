@@ -1,6 +1,7 @@
 //! How well a model predicts a recording that it has never seen.
 
 use super::baseline::problem;
+use super::document::Score;
 use super::error::DiagnosisError;
 use super::excitation::{Carried, carried};
 use super::fit::Projector;
@@ -9,22 +10,17 @@ use super::start::ringing;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model, Output, Term};
 use quell_recording::Recording;
-use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 
-/// The error of a prediction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Score {
-    /// Root mean square error of the first output, in `unit`.
-    pub rms: f64,
-    /// Its unit.
-    pub unit: String,
-    /// Standard deviation of the noise.
-    pub noise_std: f64,
-    /// The former over the latter.
-    pub rms_over_noise: f64,
-    /// `100 (1 - |error| / |recorded - mean|)`, percent; of a joint's link position, whose deformation is what
-    /// the model is about, that of the deformation.
-    pub fit_percent: f64,
+/// How a recording is replayed, and to what of it its offsets, clocks and starts are fitted.
+#[derive(Clone, Copy)]
+enum Replay {
+    /// To all; an axis that a force drives freely in windows, each with a start of its own.
+    InWindows,
+    /// To all, in one piece.
+    InOnePiece,
+    /// To so many samples at the start; in one piece, as a start within what follows would tell of it.
+    FromFirst(usize),
 }
 
 /// A prediction of every output, and the recording, at its stamps.
@@ -52,15 +48,28 @@ pub fn predict(
     model: &Model,
     recording: Recording,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
-    predict_with(model, &[], recording, 0)
+    predicted(model, &[], (recording, 0), Replay::InWindows)
 }
 
-/// [`predict`] with what happened in a set of recordings, of which this is the one of an index.
-fn predict_with(
+/// As [`predict`], but clocks, offsets, frames and unknown starts are fitted to the first `samples` of each
+/// output alone, and the score is of all that follows: a free run into what nothing was fitted to.
+///
+/// # Errors
+/// As [`predict`], and where an output has no more than `samples`.
+pub fn forecast(
+    model: &Model,
+    recording: Recording,
+    samples: NonZeroUsize,
+) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
+    predicted(model, &[], (recording, 0), Replay::FromFirst(samples.get()))
+}
+
+/// With what happened in a set of recordings, of which this is the one of an index.
+fn predicted(
     model: &Model,
     happened: &[Term],
-    recording: Recording,
-    index: usize,
+    (recording, index): (Recording, usize),
+    replay: Replay,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
     if let Carried::Nothing(words) = carried(model, std::slice::from_ref(&recording))? {
         let recording = recording.name;
@@ -69,8 +78,24 @@ fn predict_with(
     let name = recording.name.clone();
     let mut experiments = vec![Experiment::of(model, recording)?];
     experiments[0].recording = index;
-    let (residuals, noise) = left(model, happened, &experiments);
-    let score = score_of(&experiments[0], &residuals[0], noise);
+    let first = match replay {
+        Replay::FromFirst(first) => Some(first),
+        Replay::InWindows | Replay::InOnePiece => None,
+    };
+    let lengths = experiments[0].outputs.iter().map(|o| o.values.len());
+    let samples = lengths.min().unwrap_or(0);
+    if let Some(first) = first.filter(|first| *first >= samples) {
+        return Err(DiagnosisError::NothingFollows {
+            recording: name,
+            first,
+            samples,
+        });
+    }
+    if !matches!(replay, Replay::InWindows) {
+        experiments[0].windows.clear();
+    }
+    let (residuals, noise) = left(model, happened, &experiments, first);
+    let score = score_of(&experiments[0], &residuals[0], noise, first);
     let numbers = [
         score.rms,
         score.noise_std,
@@ -85,9 +110,19 @@ fn predict_with(
     Ok((pairs.map(|(o, r)| Predicted::new(o, r)).collect(), score))
 }
 
-/// What the model leaves of each output, and the first one's noise.
-fn left(model: &Model, happened: &[Term], experiments: &[Experiment]) -> (Vec<Vec<f64>>, f64) {
-    let rows = experiments.iter().map(split::whole).collect();
+/// What the model leaves of each output, and the first one's noise; fitted to the first samples where these are
+/// given, else to all.
+fn left(
+    model: &Model,
+    happened: &[Term],
+    experiments: &[Experiment],
+    first: Option<usize>,
+) -> (Vec<Vec<f64>>, f64) {
+    let rows = |experiment| match first {
+        Some(first) => split::first(experiment, first),
+        None => split::whole(experiment),
+    };
+    let rows = experiments.iter().map(rows).collect();
     let mut fit = problem(model, experiments, rows);
     fit.freeze();
     let mut start = fit.start(model);
@@ -95,10 +130,16 @@ fn left(model: &Model, happened: &[Term], experiments: &[Experiment]) -> (Vec<Ve
     start.given_terms = start.terms.len();
     let mut projector = Projector::new(&fit);
     let still = fit.fit(&start, &projector, 15);
-    let first = ringing(&mut fit, still, &projector);
-    measure_noise(&mut fit, &first.point);
+    let rough = ringing(&mut fit, still, &projector);
+    if first.is_some() {
+        // The noise is told, but weighs nothing: it is measured on what follows, too.
+        let left = fit.explained(&rough.point, 0);
+        measure_noise(&mut fit, &rough.point);
+        return (left, fit.noise[0][0].deviation);
+    }
+    measure_noise(&mut fit, &rough.point);
     projector = Projector::new(&fit);
-    let fitted = fit.fit(&first.point, &projector, 15);
+    let fitted = fit.fit(&rough.point, &projector, 15);
     drop(projector);
     let noise = fit.noise[0][0].deviation;
     (fit.explained(&fitted.point, 0), noise)
@@ -132,24 +173,34 @@ pub fn score(model: &Model, recording: &Recording) -> Result<Score, DiagnosisErr
     Ok(predict(model, recording.clone())?.1)
 }
 
-/// [`score`] with what happened in a set of recordings, of which this is the one of an index.
+/// As [`score`], but in one piece whatever drives the model, as what a force does wrong adds up; and with what happened
+/// in a set of recordings, of which this is the one of an index.
 ///
 /// # Errors
 /// As [`predict`].
-pub fn score_with(
+pub(super) fn score_in_one_piece(
     model: &Model,
     happened: &[Term],
-    recording: Recording,
+    recording: &Recording,
     index: usize,
 ) -> Result<Score, DiagnosisError> {
-    Ok(predict_with(model, happened, recording, index)?.1)
+    let recording = (recording.clone(), index);
+    Ok(predicted(model, happened, recording, Replay::InOnePiece)?.1)
 }
 
-fn score_of(experiment: &Experiment, residual: &[f64], deviation: f64) -> Score {
-    let output = &experiment.outputs[0];
+/// Of the first output's residual, without the rows that were fitted where only the first were.
+fn score_of(
+    experiment: &Experiment,
+    residual: &[f64],
+    deviation: f64,
+    first: Option<usize>,
+) -> Score {
+    let (output, from) = (&experiment.outputs[0], first.unwrap_or(0));
+    let residual = &residual[from..];
     let n = residual.len() as f64;
     let square: f64 = residual.iter().map(|r| r * r).sum();
     let shown = super::draw::shown(experiment, output);
+    let shown = &shown[from..];
     let mean = shown.iter().sum::<f64>() / n;
     let spread: f64 = shown.iter().map(|y| (y - mean).powi(2)).sum();
     Score {
@@ -158,5 +209,9 @@ fn score_of(experiment: &Experiment, residual: &[f64], deviation: f64) -> Score 
         noise_std: deviation * output.scale,
         rms_over_noise: (square / n).sqrt() / deviation,
         fit_percent: 100.0 * (1.0 - (square / spread).sqrt()),
+        samples: residual.len(),
+        motion: shown.iter().fold(0.0, |most: f64, y| most.max(y.abs())) * output.scale,
+        windows: 1 + experiment.windows.len(),
+        first,
     }
 }

@@ -36,6 +36,12 @@ pub fn whole(experiment: &Experiment) -> Vec<Rows> {
     experiment.outputs.iter().map(all).collect()
 }
 
+/// The first rows of every output are fitted.
+pub fn first(experiment: &Experiment, rows: usize) -> Vec<Rows> {
+    let first = |output: &Output| std::iter::once(0..rows.min(output.values.len())).collect();
+    experiment.outputs.iter().map(first).collect()
+}
+
 /// Fewest stretches, so that each third of them shows all of a motion.
 const FEWEST: usize = 6;
 

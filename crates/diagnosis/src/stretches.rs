@@ -51,6 +51,11 @@ pub fn stretches(recordings: &[Recording]) -> Stretches<'_> {
     }
 }
 
+/// Whether all samples of a recording are used.
+pub fn is_whole(recording: &Recording) -> bool {
+    longest(recording).is_none()
+}
+
 /// The channel of most samples, where these are more than are needed.
 fn longest(recording: &Recording) -> Option<&Channel> {
     let channels = recording.channels.iter();

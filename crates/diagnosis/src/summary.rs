@@ -1,22 +1,29 @@
 //! The verdict in one sentence.
 
-use super::document::{Diagnosis, Finding, Verdict};
+use super::document::{Diagnosis, Finding, Quality, Verdict};
+use super::excitation::figure;
 use super::split::HeldOut;
 use super::thresholds::FLOOR;
 use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
+use quell_recording::Preferred;
 
-/// One sentence, as an engineer would write it.
+/// One sentence, as an engineer would write it; residuals are told in the unit that is `shown`.
 pub fn summary(
     diagnosis: &Diagnosis,
+    shown: Preferred,
     scale: Option<&TrackerScale>,
     judged_by: HeldOut,
     catalogue: Catalogue,
 ) -> String {
     let held_out = judged_by.words();
     let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
+    let rms = |quality: &Quality| figure(quality.held_out_rms * shown.factor, "");
     let change = format!(
-        "on {held_out} the residual falls from {} to {} times the noise",
+        "on {held_out} the residual falls from {} to {} {} rms, {} to {} times the noise",
+        rms(before),
+        rms(after),
+        shown.unit,
         times(before.held_out_over_noise),
         times(after.held_out_over_noise)
     );
@@ -27,7 +34,9 @@ pub fn summary(
     match diagnosis.verdict {
         Verdict::NoMismatch => {
             let left = format!(
-                "{} times the noise on {}",
+                "{} {} rms, {} times the noise, on {}",
+                rms(before),
+                shown.unit,
                 times(before.held_out_over_noise),
                 held_out.trim_end_matches(',')
             );
@@ -55,9 +64,11 @@ pub fn summary(
         // Whoever finds that says it.
         Verdict::NotExcited => diagnosis.summary.clone(),
         Verdict::Unexplained => format!(
-            "Something is missing that the catalogue does not explain{}: the residual is {} times the \
-             noise on {}.",
+            "Something is missing that the catalogue does not explain{}: the residual is {} {} rms, {} times \
+             the noise, on {}.",
             place(diagnosis),
+            rms(before),
+            shown.unit,
             times(before.held_out_over_noise),
             held_out.trim_end_matches(',')
         ),
@@ -76,7 +87,13 @@ pub fn whole(value: f64) -> String {
 pub fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio < 10.0 => format!("{ratio:.2}"),
-        ratio => whole(ratio),
+        ratio if ratio < 1e3 => whole(ratio),
+        // Three digits, as tables show.
+        ratio if ratio < 1e6 => {
+            let step = 10f64.powi(ratio.log10().floor() as i32 - 2);
+            whole((ratio / step).round() * step)
+        }
+        ratio => format!("{ratio:.2e}"),
     }
 }
 

@@ -7,11 +7,12 @@ use quell_model::{Experiment, Output};
 use quell_recording::{Role, Unit};
 
 /// Units of force, position and the drive's input. Where forces are divided by a stiffness they are
-/// positions; within a position loop the drive is given a force.
+/// positions; within a position loop the drive is given a force; where nobody said what force a volt or an ampere
+/// makes, forces are volts or amperes.
 pub fn units(problem: &Problem, point: &Point) -> Units {
     let experiment = &problem.experiments[0];
-    let force = force(problem, experiment);
     let linear = (problem.kind.linear)(&point.keys, experiment.input);
+    let force = force(problem, experiment, linear.motor_gain);
     Units {
         input: match linear.position_loop {
             Some(_) => force.clone(),
@@ -22,7 +23,7 @@ pub fn units(problem: &Problem, point: &Point) -> Units {
     }
 }
 
-fn force(problem: &Problem, experiment: &Experiment) -> String {
+fn force(problem: &Problem, experiment: &Experiment, gain: f64) -> String {
     let position = &experiment.position_unit;
     if problem.kind.normalised {
         return position.clone();
@@ -32,6 +33,10 @@ fn force(problem: &Problem, experiment: &Experiment) -> String {
     match (experiment.input, output) {
         (Role::Force | Role::Torque, _) => experiment.input_unit.clone(),
         (_, Some(output)) => output.unit.clone(),
+        // A gain of 1 is that of nobody's knowledge: no drive makes 1 N of 1 V.
+        (Role::MotorVoltage | Role::MotorCurrent, None) if gain == 1.0 => {
+            experiment.input_unit.clone()
+        }
         _ if Unit::from_name(position).is_some_and(|unit| unit.si == "rad") => "N.m".into(),
         _ => "N".into(),
     }

@@ -37,6 +37,7 @@ mod error;
 pub mod health;
 mod manifest;
 mod mcap;
+mod preferred;
 #[cfg(test)]
 mod properties;
 mod role;
@@ -48,6 +49,7 @@ mod write;
 pub use carries::plain;
 pub use error::{Place, Problem, RecordingError, nearest};
 pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mended, Topic};
+pub use preferred::Preferred;
 pub use role::{ROLES, Role, RoleEntry};
 pub use sink::Sink;
 pub use table::Table;

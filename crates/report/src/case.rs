@@ -32,13 +32,12 @@ impl<'a> Case<'a> {
     /// The unit of the first output's misfit: that of its motion, or a smaller one.
     pub(crate) fn misfit_unit(&self) -> Shown {
         let fit = &self.diagnosis.fit;
-        let small = fit.noise_std.max(fit.after.train_rms);
         let first = self
             .traces
             .outputs
             .first()
             .filter(|output| output.unit == fit.unit);
-        let large = first.map_or(small, |output| peak(&output.recorded));
-        Shown::of(&fit.unit, large).beside(small)
+        let motion = first.map_or(0.0, |output| peak(&output.recorded));
+        fit.shown(motion).into()
     }
 }

@@ -85,11 +85,12 @@ fn over_noise(case: &Case) -> Figure {
     Figure::text("misfit, times the noise", value).note("1 is noise alone; on moves not fitted to")
 }
 
-/// A ratio with two digits behind the point, one from ten on.
+/// A ratio with two digits behind the point, one from ten on, none from a hundred on.
 pub fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio < 10.0 => fixed(ratio, 2),
-        ratio => fixed(ratio, 1),
+        ratio if ratio < 100.0 => fixed(ratio, 1),
+        ratio => number(digits(ratio, 3)),
     }
 }
 

@@ -12,6 +12,7 @@ mod page;
 mod place;
 mod ranking;
 mod record;
+mod score;
 mod shares;
 mod shown;
 #[cfg(test)]
@@ -21,5 +22,6 @@ mod words;
 
 pub use case::Case;
 pub use page::{page, page_of};
+pub use score::score_line;
 pub use shown::Shown;
 pub use text::text;

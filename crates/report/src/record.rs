@@ -2,7 +2,9 @@
 
 use super::case::Case;
 use super::motion::residual;
+use super::score::score_line;
 use super::shown::{Shown, rms};
+use quell_diagnosis::Scored;
 use quell_page::{Page, Table};
 
 /// The last section.
@@ -19,6 +21,9 @@ pub fn section(page: Page, case: &Case) -> Page {
     }
     if !case.traces.outputs.is_empty() {
         page = page.table(outputs(case));
+    }
+    if !case.diagnosis.fit.scores.is_empty() {
+        page = page.table(scores(case));
     }
     match case.diagnosis.nuisances.is_empty() {
         true => page,
@@ -57,6 +62,30 @@ fn outputs(case: &Case) -> Table {
         table = table.row(row);
     }
     table
+}
+
+/// Misfit of each recording as a whole, in the words of `quell score`.
+fn scores(case: &Case) -> Table {
+    let table = Table::new("What quell score says of each recording")
+        .text_column("recording")
+        .text_column("model")
+        .text_column("score")
+        .note(
+            "Of the whole recording, its clocks, offsets and unknown starts fitted to all of it.",
+        );
+    let fold = |table: Table, own: &Scored| {
+        let name = || own.recording.clone().into();
+        let table = table.row([name(), "refitted".into(), score_line(&own.before).into()]);
+        match case.has_after() {
+            true => table.row([
+                name(),
+                "with the findings".into(),
+                score_line(&own.after).into(),
+            ]),
+            false => table,
+        }
+    };
+    case.diagnosis.fit.scores.iter().fold(table, fold)
 }
 
 fn nuisances(case: &Case) -> Table {

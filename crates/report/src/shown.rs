@@ -1,36 +1,7 @@
-//! Units that a reader likes: millimetres rather than metres, degrees or milliradians.
+//! Numbers as they are shown, in units that a reader likes.
 
 use quell_page::number;
-
-/// From which size on, by which factor, and in which unit.
-type Row = (f64, f64, &'static str);
-
-/// For values of at least the size, the factor and the unit to show them in; the last one holds for
-/// all that is smaller.
-const PREFERRED: &[(&str, &[Row])] = &[
-    (
-        "rad",
-        &[
-            (0.02, 180.0 / core::f64::consts::PI, "deg"),
-            (2e-5, 1e3, "mrad"),
-            (0.0, 1e6, "urad"),
-        ],
-    ),
-    ("m", &[(0.5, 1.0, "m"), (2e-5, 1e3, "mm"), (0.0, 1e6, "um")]),
-    (
-        "rad/s",
-        &[
-            (0.02, 180.0 / core::f64::consts::PI, "deg/s"),
-            (0.0, 1e3, "mrad/s"),
-        ],
-    ),
-    ("m/s", &[(0.1, 1.0, "m/s"), (0.0, 1e3, "mm/s")]),
-    ("V", &[(0.1, 1.0, "V"), (0.0, 1e3, "mV")]),
-    ("s", &[(0.2, 1.0, "s"), (0.0, 1e3, "ms")]),
-];
-
-/// Shares of a unit below which a smaller one is taken.
-const TOO_SMALL: f64 = 0.02;
+use quell_recording::Preferred;
 
 /// How values of a unit are shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,32 +10,18 @@ pub struct Shown {
     pub factor: f64,
     /// Their unit then; empty for a number.
     pub unit: String,
-    from: String,
+}
+
+impl From<Preferred> for Shown {
+    fn from(Preferred { factor, unit, .. }: Preferred) -> Self {
+        Self { factor, unit }
+    }
 }
 
 impl Shown {
     /// For values of this unit whose largest has this size.
     pub fn of(unit: &str, size: f64) -> Self {
-        let entry = PREFERRED.iter().find(|entry| entry.0 == unit);
-        let fit = entry.and_then(|entry| entry.1.iter().find(|row| size.abs() >= row.0));
-        let (factor, shown) = match fit {
-            Some(&(_, factor, shown)) => (factor, shown),
-            None if unit == "1" => (1.0, ""),
-            None => (1.0, unit),
-        };
-        Self {
-            factor,
-            unit: shown.into(),
-            from: unit.into(),
-        }
-    }
-
-    /// The same unit for smaller values, unless they would nearly vanish in it.
-    pub fn beside(&self, size: f64) -> Self {
-        match (size * self.factor).abs() >= TOO_SMALL {
-            true => self.clone(),
-            false => Self::of(&self.from, size),
-        }
+        Preferred::of(unit, size).into()
     }
 
     /// Values as they are shown.
@@ -137,7 +94,7 @@ mod tests {
             (shown.number(0.0021), shown.unit.as_str()),
             ("2.1".into(), "mrad")
         );
-        assert_eq!(shown.beside(1e-6).unit, "urad");
+        assert_eq!(Preferred::of("rad", 0.0021).beside(1e-6).unit, "urad");
         assert_eq!(Shown::of("rad", 0.17).unit, "deg");
         assert_eq!(Shown::of("N.s/m", 0.17).unit, "N.s/m");
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::case::Case;
+use super::score::score_line;
 use super::shown::Shown;
 use super::{happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
@@ -119,10 +120,26 @@ fn fit(case: &Case) -> String {
     };
     left.extend(happened::left_alone(case).map(|alone| format!("{alone}\n")));
     format!(
-        "{table}noise: {} {}\n{left}",
+        "{table}noise: {} {}\n{left}{}",
         shown.number(*noise_std),
-        shown.unit
+        shown.unit,
+        scores(case)
     )
+}
+
+/// What `quell score` says of each recording as a whole: the same line.
+fn scores(case: &Case) -> String {
+    let line = |name: &str, which: &str, score| {
+        format!("quell score of {name}, {which}: {}\n", score_line(score))
+    };
+    let all = case.diagnosis.fit.scores.iter().map(|own| {
+        let before = line(&own.recording, "the model refitted", &own.before);
+        match case.has_after() {
+            true => before + &line(&own.recording, "with the findings", &own.after),
+            false => before,
+        }
+    });
+    all.collect()
 }
 
 /// What a learned law looks like, the remedy of a finding, and its alternatives.

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::Args;
 use crate::cli::out::Out;
-use crate::cli::{CliError, output, score};
+use crate::cli::{CliError, output};
 use crate::diagnosis::{Predicted, predict};
 use crate::model::Model;
 use crate::recording::{Recording, plain};
+use crate::report::score_line;
 
 /// Predicts a recording and writes each output at its own stamps: the first one into `out`, each
 /// further one beside it, with its role in the name. A folder gets `prediction.csv`.
@@ -35,8 +36,8 @@ pub fn run(model: &Path, recording: &Path, args: &Args) -> Result<(), CliError> 
     match args.json {
         true => output::json(&serde_json::json!({ "files": files, "score": score })),
         false => output::text(&format!(
-            "{}Written: {}\n",
-            score::text(&score),
+            "{}\nWritten: {}\n",
+            score_line(&score),
             files.join(", ")
         )),
     }

@@ -39,6 +39,7 @@ pub fn silent(
                 before: nothing,
                 after: nothing,
                 model_alone: None,
+                scores: Vec::new(),
             },
             nuisances: BTreeMap::new(),
             next_move: None,

@@ -1,0 +1,31 @@
+//! The model that an explanation makes of the given one.
+
+use super::explanation::Explanation;
+use quell_model::{Model, ModelEffect, Value};
+
+/// The model with the findings in it that are the machine's, its parameters as they were fitted.
+pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
+    let mut better = model.clone();
+    let point = &explanation.fitted.point;
+    for (value, fitted) in better.values.iter_mut().zip(&point.keys) {
+        value.value = *fitted;
+    }
+    let (given, found) = point.terms.split_at(point.given_terms);
+    for (effect, term) in better.effects.iter_mut().zip(given) {
+        for (value, fitted) in effect.parameters.iter_mut().zip(&term.values) {
+            value.value = *fitted;
+        }
+    }
+    for term in found.iter().filter(|term| term.recording.is_none()) {
+        better.effects.push(ModelEffect {
+            effect: term.effect,
+            place: term.place,
+            parameters: term
+                .values
+                .iter()
+                .map(|value| Value::from(*value))
+                .collect(),
+        });
+    }
+    better
+}

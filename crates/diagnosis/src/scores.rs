@@ -1,0 +1,60 @@
+//! The scores of the model before and after, a recording each.
+
+use super::document::{Fit, Quality, Score, Scored};
+use super::score::score;
+use quell_model::Model;
+use quell_recording::Recording;
+
+/// Recordings that were fitted, and those that were held out as a whole.
+pub type Recordings<'a> = (&'a [Recording], &'a [Recording]);
+
+/// What [`score`] says of the refitted model, and of that with the findings where there are any. A recording that it
+/// refuses, as one in which the model runs away, has none.
+pub fn scores(
+    refitted: &Model,
+    with_findings: Option<&Model>,
+    (train, held_out): Recordings,
+) -> Vec<Scored> {
+    let fitted = train.iter().map(|recording| (recording, false));
+    let all = fitted.chain(held_out.iter().map(|recording| (recording, true)));
+    let scored = |(recording, held_out): (&Recording, bool)| {
+        let before = score(refitted, recording).ok()?;
+        let after = match with_findings {
+            Some(model) => score(model, recording).ok()?,
+            None => before.clone(),
+        };
+        Some(Scored {
+            recording: recording.name.clone(),
+            held_out,
+            before,
+            after,
+        })
+    };
+    all.filter_map(scored).collect()
+}
+
+/// Takes the misfits of whole recordings from their scores, so that they are one number wherever they are told.
+pub fn take_over(fit: &mut Fit) {
+    let of = |of: fn(&Scored) -> &Score| {
+        let rms = |held_out| pooled(fit.scores.iter().filter(|s| s.held_out == held_out).map(of));
+        let ([train_rms, _], [held_out_rms, held_out_over_noise]) = (rms(false), rms(true));
+        Quality {
+            train_rms,
+            held_out_rms,
+            held_out_over_noise,
+        }
+    };
+    (fit.before, fit.after) = (of(|own| &own.before), of(|own| &own.after));
+}
+
+/// Error and error over the noise of all samples together.
+fn pooled<'a>(scores: impl Iterator<Item = &'a Score>) -> [f64; 2] {
+    let (mut sum, mut over, mut count) = (0.0, 0.0, 0.0);
+    for score in scores {
+        let samples = score.samples as f64;
+        sum += samples * score.rms.powi(2);
+        over += samples * score.rms_over_noise.powi(2);
+        count += samples;
+    }
+    [sum, over].map(|sum| (sum / count).sqrt())
+}

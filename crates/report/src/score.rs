@@ -1,0 +1,56 @@
+//! A score in words: the same wherever it is told.
+
+use super::head::times;
+use super::shown::Shown;
+use quell_diagnosis::Score;
+use quell_page::fixed;
+
+/// One line: error in the unit of the recording, over the noise, how much of the recording is explained, and what
+/// was fitted to it where that is not the whole in one piece.
+pub fn score_line(score: &Score) -> String {
+    let shown = Shown::from(score.shown());
+    let unit = &shown.unit;
+    let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));
+    let how = match (score.first, score.windows) {
+        (Some(first), _) => format!("; a free run, its start fitted to the first {first} samples"),
+        (None, 1) => String::new(),
+        (None, windows) => format!("; in {windows} windows, each with a start of its own"),
+    };
+    format!(
+        "rms {rms} {unit}, {} times the noise of {noise} {unit}; fit {} %{how}",
+        times(score.rms_over_noise),
+        fixed(score.fit_percent, 2)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_has_one_unit_and_says_how() {
+        let score = Score {
+            rms: 6.12e-6,
+            unit: "rad".into(),
+            noise_std: 6e-6,
+            rms_over_noise: 1.02,
+            fit_percent: 99.21,
+            samples: 100,
+            motion: 1e-3,
+            windows: 1,
+            first: None,
+        };
+        let expected = "rms 6.12 urad, 1.02 times the noise of 6 urad; fit 99.21 %";
+        assert_eq!(score_line(&score), expected);
+        let windows = Score {
+            windows: 7,
+            ..score.clone()
+        };
+        assert!(score_line(&windows).ends_with("; in 7 windows, each with a start of its own"));
+        let first = Score {
+            first: Some(20),
+            ..score
+        };
+        assert!(score_line(&first).ends_with("fitted to the first 20 samples"));
+    }
+}
