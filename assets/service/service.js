@@ -81,6 +81,7 @@ function showState() {
   const now = state.joints[joint];
   if (!now) return;
   $("about").textContent = `${state.robot} robot, ${now.name}, version ${state.version}`;
+  showEnabled(state.enable);
   $("phase").hidden = false;
   $("phase").textContent = now.phase;
   $("phase").className = now.phase === "rest" ? "pill quiet" : "pill plain";
@@ -119,6 +120,16 @@ function showPayload() {
   $("payload-value").textContent = `${$("payload").value} kg`;
 }
 
+/** Whether moves may begin, and the one thing that can be done about it. */
+function showEnabled({ state: enabled, reason }) {
+  $("enabled").hidden = false;
+  $("enabled").textContent = enabled;
+  $("enabled").className = { enabled: "pill good", disabled: "pill quiet", faulted: "pill bad" }[enabled];
+  $("enable").textContent = { enabled: "Disable moves", disabled: "Enable moves", faulted: "Reset the fault" }[enabled];
+  $("enable").className = enabled === "enabled" ? "" : "primary";
+  announce("fault", enabled === "faulted" ? [`Fault: ${reason}. The robot was stopped; see to it, then reset the fault, then enable moves.`] : []);
+}
+
 /** What is wrong now, or nothing. */
 function showTrouble(now) {
   const wrong = [];
@@ -128,7 +139,7 @@ function showTrouble(now) {
     wrong.push(`${what} since ${new Date(1e3 * fault.since_unix_time_s).toLocaleString()}: ${fault.reason}.`);
   }
   if (now.watchdog === "silent") wrong.push("No measurements come: adaptation waits.");
-  if (now.watchdog === "stopped") wrong.push("No measurements come: the joint was stopped.");
+  if (now.watchdog === "stopped") wrong.push("No measurements come.");
   for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);
   announce("trouble", wrong);
   const advice = [];
@@ -230,6 +241,16 @@ $("move").onsubmit = (event) => {
   move(Number($("target").value));
 };
 $("stop").onclick = stop;
+$("enable").onclick = () => {
+  if (!state) return;
+  // What is asked for is what the button says.
+  const [path, done] = {
+    enabled: ["/api/v1/disable", "Moves are disabled."],
+    disabled: ["/api/v1/enable", "Moves are enabled."],
+    faulted: ["/api/v1/reset", "The fault was reset. Moves are disabled."],
+  }[state.enable.state];
+  command(path, {}, () => done);
+};
 for (const button of document.querySelectorAll("[data-by]")) {
   button.onclick = () => state && move(state.joints[joint].target_rad * DEG + Number(button.dataset.by));
 }

@@ -11,6 +11,7 @@ pub mod contract;
 pub mod disk;
 mod engine;
 mod features;
+pub mod following;
 #[cfg(feature = "foxglove")]
 mod foxglove;
 pub mod guard;

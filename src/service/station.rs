@@ -146,6 +146,7 @@ impl Station {
         let ticks = joints.iter().enumerate().map(|(index, joint)| {
             let registered = robot.sensor.is_some();
             JointTick::new(index, bounds(joint), watchdog, joint.adaptation, registered)
+                .following_within(joint.config.following_limit, config.period)
         });
         let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
         let (handle, ends) = channels(Snapshot {

@@ -2,8 +2,8 @@
 
 use quell::report::page;
 use quell::service::contract::{
-    Accepted, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot, Stopping,
-    channels,
+    Accepted, EnableState, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot,
+    Stopping, channels,
 };
 use quell::service::http::{Settings, serve};
 use quell::service::recorder::{Bounds, Recorder, Shelf};
@@ -123,6 +123,9 @@ async fn answer(mut ends: EngineEnds) {
                     joint: "joint_1".into(),
                     duration_s: Some(0.1),
                 }],
+            }),
+            Request::Enable | Request::Disable | Request::Reset => Ok(Accepted::Enabling {
+                state: EnableState::Disabled,
             }),
             Request::Payload { mass } if mass > 1.0 => value("mass_kg", mass),
             Request::Payload { .. } => Err(ServiceError::Stopping),

@@ -7,6 +7,7 @@ use serde_json::json;
 /// The elements that can have the focus; all are on the page, the report in its frame included.
 const FOCUSED: &[&str] = &[
     "#stop",
+    "#enable",
     "#target",
     "#move .primary",
     "[data-by]",

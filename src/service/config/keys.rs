@@ -179,6 +179,9 @@ pub struct JointKeys {
     pub acceleration_deg_s2: Option<f64>,
     /// Limit of the jerk, deg/s^3; the description's where absent.
     pub jerk_deg_s3: Option<f64>,
+    /// Distance of the motor side from its command that is a fault, deg, beyond what lag explains; where absent the
+    /// most that a joint can have which follows within 0.06 s.
+    pub following_error_deg: Option<f64>,
     /// Believed natural frequency, Hz, until a better one is learned; the description's where absent.
     pub frequency_hz: Option<f64>,
     /// Believed damping ratio; the description's where absent.
@@ -214,6 +217,7 @@ impl JointKeys {
             velocity_deg_s: None,
             acceleration_deg_s2: None,
             jerk_deg_s3: None,
+            following_error_deg: None,
             frequency_hz: None,
             damping_ratio: None,
             shaper: zvd(),

@@ -61,6 +61,28 @@ pub enum ServiceError {
         /// Why.
         reason: String,
     },
+    /// Nobody has enabled moves, or not since a fault.
+    #[error("moves are not enabled: {reason}; {way}")]
+    NotEnabled {
+        /// Why, as the state says it.
+        reason: String,
+        /// What has to be asked for first.
+        way: &'static str,
+    },
+    /// A fault has to be reset before moves are enabled.
+    #[error("there is a fault: {reason}; see to it, then reset it, then enable")]
+    Faulted {
+        /// Why, as the state says it.
+        reason: String,
+    },
+    /// A joint that is not where it is commanded to be, or whose sensor is at fault.
+    #[error("{joint} cannot be enabled: {reason}")]
+    NotReady {
+        /// The joint.
+        joint: String,
+        /// Why.
+        reason: String,
+    },
     /// The robot has not yet said where the joint stands.
     #[error("the robot has not yet said where {joint} stands")]
     NoMeasurement {
@@ -127,6 +149,9 @@ impl ServiceError {
             | Self::OnlyEmbedded { .. } => ErrorKind::Input,
             Self::ShaperInMotion { .. }
             | Self::NotTaken { .. }
+            | Self::NotEnabled { .. }
+            | Self::Faulted { .. }
+            | Self::NotReady { .. }
             | Self::NoMeasurement { .. }
             | Self::NotHeard { .. }
             | Self::Stopped => ErrorKind::Conflict,

@@ -5,6 +5,7 @@
 //! published, a reader of the stream that is too slow loses batches and is told how many.
 
 mod disk;
+mod enabling;
 mod error;
 mod handle;
 mod recording;
@@ -13,6 +14,7 @@ mod snapshot;
 mod stream;
 
 pub use disk::{DiskFault, DiskPart, DiskState, DiskView};
+pub use enabling::{EnableState, EnableView, FaultKind};
 pub use error::{ErrorKind, ServiceError};
 pub use handle::{EngineEnds, Envelope, Handle, Requests, channels};
 pub use recording::RecordingNews;

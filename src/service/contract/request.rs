@@ -3,6 +3,8 @@
 use quell_shapers::{Mode, ModeError};
 use serde::{Deserialize, Serialize};
 
+use super::EnableState;
+
 /// The requests of the outside.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
@@ -17,6 +19,12 @@ pub enum Request {
     },
     /// Bring every joint to a jerk-limited stop.
     Stop,
+    /// Let moves begin. Nothing moves by this alone.
+    Enable,
+    /// Stop every joint, and let no move begin.
+    Disable,
+    /// Take a fault back, once somebody has seen to it. Moves stay disabled.
+    Reset,
     /// Change how commands are shaped; all of it or, on an error, nothing.
     Shaping(ShapingChange),
     /// Change the payload of the embedded arm, a point mass at the tip, kg.
@@ -88,6 +96,11 @@ pub enum Accepted {
         duration_s: f64,
         /// The joints that are being stopped; none where nothing moves.
         joints: Vec<Stopping>,
+    },
+    /// Moves are enabled or not, as it says.
+    Enabling {
+        /// The state.
+        state: EnableState,
     },
     /// The change is in force, or will be with the next move from rest.
     Changed,

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{DiskView, ModeValue};
+use super::{DiskView, EnableView, ModeValue};
 
 /// The state of everything now. Published some 20 times a second.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -19,6 +19,8 @@ pub struct Snapshot {
     pub time_s: f64,
     /// Whether the service is bringing the robot to rest in order to end.
     pub stopping: bool,
+    /// Whether moves may begin, and why not.
+    pub enable: EnableView,
     /// Payload of the embedded arm, kg; absent for another robot.
     pub payload_kg: Option<f64>,
     /// One entry a joint.
@@ -52,6 +54,10 @@ pub struct JointSnapshot {
     pub command_rad_s: f64,
     /// Last measured motor position, rad.
     pub motor_rad: Option<f64>,
+    /// Distance of the motor side from all that was commanded in the 0.06 s in which it follows, rad.
+    pub following_error_rad: Option<f64>,
+    /// Following error from which on it is a fault, rad.
+    pub following_limit_rad: f64,
     /// Last deformation, rad.
     pub deformation_rad: Option<f64>,
     /// The same along the tip's arc, m, where the arc is known.

@@ -68,9 +68,9 @@ pub struct Joint {
 pub enum Hearing {
     /// It is heard, or does not have to be.
     Heard,
-    /// It is not: it is brought to rest and takes no move.
+    /// It is not.
     Lost,
-    /// It is again, and takes no move until it is known to stand where it was left.
+    /// It is again, and is not known yet to stand where it was left.
     Back,
 }
 
@@ -191,10 +191,15 @@ impl Joint {
         }
     }
 
+    /// Whether it is commanded and not heard.
+    pub fn is_unheard(&self) -> bool {
+        self.began && self.hearing != Hearing::Heard
+    }
+
     /// The state of the watchdog.
     pub fn watchdog(&self) -> WatchdogState {
         match &self.report {
-            _ if self.began && self.hearing != Hearing::Heard => WatchdogState::Stopped,
+            _ if self.is_unheard() => WatchdogState::Stopped,
             Some(report) => report.watchdog,
             None => WatchdogState::Silent,
         }

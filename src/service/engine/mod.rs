@@ -6,6 +6,7 @@
 mod axis;
 mod commanding;
 mod cruise;
+mod enabling;
 mod joint;
 mod orders;
 mod planning;
@@ -28,6 +29,8 @@ use quell_trajectories::Planner;
 pub use axis::controller;
 pub use joint::{Hearing, Joint};
 pub use registration::Registrar;
+
+use enabling::Enabling;
 
 use super::clock::ServiceClock;
 use super::config::Config;
@@ -71,6 +74,7 @@ pub struct Engine {
     /// Number of the last request to stop.
     last_stop: Option<u64>,
     stopping: Option<f64>,
+    enabling: Enabling,
 }
 
 /// The parts of an engine.
@@ -101,6 +105,7 @@ impl Engine {
     /// An engine whose joints are not commanded yet.
     pub fn new(parts: EngineParts) -> Self {
         let mut engine = Self {
+            enabling: Enabling::at_start(parts.clock.unix_time()),
             payload: parts.arm.as_ref().map(|_| 0.0),
             moves: parts.state.moves.iter().cloned().collect(),
             config: parts.config,

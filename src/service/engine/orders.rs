@@ -141,6 +141,7 @@ impl Engine {
         let joint = &self.joints[index];
         if let What::Move { .. } = what {
             // Each time anew: it may be lost between two tries.
+            self.enabling.allows_moves()?;
             joint.takes_moves()?;
         }
         let at = Moment {
@@ -169,7 +170,7 @@ impl Engine {
             ticket: asked.ticket,
             samples: Some(planned.samples),
             start: planned.start,
-            stops: matches!(asked.what, What::Stop),
+            permit: matches!(asked.what, What::Move { .. }).then_some(self.enabling.permit),
         };
         let joint = &mut self.joints[index];
         match self.rings.orders.push(ToTick::Plan(Box::new(plan))) {
@@ -248,9 +249,10 @@ impl Engine {
             NotTaken::Outdated => {}
             // A correction under way leaves less of the limits to a new plan.
             NotTaken::Refused(_) => asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT),
-            NotTaken::NotHeard => {
-                let joint = joint.config.name.clone();
-                self.withdraw_for(plan.joint, ServiceError::NotHeard { joint });
+            NotTaken::NotEnabled => {
+                // Where the gate has just been closed its event comes with this one.
+                let why = self.enabling.allows_moves().err();
+                self.withdraw_for(plan.joint, why.unwrap_or(ServiceError::Stopped));
             }
             NotTaken::Idle | NotTaken::Train(_) | NotTaken::Replaced | NotTaken::Withdrawn => {
                 self.withdraw(plan.joint, &format!("{why:?}"));

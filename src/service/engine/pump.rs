@@ -83,6 +83,7 @@ impl Engine {
             Event::Taken(taken) => self.taken(&taken),
             Event::NotTaken(plan, why) => self.not_taken(&plan, why),
             Event::Settled(index, id, time) => self.settled(index, id, time),
+            Event::Tripped(trip) => self.tripped(trip),
             Event::Lost(index) => self.lost(index),
             Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),

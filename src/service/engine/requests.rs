@@ -43,6 +43,15 @@ impl Engine {
                     joints,
                 })
             }
+            Request::Enable if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::Enable => self.enable(),
+            Request::Disable => {
+                self.last_stop = self.last_stop.max(Some(number));
+                Ok(self.disable())
+            }
+            Request::Reset => Ok(self.reset()),
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };
@@ -69,6 +78,7 @@ impl Engine {
                 rule: "within the joint's range",
             });
         }
+        self.enabling.allows_moves()?;
         joint.takes_moves()?;
         self.check_recording()?;
         let shaper = shaper.map(shaper_named).transpose()?;

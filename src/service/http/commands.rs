@@ -54,6 +54,21 @@ pub async fn stop(State(app): State<Arc<App>>, _: Nothing) -> Answered {
     ask(&app, Request::Stop).await
 }
 
+/// `POST /api/v1/enable`.
+pub async fn enable(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    ask(&app, Request::Enable).await
+}
+
+/// `POST /api/v1/disable`.
+pub async fn disable(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    ask(&app, Request::Disable).await
+}
+
+/// `POST /api/v1/reset`.
+pub async fn reset(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    ask(&app, Request::Reset).await
+}
+
 /// `POST /api/shaper`.
 pub async fn shaper(State(app): State<Arc<App>>, Json(change): Json<ShapingChange>) -> Answered {
     if change == ShapingChange::default() {

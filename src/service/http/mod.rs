@@ -186,6 +186,9 @@ fn router(app: Arc<App>) -> Router {
         .route("/api/stream", get(stream::stream))
         .route("/api/move", post(commands::travel))
         .route("/api/stop", post(commands::stop))
+        .route("/api/v1/enable", post(commands::enable))
+        .route("/api/v1/disable", post(commands::disable))
+        .route("/api/v1/reset", post(commands::reset))
         .route("/api/shaper", post(commands::shaper))
         .route("/api/payload", post(commands::payload))
         .route(
