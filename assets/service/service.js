@@ -21,7 +21,7 @@ let asked = 0;
 
 function connect() {
   const scheme = location.protocol === "https:" ? "wss" : "ws";
-  const socket = new WebSocket(`${scheme}://${location.host}${withToken("/api/stream")}`);
+  const socket = new WebSocket(`${scheme}://${location.host}${withToken("/api/v1/stream")}`);
   let heard = Date.now();
   // A service that is gone does not close: its silence is the end.
   const watch = setInterval(() => Date.now() - heard > QUIET && lost(), 500);
@@ -37,7 +37,7 @@ function connect() {
     socket.close();
     connection(false);
     // A refused WebSocket does not say why; a plain request does.
-    ask("/api/state").catch(() => {});
+    ask("/api/v1/state").catch(() => {});
     setTimeout(connect, 1000);
   }
 }
@@ -218,12 +218,12 @@ function move(target) {
   // What is sent is what is shown.
   const target_deg = rounded(target);
   $("target").value = target_deg;
-  command("/api/move", { joint: name, target_deg }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
+  command("/api/v1/move", { joint: name, target_deg }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
 }
 
 function change(what) {
   asked = Date.now();
-  command("/api/shaper", what, () => "Changed; in force with the next move from rest.");
+  command("/api/v1/shaper", what, () => "Changed; in force with the next move from rest.");
 }
 
 let settling;
@@ -233,7 +233,7 @@ function carry() {
   asked = Date.now();
   showPayload();
   clearTimeout(settling);
-  settling = setTimeout(() => command("/api/payload", { mass_kg: Number($("payload").value) }, () => "Another payload."), SETTLED);
+  settling = setTimeout(() => command("/api/v1/payload", { mass_kg: Number($("payload").value) }, () => "Another payload."), SETTLED);
 }
 
 $("move").onsubmit = (event) => {

@@ -258,6 +258,7 @@ impl Joint {
             ticket: 0,
             samples: Some(slowed.plan),
             start: Start::Rest(Box::new(order)),
+            together: None,
             permit: None,
         }));
         Ok(())

@@ -117,6 +117,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
         ticket: 1,
         samples: Some(plan(&robot, 0.0, 0.5)),
         start: Start::Rest(Box::new(train)),
+        together: None,
         permit: Some(1),
     };
     let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, mode)));

@@ -102,6 +102,7 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
                 ticket: k,
                 samples: Some(plan(&robot, from, 0.5 - from)),
                 start: Start::Rest(Box::new(train)),
+                together: None,
                 permit: Some(1),
             };
             let orders = [

@@ -117,6 +117,10 @@ async fn answer(mut ends: EngineEnds) {
                 duration_s: 1.0,
                 speed: 1.0,
             }),
+            Request::MoveTogether { .. } => Ok(Accepted::Together {
+                moves: Vec::new(),
+                duration_s: 1.0,
+            }),
             Request::Stop => Ok(Accepted::Stop {
                 duration_s: 0.1,
                 joints: vec![Stopping {

@@ -60,7 +60,7 @@ fn one_stop(browser: &mut Browser, focus: &str) {
         browser.until(SAID);
         assert_eq!(
             browser.commands(),
-            ["POST /api/stop"],
+            ["POST /api/v1/stop"],
             "{} on {focus}",
             key.1
         );

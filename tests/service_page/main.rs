@@ -47,7 +47,7 @@ fn travel(browser: &mut Browser, degrees: i32, moves: usize) {
     browser.until("document.querySelector('#said').textContent.startsWith('Moving, ')");
     assert_eq!(
         browser.commands(),
-        ["POST /api/move"],
+        ["POST /api/v1/move"],
         "Enter is held, and moves once"
     );
     browser.until(&format!(
@@ -87,12 +87,12 @@ fn stopped_by_key(browser: &mut Browser) {
         browser,
         "state.joints[0].phase === 'moving' && state.joints[0].command_rad < 0.3",
     );
-    assert_eq!(browser.commands(), ["POST /api/move"]);
+    assert_eq!(browser.commands(), ["POST /api/v1/move"]);
     browser.press(ESCAPE, 20);
     browser.until("/^joint_1: stopping, at rest in [0-9.]+ s\\.$/.test(document.querySelector('#said').textContent)");
     assert_eq!(
         browser.commands(),
-        ["POST /api/stop"],
+        ["POST /api/v1/stop"],
         "Escape is held, and stops once"
     );
     until(

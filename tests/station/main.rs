@@ -10,5 +10,6 @@ mod model;
 mod oracle;
 mod sequence;
 mod stops;
+mod together;
 mod untimed;
 mod world;

@@ -1,9 +1,10 @@
 //! Whether moves may begin.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Whether moves may begin, for all joints alike: one that is at fault stops the robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EnableState {
     /// No move begins: nobody has enabled since the start, a reset, or since somebody disabled.
@@ -16,7 +17,7 @@ pub enum EnableState {
 }
 
 /// The kind of a fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
     /// The motor side of a joint is not heard.
@@ -32,7 +33,7 @@ pub enum FaultKind {
 }
 
 /// Whether moves may begin, and why not.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct EnableView {
     /// The state.
     pub state: EnableState,

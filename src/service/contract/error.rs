@@ -53,6 +53,18 @@ pub enum ServiceError {
         /// The joint.
         joint: String,
     },
+    /// A move of several joints begins at rest only.
+    #[error("{joint} is moving: a move of several joints has to wait until it rests")]
+    InMotion {
+        /// The joint.
+        joint: String,
+    },
+    /// A move of several joints that names one of them twice.
+    #[error("{joint} has two targets in one move")]
+    Twice {
+        /// The joint.
+        joint: String,
+    },
     /// A correction was under way for so long that the new plan could not be taken.
     #[error("{joint}: {reason}; the running move goes on")]
     NotTaken {
@@ -144,10 +156,12 @@ impl ServiceError {
             | Self::UnknownShaper { .. }
             | Self::Value { .. }
             | Self::Nothing
+            | Self::Twice { .. }
             | Self::Plan { .. }
             | Self::Train { .. }
             | Self::OnlyEmbedded { .. } => ErrorKind::Input,
             Self::ShaperInMotion { .. }
+            | Self::InMotion { .. }
             | Self::NotTaken { .. }
             | Self::NotEnabled { .. }
             | Self::Faulted { .. }

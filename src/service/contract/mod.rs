@@ -18,7 +18,7 @@ pub use enabling::{EnableState, EnableView, FaultKind};
 pub use error::{ErrorKind, ServiceError};
 pub use handle::{EngineEnds, Envelope, Handle, Requests, channels};
 pub use recording::RecordingNews;
-pub use request::{Accepted, ModeValue, Request, ShapingChange, Stopping};
+pub use request::{Accepted, Begun, ModeValue, Request, ShapingChange, Stopping, Target};
 pub use snapshot::{
     EstimateView, JointSnapshot, LinkHealth, MoveResult, Phase, SensorView, Snapshot,
     TickStatistics, TrainView, WatchdogState,

@@ -1,6 +1,7 @@
 //! The requests of the outside.
 
 use quell_shapers::{Mode, ModeError};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EnableState;
@@ -15,6 +16,13 @@ pub enum Request {
         /// Where it shall end, rad.
         target: f64,
         /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
+        shaper: Option<String>,
+    },
+    /// Move several joints from rest, so that they begin and end together.
+    MoveTogether {
+        /// The joints and where they shall end.
+        targets: Vec<Target>,
+        /// Shaper for this move alone, `none` for unshaped; each joint's own where absent.
         shaper: Option<String>,
     },
     /// Bring every joint to a jerk-limited stop.
@@ -34,8 +42,17 @@ pub enum Request {
     },
 }
 
+/// Where a joint shall end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Name of the joint.
+    pub joint: String,
+    /// Where it shall end, rad.
+    pub target: f64,
+}
+
 /// A change of how commands are shaped. What is absent stays as it is; trains change at rest.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShapingChange {
     /// The joint; every joint where absent.
@@ -51,7 +68,7 @@ pub struct ShapingChange {
 }
 
 /// A mode as people write it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModeValue {
     /// Undamped natural frequency, Hz.
@@ -78,7 +95,7 @@ impl TryFrom<ModeValue> for Mode {
 }
 
 /// The outcome of a request that was taken.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "accepted", rename_all = "snake_case")]
 pub enum Accepted {
     /// The move has begun.
@@ -89,6 +106,13 @@ pub enum Accepted {
         duration_s: f64,
         /// Speed to which the plan was slowed so that the train keeps the limits; 1 is full speed.
         speed: f64,
+    },
+    /// A move of several joints has begun.
+    Together {
+        /// Their moves.
+        moves: Vec<Begun>,
+        /// Until all commands rest, with the trains, s.
+        duration_s: f64,
     },
     /// Every joint that moves is being stopped.
     Stop {
@@ -106,8 +130,17 @@ pub enum Accepted {
     Changed,
 }
 
+/// The move of one joint of several.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Begun {
+    /// Name of the joint.
+    pub joint: String,
+    /// Number of the move.
+    pub id: u64,
+}
+
 /// A joint that is being stopped.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Stopping {
     /// Its name.
     pub joint: String,

@@ -2,12 +2,13 @@
 
 use std::net::SocketAddr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{DiskView, EnableView, ModeValue};
 
 /// The state of everything now. Published some 20 times a second.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Snapshot {
     /// Version of the service.
     pub version: &'static str,
@@ -36,7 +37,7 @@ pub struct Snapshot {
 }
 
 /// One joint now.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct JointSnapshot {
     /// Name.
     pub name: String,
@@ -101,7 +102,7 @@ pub struct JointSnapshot {
 }
 
 /// The phase of a joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// The robot has not yet said where it stands; nothing is commanded.
@@ -116,7 +117,7 @@ pub enum Phase {
 }
 
 /// Impulses in force.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TrainView {
     /// Instants, s after the first.
     pub times_s: Vec<f64>,
@@ -125,7 +126,7 @@ pub struct TrainView {
 }
 
 /// An estimate and what was made of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct EstimateView {
     /// Time of the last sample used, s on the service's clock.
     pub time_s: f64,
@@ -146,7 +147,7 @@ pub struct EstimateView {
 }
 
 /// The state of the watchdog.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WatchdogState {
     /// Measurements come.
@@ -159,7 +160,7 @@ pub enum WatchdogState {
 }
 
 /// One sensor of a joint.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct SensorView {
     /// Its quantity: `motor_position`, `link_position`, `deformation`, `tip_position`,
     /// `tip_acceleration`.
@@ -177,7 +178,7 @@ pub struct SensorView {
 }
 
 /// How well the tick is kept, since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TickStatistics {
     /// Ticks asked for a second, Hz.
     pub rate_hz: f64,
@@ -207,7 +208,7 @@ pub struct TickStatistics {
 }
 
 /// Counts of the link's messages, in and out, since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct LinkHealth {
     /// Datagrams received, of whatever kind.
     pub received: u64,
@@ -242,7 +243,7 @@ pub struct LinkHealth {
 }
 
 /// The result of a move.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MoveResult {
     /// Number of the move.
     pub id: u64,

@@ -9,7 +9,7 @@ use super::running::Running;
 use super::standstill::Standstill;
 use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
-use crate::service::tick::{AxisReport, JointReport};
+use crate::service::tick::{AxisReport, JointReport, Together};
 use crate::signal::DeformationSensor;
 
 /// Where the answer to a request goes, if anybody waits for it.
@@ -84,6 +84,8 @@ pub struct Asked {
     pub ticket: u64,
     /// Ticks ahead for which it was planned, in motion.
     pub ahead: u64,
+    /// The plans of other joints that it begins with.
+    pub together: Option<Together>,
     /// Share of the limits of acceleration and jerk that it uses, in motion.
     pub effort: f64,
     /// After this time (s) it is given up.
@@ -108,6 +110,8 @@ pub struct Ordered {
     pub speed: f64,
     /// The rule of its train.
     pub shaper: Option<&'static dyn Shaper>,
+    /// The plans of other joints that it begins with.
+    pub together: Option<Together>,
     /// Who asked for it, where that was withdrawn meanwhile.
     pub withdrawn: Option<Withdrawn>,
 }

@@ -17,6 +17,7 @@ mod registration;
 mod requests;
 mod running;
 mod standstill;
+mod together;
 mod trains;
 
 use std::collections::VecDeque;
@@ -31,6 +32,7 @@ pub use joint::{Hearing, Joint};
 pub use registration::Registrar;
 
 use enabling::Enabling;
+use together::Group;
 
 use super::clock::ServiceClock;
 use super::config::Config;
@@ -75,6 +77,8 @@ pub struct Engine {
     last_stop: Option<u64>,
     stopping: Option<f64>,
     enabling: Enabling,
+    /// Moves of several joints that the tick has not begun yet.
+    groups: Vec<Group>,
 }
 
 /// The parts of an engine.
@@ -124,6 +128,7 @@ impl Engine {
             tickets: 0,
             last_stop: None,
             stopping: None,
+            groups: Vec::new(),
         };
         engine.begin_embedded();
         engine

@@ -155,7 +155,7 @@ fn joint_shaper(joint: &Joint) -> Option<&'static dyn Shaper> {
     quell_shapers::shaper_by_name(name?)
 }
 
-fn refused(error: quell_trajectories::PlanError) -> ServiceError {
+pub fn refused(error: quell_trajectories::PlanError) -> ServiceError {
     ServiceError::Plan {
         reason: error.to_string(),
     }

@@ -5,11 +5,15 @@ use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 use super::Engine;
 use super::axis::train;
 use super::joint::What;
-use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange};
+use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
 use crate::service::tick::ToTick;
 
 /// Largest payload of the embedded arm, kg: its class carries 60, and twice that is still an arm.
 const HEAVIEST: f64 = 120.0;
+
+/// Joints and targets in rad, and the rule for this move alone.
+type CheckedTogether =
+    Result<(Vec<(usize, f64)>, Option<Option<&'static dyn Shaper>>), ServiceError>;
 
 impl Engine {
     /// Answers a request, at once or once the tick has said what became of it.
@@ -34,6 +38,15 @@ impl Engine {
                 Ok((index, what)) => return self.ask(index, what, Some(reply)),
                 Err(error) => Err(error),
             },
+            Request::MoveTogether { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::MoveTogether { targets, shaper } => {
+                match self.check_together(&targets, shaper.as_deref()) {
+                    Ok((members, shaper)) => return self.ask_together(members, shaper, reply),
+                    Err(error) => Err(error),
+                }
+            }
             Request::Stop => {
                 self.last_stop = self.last_stop.max(Some(number));
                 let joints = self.stop_all(&ServiceError::Stopped);
@@ -93,6 +106,23 @@ impl Engine {
             return Err(ServiceError::ShaperInMotion { joint });
         }
         Ok((index, What::Move { target, shaper }))
+    }
+
+    /// The joints of a move of several, and its rule, if it has one of its own.
+    fn check_together(&self, targets: &[Target], shaper: Option<&str>) -> CheckedTogether {
+        let mut members = Vec::new();
+        for Target { joint, target } in targets {
+            let (index, _) = self.check_move(joint, *target, shaper)?;
+            if members.iter().any(|&(other, _)| other == index) {
+                let joint = joint.clone();
+                return Err(ServiceError::Twice { joint });
+            }
+            members.push((index, *target));
+        }
+        match members.is_empty() {
+            true => Err(ServiceError::Nothing),
+            false => Ok((members, shaper.map(shaper_named).transpose()?)),
+        }
     }
 
     pub(super) fn index_of(&self, name: &str) -> Result<usize, ServiceError> {

@@ -6,7 +6,9 @@ use quell_trajectories::Limits;
 use super::following::Following;
 use super::gate::{Cause, Gate};
 use super::hearing::{Change, Hearing, Watchdog};
-use super::messages::{AxisReport, Event, JointReport, NotTaken, Plan, Taken, TrainOrder};
+use super::messages::{
+    AxisReport, Event, JointReport, NotTaken, Plan, Taken, Together, TrainOrder,
+};
 use super::pace::Stride;
 use super::taking::{put_in_force, ready};
 use crate::controller::{AxisStatus, Controller, ringing_time};
@@ -26,6 +28,8 @@ pub struct JointTick {
     limits: Limits,
     inbox: Vec<Measurement>,
     waiting: Option<Box<Plan>>,
+    /// Whether the plan that waits may begin without waiting for those of other joints.
+    released: bool,
     /// The command at the last two control periods.
     command: [Setpoint; 2],
     sent: Setpoint,
@@ -63,6 +67,7 @@ impl JointTick {
             limits: bounds.limits,
             inbox: Vec::with_capacity(INBOX),
             waiting: None,
+            released: false,
             command: [Setpoint::default(); 2],
             sent: Setpoint::default(),
             motion: CommandedMotion::default(),
@@ -121,6 +126,7 @@ impl JointTick {
 
     /// Takes a plan that waits for its time; gives one that it replaces back.
     pub fn expect(&mut self, plan: Box<Plan>) -> Option<Event> {
+        self.released = plan.together.is_none();
         let replaced = self.waiting.replace(plan)?;
         Some(Event::NotTaken(replaced, NotTaken::Replaced))
     }
@@ -197,6 +203,30 @@ impl JointTick {
         [self.hearing.silence(now), self.hearing.timeout()]
     }
 
+    /// The plans that the one that waits begins with, while it waits for them.
+    pub fn together(&self) -> Option<Together> {
+        let waits = self.waiting.as_ref().filter(|_| !self.released);
+        waits.and_then(|plan| plan.together)
+    }
+
+    /// Whether the plan that waits is one of these, and could begin with this tick.
+    pub fn is_ready_with(&mut self, together: Together, tick: u64, gate: &Gate) -> bool {
+        let waits = self.waiting.as_ref();
+        let Some(plan) = waits.filter(|plan| plan.together == Some(together)) else {
+            return false;
+        };
+        let admitted = plan.permit.is_none_or(|permit| gate.admits(permit));
+        let Some(controller) = self.controller.as_deref_mut().filter(|_| admitted) else {
+            return false;
+        };
+        ready(plan, controller, tick) == Ok(true)
+    }
+
+    /// Lets the plan that waits begin, if it is one of these.
+    pub fn release(&mut self, together: Together) {
+        self.released |= self.together() == Some(together);
+    }
+
     /// Begins the plan that waits, if its time has come and the gate is open for it.
     pub fn take_plan(&mut self, tick: u64, time: f64, gate: &Gate) -> Option<Event> {
         let mut plan = self.waiting.take()?;
@@ -207,8 +237,8 @@ impl JointTick {
             return Some(Event::NotTaken(plan, NotTaken::NotEnabled));
         }
         match ready(&plan, controller, tick) {
-            Ok(true) => {}
-            Ok(false) => {
+            Ok(true) if self.released => {}
+            Ok(_) => {
                 self.waiting = Some(plan);
                 return None;
             }

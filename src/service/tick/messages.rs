@@ -63,8 +63,19 @@ pub struct Plan {
     pub samples: Option<SampledTrajectory>,
     /// When it begins.
     pub start: Start,
+    /// The plans that it begins with, at rest; none where it begins alone.
+    pub together: Option<Together>,
     /// The permit under which it was asked for; none for one that brings the joint to rest, which needs none.
     pub permit: Option<u64>,
+}
+
+/// Plans of several joints that begin with one tick, or not at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Together {
+    /// Number of their common move.
+    pub id: u64,
+    /// How many they are.
+    pub size: usize,
 }
 
 /// When a plan begins.

@@ -23,7 +23,7 @@ pub use hearing::Watchdog;
 pub use joint::JointTick;
 pub use lateness::Histogram;
 pub use messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Train,
+    AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Together, Train,
     TrainOrder, WholeReport,
 };
 pub use pulse::Pulse;
@@ -141,6 +141,7 @@ impl Tick {
             self.look(index, now);
         }
         self.tell_trip();
+        self.release();
         for index in 0..self.joints.len() {
             self.joints[index].listen(now);
             self.advance(index, now, &stride);
@@ -289,6 +290,24 @@ impl Tick {
                 joint: None,
                 cause: Cause::Overrun(without),
             });
+        }
+    }
+
+    /// Lets the plans of several joints begin with this tick, where each of them can.
+    fn release(&mut self) {
+        for index in 0..self.joints.len() {
+            let Some(together) = self.joints[index].together() else {
+                continue;
+            };
+            let (tick, gate) = (self.count, &self.gate);
+            let mut ready = 0;
+            for joint in &mut self.joints {
+                ready += usize::from(joint.is_ready_with(together, tick, gate));
+            }
+            if ready == together.size {
+                let members = self.joints.iter_mut();
+                members.for_each(|joint| joint.release(together));
+            }
         }
     }
 
