@@ -7,7 +7,7 @@ use axum::http::{Request as Asked, Response, StatusCode, header};
 use axum::routing::Router;
 use libfuzzer_sys::fuzz_target;
 use quell::report::page;
-use quell::service::contract::{Accepted, EngineEnds, JointSnapshot, Target, Request, Snapshot, channels};
+use quell::service::contract::{Accepted, EngineEnds, JointSnapshot, Request, Snapshot, Target, channels};
 use quell::service::http::{Settings, routes};
 use quell_shapers::{Mode, SHAPERS};
 use std::cell::RefCell;
@@ -132,7 +132,7 @@ fuzz_target!(|bytes: &[u8]| {
 fn check(request: Request, body: &[u8]) {
     let is_object = body.trim_ascii_start().first() == Some(&b'{');
     assert!(
-        is_object || !matches!(request, Request::Move { .. } | Request::MoveTogether { .. } | Request::Payload { .. } | Request::Shaping(_)),
+        is_object || !matches!(request, Request::Move { .. } | Request::Jog { .. } | Request::Feed { .. } | Request::MoveTogether { .. } | Request::Payload { .. } | Request::Shaping(_)),
         "values without names: {request:?}"
     );
     match request {
@@ -155,5 +155,7 @@ fn check(request: Request, body: &[u8]) {
             }
         }
         Request::Stop | Request::Enable | Request::Disable | Request::Reset => {}
+        Request::Jog { velocity, .. } => assert!(velocity.is_finite()),
+        Request::Feed { share } => assert!((0.0..=1.0).contains(&share)),
     }
 }

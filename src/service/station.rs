@@ -251,6 +251,7 @@ fn made(
         stop_due: false,
         running: None,
         asked: None,
+        jog: None,
         ordered: Vec::new(),
         standstill: Default::default(),
         motor: None,

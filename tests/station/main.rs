@@ -5,6 +5,7 @@ mod faults;
 #[path = "../service_disk/faulty.rs"]
 mod faulty;
 mod heard;
+mod jog;
 mod learning;
 mod model;
 mod oracle;

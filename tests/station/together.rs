@@ -234,7 +234,9 @@ fn none_moves_where_one_cannot() {
         shaper: None,
     });
     bench.station.answer();
-    bench.ask(Request::Disable).expect("disabled");
+    // Before a tick has seen the plans.
+    let _disabled = bench.begin(Request::Disable);
+    bench.station.answer();
     bench.steps(300);
     let mut context = Context::from_waker(Waker::noop());
     let Poll::Ready(Err(_)) = asked.as_mut().poll(&mut context) else {

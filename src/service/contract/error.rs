@@ -65,6 +65,21 @@ pub enum ServiceError {
         /// The joint.
         joint: String,
     },
+    /// A hold that has ended moves nothing any more.
+    #[error("this hold of {joint} is over: let go and press again")]
+    HoldOver {
+        /// The joint.
+        joint: String,
+    },
+    /// Somebody else holds the joint moving.
+    #[error("{joint} is held moving by somebody else")]
+    Held {
+        /// The joint.
+        joint: String,
+    },
+    /// At no feed nothing moves.
+    #[error("the feed is 0 %: no move begins")]
+    NoFeed,
     /// A correction was under way for so long that the new plan could not be taken.
     #[error("{joint}: {reason}; the running move goes on")]
     NotTaken {
@@ -162,6 +177,9 @@ impl ServiceError {
             | Self::OnlyEmbedded { .. } => ErrorKind::Input,
             Self::ShaperInMotion { .. }
             | Self::InMotion { .. }
+            | Self::HoldOver { .. }
+            | Self::Held { .. }
+            | Self::NoFeed
             | Self::NotTaken { .. }
             | Self::NotEnabled { .. }
             | Self::Faulted { .. }

@@ -25,6 +25,20 @@ pub enum Request {
         /// Shaper for this move alone, `none` for unshaped; each joint's own where absent.
         shaper: Option<String>,
     },
+    /// Move a joint while it is held moving.
+    Jog {
+        /// Name of the joint.
+        joint: String,
+        /// Velocity, rad/s; 0 ends the hold.
+        velocity: f64,
+        /// Number of the hold, another one for each press of a button.
+        hold: u64,
+    },
+    /// Plan moves from now on at a share of full speed, 0 to 1. What moves goes on as planned, but at 0 it stops.
+    Feed {
+        /// The share.
+        share: f64,
+    },
     /// Bring every joint to a jerk-limited stop.
     Stop,
     /// Let moves begin. Nothing moves by this alone.
@@ -113,6 +127,11 @@ pub enum Accepted {
         moves: Vec<Begun>,
         /// Until all commands rest, with the trains, s.
         duration_s: f64,
+    },
+    /// The hold is renewed, or has ended as was asked.
+    Jog {
+        /// Unless it is renewed within this time the joint is stopped, s.
+        held_s: f64,
     },
     /// Every joint that moves is being stopped.
     Stop {

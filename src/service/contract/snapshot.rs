@@ -22,6 +22,8 @@ pub struct Snapshot {
     pub stopping: bool,
     /// Whether moves may begin, and why not.
     pub enable: EnableView,
+    /// Share of full speed at which moves are planned, percent.
+    pub feed_percent: f64,
     /// Payload of the embedded arm, kg; absent for another robot.
     pub payload_kg: Option<f64>,
     /// One entry a joint.

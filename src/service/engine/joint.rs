@@ -4,6 +4,7 @@ use quell_shapers::{Mode, Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
+use super::jog::Jog;
 use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;
@@ -53,6 +54,8 @@ pub struct Joint {
     pub running: Option<Running>,
     /// The order that has not begun yet.
     pub asked: Option<Asked>,
+    /// The last hold that jogged it.
+    pub jog: Option<Jog>,
     /// Plans that the tick was given and has not answered. It may have begun any of them.
     pub ordered: Vec<Ordered>,
     /// Whether the motor side stands still, while the joint is not commanded.
@@ -133,6 +136,8 @@ pub enum What {
     Move {
         target: f64,
         shaper: Option<Option<&'static dyn Shaper>>,
+        /// Most speed of the plan, rad/s; infinite where only the limits bound it.
+        speed: f64,
     },
     /// A stop.
     Stop,

@@ -7,6 +7,7 @@ mod axis;
 mod commanding;
 mod cruise;
 mod enabling;
+mod jog;
 mod joint;
 mod orders;
 mod planning;
@@ -79,6 +80,8 @@ pub struct Engine {
     enabling: Enabling,
     /// Moves of several joints that the tick has not begun yet.
     groups: Vec<Group>,
+    /// Share of full speed at which moves are planned, 0 to 1.
+    feed: f64,
 }
 
 /// The parts of an engine.
@@ -129,6 +132,7 @@ impl Engine {
             last_stop: None,
             stopping: None,
             groups: Vec::new(),
+            feed: 1.0,
         };
         engine.begin_embedded();
         engine

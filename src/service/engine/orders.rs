@@ -104,6 +104,7 @@ impl Engine {
 
     /// Brings a joint to rest, if it moves or is about to. A move that waits hears `why`.
     pub(super) fn stop(&mut self, index: usize, why: ServiceError) -> Option<Stopping> {
+        self.end_hold(index);
         let joint = &self.joints[index];
         let stops = |asked: &Asked| matches!(asked.what, What::Stop);
         if !joint.asked.as_ref().is_some_and(stops) {
@@ -144,7 +145,13 @@ impl Engine {
         effort: f64,
     ) -> Result<Planned, ServiceError> {
         let joint = &self.joints[index];
-        if let What::Move { .. } = what {
+        let own = joint.config.limits;
+        let mut limits = own;
+        if let What::Move { speed, .. } = what {
+            if self.feed == 0.0 {
+                return Err(ServiceError::NoFeed);
+            }
+            limits = self.fed(own, speed);
             // Each time anew: it may be lost between two tries.
             self.enabling.allows_moves()?;
             joint.takes_moves()?;
@@ -152,6 +159,7 @@ impl Engine {
         let at = Moment {
             tick: self.next_tick() + ahead,
             effort,
+            limits,
         };
         plan(joint, what, &self.planner, self.config.period, at)
     }

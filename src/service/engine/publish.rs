@@ -20,6 +20,7 @@ impl Engine {
             time_s: whole.time,
             stopping: self.stopping.is_some(),
             enable: self.enabling.view.clone(),
+            feed_percent: 100.0 * self.feed,
             payload_kg: self.payload,
             joints: self
                 .joints

@@ -35,7 +35,10 @@ impl Engine {
                 target,
                 shaper,
             } => match self.check_move(&joint, target, shaper.as_deref()) {
-                Ok((index, what)) => return self.ask(index, what, Some(reply)),
+                Ok((index, what)) => {
+                    self.end_hold(index);
+                    return self.ask(index, what, Some(reply));
+                }
                 Err(error) => Err(error),
             },
             Request::MoveTogether { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
@@ -56,6 +59,15 @@ impl Engine {
                     joints,
                 })
             }
+            Request::Jog { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::Jog {
+                joint,
+                velocity,
+                hold,
+            } => return self.jog(&joint, velocity, hold, reply),
+            Request::Feed { share } => self.change_feed(share),
             Request::Enable if self.last_stop.is_some_and(|stop| number < stop) => {
                 Err(ServiceError::Stopped)
             }
@@ -72,7 +84,7 @@ impl Engine {
         let _ = reply.send(answer);
     }
 
-    fn check_move(
+    pub(super) fn check_move(
         &self,
         joint: &str,
         target: f64,
@@ -105,7 +117,15 @@ impl Engine {
             let joint = joint.config.name.clone();
             return Err(ServiceError::ShaperInMotion { joint });
         }
-        Ok((index, What::Move { target, shaper }))
+        let speed = f64::INFINITY;
+        Ok((
+            index,
+            What::Move {
+                target,
+                shaper,
+                speed,
+            },
+        ))
     }
 
     /// The joints of a move of several, and its rule, if it has one of its own.

@@ -74,11 +74,13 @@ impl Engine {
         group.waiting = together.size;
         (group.why, group.outdated) = (None, false);
         for (&(index, target), planned) in group.members.iter().zip(planned) {
+            self.end_hold(index);
             self.state.last_move += 1;
             let asked = Asked {
                 what: What::Move {
                     target,
                     shaper: group.shaper,
+                    speed: f64::INFINITY,
                 },
                 id: self.state.last_move,
                 ticket: 0,
@@ -96,6 +98,9 @@ impl Engine {
 
     fn planned_together(&self, group: &Group) -> Result<(Vec<Planned>, f64), ServiceError> {
         self.enabling.allows_moves()?;
+        if self.feed == 0.0 {
+            return Err(ServiceError::NoFeed);
+        }
         let each = group.members.iter();
         let alone: Vec<_> = each
             .map(|&(index, target)| self.planned_alone(index, target, group.shaper))
@@ -126,7 +131,7 @@ impl Engine {
             velocity,
             acceleration,
             jerk,
-        } = joint.config.limits;
+        } = self.fed(joint.config.limits, f64::INFINITY);
         let limits = Limits {
             velocity: velocity / gain,
             acceleration: acceleration / gain,

@@ -46,6 +46,26 @@ pub struct One {
     target_rad: Option<f64>,
 }
 
+/// The body of a jog.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Jogged {
+    /// The joint.
+    joint: String,
+    /// Velocity, deg/s; 0 ends the hold.
+    velocity_deg_s: f64,
+    /// Number of the hold, another one for each press of a button.
+    hold: u64,
+}
+
+/// The body of a feed.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Feed {
+    /// Share of full speed, percent, 0 to 100.
+    percent: f64,
+}
+
 /// The body of a payload.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -95,6 +115,30 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
         }
     };
     ask(&app, request).await
+}
+
+/// `POST /api/v1/jog`.
+pub async fn jog(State(app): State<Arc<App>>, Json(body): Json<Jogged>) -> Answered {
+    let snapshot = app.handle.snapshot();
+    let joint = joint(&snapshot, &body.joint)?.name.clone();
+    let velocity = body.velocity_deg_s.to_radians();
+    let hold = body.hold;
+    let request = Request::Jog {
+        joint,
+        velocity,
+        hold,
+    };
+    ask(&app, request).await
+}
+
+/// `POST /api/v1/feed`.
+pub async fn feed(State(app): State<Arc<App>>, Json(body): Json<Feed>) -> Answered {
+    if !(0.0..=100.0).contains(&body.percent) {
+        let sentence = format!("percent is {}, it must be from 0 to 100", body.percent);
+        return Err(Refused::value(sentence));
+    }
+    let share = body.percent / 100.0;
+    ask(&app, Request::Feed { share }).await
 }
 
 /// `POST /api/v1/stop`.

@@ -10,7 +10,7 @@ use axum::{Json, Router};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
-use super::commands::{Payload, Travel};
+use super::commands::{Feed, Jogged, Payload, Travel};
 use super::diagnose::Wanted;
 use super::recordings::{Record, Recorded};
 use super::route::{Answer, Route, Shape};
@@ -113,6 +113,20 @@ pub const ROUTES: &[Route] = &[
         Some(shape::<Travel>),
         ACCEPTED,
         || post(commands::travel),
+    ),
+    command(
+        "/jog",
+        "Moves a joint for 0.25 s more, while somebody holds a button; then it stops.",
+        Some(shape::<Jogged>),
+        ACCEPTED,
+        || post(commands::jog),
+    ),
+    command(
+        "/feed",
+        "Plans moves from now on at a share of full speed, on the same path. At 0 all stops.",
+        Some(shape::<Feed>),
+        ACCEPTED,
+        || post(commands::feed),
     ),
     command(
         "/stop",
