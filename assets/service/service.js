@@ -5,6 +5,7 @@ import { Live, Trace, drawTrain, impulses } from "./charts.js";
 import { $, DEG, announce, degrees, element, number, rounded, say } from "./dom.js";
 import "./keys.js";
 import { showMoves, whole } from "./moves.js";
+import { jogs } from "./jog.js";
 import { lastDiagnosis, listRecordings } from "./recordings.js";
 
 const QUIET = 4000; // ms without a word after which a connection counts as lost
@@ -109,6 +110,9 @@ function showControls(now) {
   $("shaping").checked = now.shaping;
   $("adaptation").checked = now.adaptation;
   $("shaper").value = now.shaper;
+  if (!$("feed").matches(":active")) $("feed").value = state.feed_percent;
+  $("feed-value").textContent = `${$("feed").value} % of full speed`;
+  $("demo-row").hidden = state.robot !== "embedded";
   $("payload-row").hidden = state.payload_kg === null;
   if (state.payload_kg !== null && !$("payload").matches(":active")) {
     $("payload").value = state.payload_kg;
@@ -143,6 +147,10 @@ function showTrouble(now) {
   for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);
   announce("trouble", wrong);
   const advice = [];
+  if (!state.tick.real_time || !state.tick.memory_locked) {
+    const rights = [!state.tick.real_time && "no real-time priority", !state.tick.memory_locked && "no locked memory"].filter(Boolean);
+    if (state.tick.skipped) advice.push(`The tick has ${rights.join(" and ")}, and ${state.tick.skipped} ticks were skipped: see docs/real-time.md.`);
+  }
   if (now.limits_assumed) {
     const [velocity, acceleration] = now.limits.map((limit) => number(limit * DEG));
     advice.push(`No limits were given for ${now.name}: those of the embedded arm are in force (${velocity} deg/s, ${acceleration} deg/s²). Set velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3.`);
@@ -254,6 +262,14 @@ $("enable").onclick = () => {
 for (const button of document.querySelectorAll("[data-by]")) {
   button.onclick = () => state && move(state.joints[joint].target_rad * DEG + Number(button.dataset.by));
 }
+$("feed").onchange = () => {
+  asked = Date.now();
+  const percent = Number($("feed").value);
+  $("feed-value").textContent = `${percent} % of full speed`;
+  command("/api/v1/feed", { percent }, () => (percent ? "In force with the next move." : "Everything stops."));
+};
+$("demo").onclick = () => command("/api/v1/demo", {}, () => "Unshaped, wrong belief, adapted: some ten seconds.");
+jogs(() => state?.joints[joint]);
 $("joint").onchange = () => {
   drawn = false;
   if (state) showState();

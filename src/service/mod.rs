@@ -8,6 +8,7 @@ pub mod bridged;
 pub mod clock;
 pub mod config;
 pub mod contract;
+pub mod demo;
 pub mod disk;
 mod engine;
 mod features;

@@ -7,6 +7,7 @@
 use quell_trajectories::Limits;
 
 use super::Engine;
+use super::hold::Jog;
 use super::joint::{Reply, What};
 use super::orders::answer;
 use crate::service::contract::{Accepted, ServiceError};
@@ -14,28 +15,6 @@ use crate::service::contract::{Accepted, ServiceError};
 /// Time after which a hold that is not renewed is over, s: of renewals ten times a second one may be late by more
 /// than its time, as on a wireless network. At the end the joint stops.
 pub const HELD: f64 = 0.25;
-
-/// A hold.
-#[derive(Clone, Copy, Debug)]
-pub struct Jog {
-    hold: u64,
-    /// Wanted velocity, rad/s.
-    velocity: f64,
-    /// When it is over unless it is renewed, s.
-    until: f64,
-    over: bool,
-}
-
-impl Jog {
-    /// It moves nothing any more.
-    pub fn end(&mut self) {
-        self.over = true;
-    }
-
-    fn holds(&self) -> bool {
-        !self.over
-    }
-}
 
 impl Engine {
     /// Begins or renews a hold; at no velocity it ends.

@@ -4,7 +4,7 @@ use quell_shapers::{Mode, Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
-use super::jog::Jog;
+use super::hold::Jog;
 use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;

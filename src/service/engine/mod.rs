@@ -7,6 +7,7 @@ mod axis;
 mod commanding;
 mod cruise;
 mod enabling;
+mod hold;
 mod jog;
 mod joint;
 mod orders;

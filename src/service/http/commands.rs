@@ -14,6 +14,7 @@ use super::App;
 use super::answer::Refused;
 use super::body::{Json, Nothing};
 use crate::service::contract::{Accepted, JointSnapshot, Request, ShapingChange, Snapshot, Target};
+use crate::service::demo;
 
 /// Time in which the engine answers: a correction takes a second at most.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -139,6 +140,24 @@ pub async fn feed(State(app): State<Arc<App>>, Json(body): Json<Feed>) -> Answer
     }
     let share = body.percent / 100.0;
     ask(&app, Request::Feed { share }).await
+}
+
+/// `POST /api/v1/demo`.
+pub async fn demonstrate(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    demo::check(&app.handle)?;
+    // One at a time, and it goes on without whoever asked.
+    let Ok(place) = Arc::clone(&app.demo).try_acquire_owned() else {
+        let sentence = "the demonstration is running already";
+        return Err(Refused::new(StatusCode::CONFLICT, sentence));
+    };
+    let handle = app.handle.clone();
+    tokio::spawn(async move {
+        if let Err(error) = demo::run(&handle).await {
+            tracing::warn!("the demonstration ended early: {error}");
+        }
+        drop(place);
+    });
+    Ok(Answer(Accepted::Changed))
 }
 
 /// `POST /api/v1/stop`.

@@ -103,6 +103,7 @@ struct App {
     jobs: Jobs,
     streams: Arc<Semaphore>,
     downloads: Arc<Semaphore>,
+    demo: Arc<Semaphore>,
 }
 
 /// Checks where to listen, and with which token.
@@ -166,6 +167,7 @@ fn app(handle: Handle, settings: Settings) -> Result<Arc<App>, HttpError> {
         counters: Counters::default(),
         streams: Arc::new(Semaphore::new(STREAMS)),
         downloads: Arc::new(Semaphore::new(DOWNLOADS)),
+        demo: Arc::new(Semaphore::new(1)),
     }))
 }
 

@@ -129,6 +129,13 @@ pub const ROUTES: &[Route] = &[
         || post(commands::feed),
     ),
     command(
+        "/demo",
+        "Moves the simulated arm unshaped, shaped for a wrong mode, and adapted, one after the other. Enables moves.",
+        None,
+        ACCEPTED,
+        || post(commands::demonstrate),
+    ),
+    command(
         "/stop",
         "Brings every joint to a jerk-limited stop. This is not an emergency stop.",
         None,
