@@ -14,16 +14,20 @@ function send(velocity_deg_s) {
   return ask("/api/v1/jog", { method: "POST", body: { joint, velocity_deg_s, hold } });
 }
 
-function press(joint, sign) {
+function press(joint, button) {
   if (held || !joint) return;
+  const sign = Number(button.dataset.jog);
   // No other press has this number.
   held = { joint: joint.name, hold: Math.floor(Date.now() * 1000 + Math.random() * 1000), velocity: sign * SHARE * joint.limits[0] * DEG };
   say("Jogging while the button is pressed.");
-  const again = () =>
+  const again = () => {
+    // Without a connection the buttons are disabled, and one that is does not say when it is let go.
+    if (button.disabled) return release();
     send(held.velocity).catch((error) => {
       say(error.message, true);
       release();
     });
+  };
   held.timer = setInterval(again, AGAIN);
   again();
 }
@@ -39,10 +43,11 @@ function release() {
 /** The buttons that jog the joint that is chosen. */
 export function jogs(joint) {
   for (const button of document.querySelectorAll("[data-jog]")) {
-    button.onpointerdown = (event) => event.button === 0 && press(joint(), Number(button.dataset.jog));
-    for (const end of ["pointerup", "pointercancel", "pointerleave"]) button.addEventListener(end, release);
+    button.onpointerdown = (event) => event.button === 0 && press(joint(), button);
+    button.addEventListener("pointerleave", release);
     button.oncontextmenu = (event) => event.preventDefault();
   }
+  for (const end of ["pointerup", "pointercancel"]) addEventListener(end, release, { capture: true });
   addEventListener("blur", release);
   document.addEventListener("visibilitychange", release);
 }

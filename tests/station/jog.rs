@@ -82,6 +82,13 @@ fn a_stop_ends_a_hold_and_its_client_cannot_go_on() {
     jog(&mut world, 0.0, 8);
     world.steps(150);
     assert!(rests(&world));
+    // Let go before the press was heard: it is over.
+    jog(&mut world, 0.0, 20);
+    let late = hold(&mut world, 20, 2);
+    assert!(
+        matches!(late[1], Err(ServiceError::HoldOver { .. })),
+        "{late:?}"
+    );
     // Disabled, none does.
     world.ask(Request::Disable);
     world.steps(1);

@@ -49,6 +49,14 @@ impl Engine {
         if velocity == 0.0 {
             if own.is_some_and(|jog| jog.holds()) {
                 self.stop(index, ServiceError::Stopped);
+            } else if !last.is_some_and(|jog| jog.holds()) {
+                // Let go before its first word was here, which may come still.
+                self.joints[index].jog = Some(Jog {
+                    hold,
+                    velocity,
+                    until: f64::NEG_INFINITY,
+                    over: true,
+                });
             }
             return Ok(None);
         }
