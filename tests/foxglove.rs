@@ -160,6 +160,9 @@ fn a_client_sees_a_move_and_what_it_left() {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .build()
         .expect("a runtime");
+    runtime
+        .block_on(handle.ask(Request::Enable))
+        .expect("enabled");
     runtime.block_on(handle.ask(request)).expect("a move");
 
     let (mut frames, mut last, mut moved) = (0, (0, 0.0), None);

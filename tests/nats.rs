@@ -379,6 +379,9 @@ fn estimates_and_trains_are_published() {
         target: 0.3,
         shaper: None,
     };
+    runtime
+        .block_on(handle.ask(Request::Enable))
+        .expect("enabled");
     runtime.block_on(handle.ask(request)).expect("a move");
     let (mut train, mut estimate) = (None, None);
     while train.is_none() || estimate.is_none() {

@@ -13,7 +13,7 @@ use python::python;
 
 use quell::service::bridged::BRIDGED;
 use quell::service::config::{Config, Overrides};
-use quell::service::contract::Snapshot;
+use quell::service::contract::{Request, Snapshot};
 use quell::service::start;
 use serde_json::Value;
 
@@ -48,6 +48,15 @@ fn a_robot_on_ros_2_is_moved_by_trajectories() {
     drop(free);
     let service = start(config(folder.path(), port)).expect("a service");
     let port = port.to_string();
+    let handle = service.handle();
+    std::thread::spawn(move || {
+        let runtime = tokio::runtime::Builder::new_current_thread().build();
+        let runtime = runtime.expect("a runtime");
+        // Once the robot is heard; this ends with the process.
+        while runtime.block_on(handle.ask(Request::Enable)).is_err() {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+    });
     let Some(seen) = python("ros2", "zenoh.txt", &["robot.py".as_ref(), port.as_ref()]) else {
         return;
     };

@@ -72,7 +72,7 @@ export async function stop() {
 /** Sends a stop, at once again where that may help: to stop twice is to stop. */
 async function send(tries) {
   try {
-    return await ask("/api/stop", { method: "POST", signal: AbortSignal.timeout(PATIENCE) });
+    return await ask("/api/v1/stop", { method: "POST", signal: AbortSignal.timeout(PATIENCE) });
   } catch (error) {
     const helps = [undefined, 408, 503].includes(error.status);
     if (!helps || tries === 1) throw error;

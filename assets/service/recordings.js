@@ -6,7 +6,7 @@ import { $, element, number, say } from "./dom.js";
 export async function listRecordings() {
   let list;
   try {
-    list = await ask("/api/recordings");
+    list = await ask("/api/v1/recordings");
   } catch {
     return;
   }
@@ -19,7 +19,7 @@ export async function listRecordings() {
     const left = !result ? "–" : result.interrupted ? "interrupted" : result.vibration_m != null ? `${number(1e3 * result.vibration_m, 2)} mm` : result.vibration_rad != null ? `${number(1e3 * result.vibration_rad, 2)} mrad` : "–";
     const button = element("button", "Diagnose", { type: "button", "aria-label": `Diagnose ${entry.name}` });
     button.onclick = () => diagnose(entry.name);
-    const link = element("a", "Download", { href: withToken(`/api/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });
+    const link = element("a", "Download", { href: withToken(`/api/v1/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });
     const actions = element("td");
     actions.append(button, " ", link);
     row.append(what, element("td", left, { class: "number", "data-name": "left" }), element("td", `${number(entry.duration_s)} s`, { class: "number", "data-name": "length" }), actions);
@@ -31,7 +31,7 @@ $("record").onclick = async () => {
   const on = $("record").getAttribute("aria-pressed") !== "true";
   try {
     const body = on ? { joint: $("joint").value || undefined, recording: true } : { recording: false };
-    showRecording(on, await ask("/api/recordings", { method: "POST", body }));
+    showRecording(on, await ask("/api/v1/recordings", { method: "POST", body }));
     if (!on) setTimeout(listRecordings, 500);
   } catch (error) {
     if (error.status) showRecording(false);
@@ -46,7 +46,7 @@ function showRecording(on, answer) {
 
 async function diagnose(recording) {
   try {
-    follow(await ask("/api/diagnose", { method: "POST", body: { recording } }));
+    follow(await ask("/api/v1/diagnose", { method: "POST", body: { recording } }));
   } catch (error) {
     verdict("bad", error.message);
   }
@@ -83,7 +83,7 @@ async function follow(job) {
     showJob(job);
     await new Promise((resolve) => setTimeout(resolve, FOLLOW));
     try {
-      job = await ask(`/api/diagnose/${job.id}`);
+      job = await ask(`/api/v1/diagnose/${job.id}`);
     } catch (error) {
       // Without an answer nothing is known of it: it is asked again.
       if (error.status) return verdict("bad", error.message);
@@ -97,12 +97,12 @@ function showEnd(job) {
   if (job.status === "failed") return verdict("bad", `${job.recording}: ${job.error}`);
   verdict(KINDS[job.diagnosis.verdict], `${job.recording}: ${job.diagnosis.summary}`);
   $("report-row").hidden = false;
-  $("report").href = withToken(`/api/diagnose/${job.id}/report`);
+  $("report").href = withToken(`/api/v1/diagnose/${job.id}/report`);
 }
 
 $("cancel").onclick = async () => {
   try {
-    showJob(await ask(`/api/diagnose/${followed}`, { method: "DELETE" }));
+    showJob(await ask(`/api/v1/diagnose/${followed}`, { method: "DELETE" }));
   } catch (error) {
     say(error.message, true);
   }
@@ -119,8 +119,8 @@ $("show-report").onclick = () => {
 /** The last diagnosis, where the page was left while it ran. */
 export async function lastDiagnosis() {
   try {
-    const last = (await ask("/api/diagnose")).pop();
-    if (last) follow(await ask(`/api/diagnose/${last.id}`));
+    const last = (await ask("/api/v1/diagnose")).pop();
+    if (last) follow(await ask(`/api/v1/diagnose/${last.id}`));
   } catch {
     // There is none to show, or no connection, which is told elsewhere.
   }

@@ -5,6 +5,7 @@ import { Live, Trace, drawTrain, impulses } from "./charts.js";
 import { $, DEG, announce, degrees, element, number, rounded, say } from "./dom.js";
 import "./keys.js";
 import { showMoves, whole } from "./moves.js";
+import { jogs } from "./jog.js";
 import { lastDiagnosis, listRecordings } from "./recordings.js";
 
 const QUIET = 4000; // ms without a word after which a connection counts as lost
@@ -21,7 +22,7 @@ let asked = 0;
 
 function connect() {
   const scheme = location.protocol === "https:" ? "wss" : "ws";
-  const socket = new WebSocket(`${scheme}://${location.host}${withToken("/api/stream")}`);
+  const socket = new WebSocket(`${scheme}://${location.host}${withToken("/api/v1/stream")}`);
   let heard = Date.now();
   // A service that is gone does not close: its silence is the end.
   const watch = setInterval(() => Date.now() - heard > QUIET && lost(), 500);
@@ -37,7 +38,7 @@ function connect() {
     socket.close();
     connection(false);
     // A refused WebSocket does not say why; a plain request does.
-    ask("/api/state").catch(() => {});
+    ask("/api/v1/state").catch(() => {});
     setTimeout(connect, 1000);
   }
 }
@@ -81,6 +82,7 @@ function showState() {
   const now = state.joints[joint];
   if (!now) return;
   $("about").textContent = `${state.robot} robot, ${now.name}, version ${state.version}`;
+  showEnabled(state.enable);
   $("phase").hidden = false;
   $("phase").textContent = now.phase;
   $("phase").className = now.phase === "rest" ? "pill quiet" : "pill plain";
@@ -108,6 +110,9 @@ function showControls(now) {
   $("shaping").checked = now.shaping;
   $("adaptation").checked = now.adaptation;
   $("shaper").value = now.shaper;
+  if (!$("feed").matches(":active")) $("feed").value = state.feed_percent;
+  $("feed-value").textContent = `${$("feed").value} % of full speed`;
+  $("demo-row").hidden = state.robot !== "embedded";
   $("payload-row").hidden = state.payload_kg === null;
   if (state.payload_kg !== null && !$("payload").matches(":active")) {
     $("payload").value = state.payload_kg;
@@ -119,6 +124,16 @@ function showPayload() {
   $("payload-value").textContent = `${$("payload").value} kg`;
 }
 
+/** Whether moves may begin, and the one thing that can be done about it. */
+function showEnabled({ state: enabled, reason }) {
+  $("enabled").hidden = false;
+  $("enabled").textContent = enabled;
+  $("enabled").className = { enabled: "pill good", disabled: "pill quiet", faulted: "pill bad" }[enabled];
+  $("enable").textContent = { enabled: "Disable moves", disabled: "Enable moves", faulted: "Reset the fault" }[enabled];
+  $("enable").className = enabled === "enabled" ? "" : "primary";
+  announce("fault", enabled === "faulted" ? [`Fault: ${reason}. The robot was stopped; see to it, then reset the fault, then enable moves.`] : []);
+}
+
 /** What is wrong now, or nothing. */
 function showTrouble(now) {
   const wrong = [];
@@ -128,10 +143,14 @@ function showTrouble(now) {
     wrong.push(`${what} since ${new Date(1e3 * fault.since_unix_time_s).toLocaleString()}: ${fault.reason}.`);
   }
   if (now.watchdog === "silent") wrong.push("No measurements come: adaptation waits.");
-  if (now.watchdog === "stopped") wrong.push("No measurements come: the joint was stopped.");
+  if (now.watchdog === "stopped") wrong.push("No measurements come.");
   for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);
   announce("trouble", wrong);
   const advice = [];
+  if (!state.tick.real_time || !state.tick.memory_locked) {
+    const rights = [!state.tick.real_time && "no real-time priority", !state.tick.memory_locked && "no locked memory"].filter(Boolean);
+    if (state.tick.skipped) advice.push(`The tick has ${rights.join(" and ")}, and ${state.tick.skipped} ticks were skipped: see docs/real-time.md.`);
+  }
   if (now.limits_assumed) {
     const [velocity, acceleration] = now.limits.map((limit) => number(limit * DEG));
     advice.push(`No limits were given for ${now.name}: those of the embedded arm are in force (${velocity} deg/s, ${acceleration} deg/s²). Set velocity_deg_s, acceleration_deg_s2 and jerk_deg_s3.`);
@@ -207,12 +226,12 @@ function move(target) {
   // What is sent is what is shown.
   const target_deg = rounded(target);
   $("target").value = target_deg;
-  command("/api/move", { joint: name, target_deg }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
+  command("/api/v1/move", { joint: name, target_deg }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
 }
 
 function change(what) {
   asked = Date.now();
-  command("/api/shaper", what, () => "Changed; in force with the next move from rest.");
+  command("/api/v1/shaper", what, () => "Changed; in force with the next move from rest.");
 }
 
 let settling;
@@ -222,7 +241,7 @@ function carry() {
   asked = Date.now();
   showPayload();
   clearTimeout(settling);
-  settling = setTimeout(() => command("/api/payload", { mass_kg: Number($("payload").value) }, () => "Another payload."), SETTLED);
+  settling = setTimeout(() => command("/api/v1/payload", { mass_kg: Number($("payload").value) }, () => "Another payload."), SETTLED);
 }
 
 $("move").onsubmit = (event) => {
@@ -230,9 +249,27 @@ $("move").onsubmit = (event) => {
   move(Number($("target").value));
 };
 $("stop").onclick = stop;
+$("enable").onclick = () => {
+  if (!state) return;
+  // What is asked for is what the button says.
+  const [path, done] = {
+    enabled: ["/api/v1/disable", "Moves are disabled."],
+    disabled: ["/api/v1/enable", "Moves are enabled."],
+    faulted: ["/api/v1/reset", "The fault was reset. Moves are disabled."],
+  }[state.enable.state];
+  command(path, {}, () => done);
+};
 for (const button of document.querySelectorAll("[data-by]")) {
   button.onclick = () => state && move(state.joints[joint].target_rad * DEG + Number(button.dataset.by));
 }
+$("feed").onchange = () => {
+  asked = Date.now();
+  const percent = Number($("feed").value);
+  $("feed-value").textContent = `${percent} % of full speed`;
+  command("/api/v1/feed", { percent }, () => (percent ? "In force with the next move." : "Everything stops."));
+};
+$("demo").onclick = () => command("/api/v1/demo", {}, () => "Unshaped, wrong belief, adapted: some ten seconds.");
+jogs(() => state?.joints[joint]);
 $("joint").onchange = () => {
   drawn = false;
   if (state) showState();

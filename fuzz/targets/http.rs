@@ -7,7 +7,7 @@ use axum::http::{Request as Asked, Response, StatusCode, header};
 use axum::routing::Router;
 use libfuzzer_sys::fuzz_target;
 use quell::report::page;
-use quell::service::contract::{Accepted, EngineEnds, JointSnapshot, Request, Snapshot, channels};
+use quell::service::contract::{Accepted, EngineEnds, JointSnapshot, Request, Snapshot, Target, channels};
 use quell::service::http::{Settings, routes};
 use quell_shapers::{Mode, SHAPERS};
 use std::cell::RefCell;
@@ -132,11 +132,15 @@ fuzz_target!(|bytes: &[u8]| {
 fn check(request: Request, body: &[u8]) {
     let is_object = body.trim_ascii_start().first() == Some(&b'{');
     assert!(
-        is_object || request == Request::Stop,
+        is_object || !matches!(request, Request::Move { .. } | Request::Jog { .. } | Request::Feed { .. } | Request::MoveTogether { .. } | Request::Payload { .. } | Request::Shaping(_)),
         "values without names: {request:?}"
     );
     match request {
         Request::Move { target, .. } => assert!(RANGE[0] <= target && target <= RANGE[1]),
+        Request::MoveTogether { targets, .. } => {
+            let within = |one: &Target| (RANGE[0]..=RANGE[1]).contains(&one.target);
+            assert!(targets.iter().all(within));
+        }
         Request::Payload { mass } => assert!(mass.is_finite() && mass >= 0.0),
         Request::Shaping(change) => {
             let mode = change.mode.map(Mode::try_from);
@@ -150,6 +154,8 @@ fn check(request: Request, body: &[u8]) {
                 }
             }
         }
-        Request::Stop => {}
+        Request::Stop | Request::Enable | Request::Disable | Request::Reset => {}
+        Request::Jog { velocity, .. } => assert!(velocity.is_finite()),
+        Request::Feed { share } => assert!((0.0..=1.0).contains(&share)),
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use tokio::signal::unix::{SignalKind, signal};
 
 use super::{CliError, output, values};
-use crate::service::config::{Config, Overrides, RobotKind};
+use crate::service::config::{Config, Overrides, RobotKind, listed};
 use crate::service::disk::{Disk, FileSystem};
 use crate::service::{self, StartError};
 use outside::Outside;
@@ -22,7 +22,9 @@ use outside::Outside;
 Examples:
   quell serve
   quell serve --robot udp --udp 127.0.0.1:7871 --rate 1000
+  quell serve --demo
   quell serve --config quell.toml
+  quell serve --print-config > quell.toml
 
 Ctrl-C or SIGTERM brings every joint to a jerk-limited stop first. What was learned is kept in the
 data folder and is in force again after the next start, however this one ended.")]
@@ -42,6 +44,12 @@ pub struct Args {
     /// The robot [default: embedded].
     #[arg(long, value_parser = robots())]
     pub robot: Option<RobotKind>,
+    /// Shows what shaping is for, on the simulated arm: unshaped, wrong belief, adapted. Enables moves.
+    #[arg(long, conflicts_with_all = ["robot", "udp"])]
+    pub demo: bool,
+    /// Prints every key of the configuration, with default, unit, range and a sentence, and ends.
+    #[arg(long)]
+    pub print_config: bool,
     /// Folder of state and recordings [default: quell-data].
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
@@ -62,8 +70,12 @@ fn robots() -> impl clap::builder::TypedValueParser<Value = RobotKind> {
 /// [`CliError::Input`] where the configuration is refused; [`CliError::Failure`] where a socket, a
 /// thread or the data folder is not to be had.
 pub fn run(args: Args) -> Result<(), CliError> {
+    if args.print_config {
+        return output::text(&listed());
+    }
+    let demo = args.demo;
     let overrides = Overrides {
-        robot: args.robot,
+        robot: args.robot.or(demo.then_some(RobotKind::Embedded)),
         data: args.data,
         rate: args.rate,
         http: args.http,
@@ -75,10 +87,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
         .enable_all()
         .build()
         .map_err(CliError::failure)?;
-    runtime.block_on(serve(config))
+    runtime.block_on(serve(config, demo))
 }
 
-async fn serve(config: Config) -> Result<(), CliError> {
+async fn serve(config: Config, demo: bool) -> Result<(), CliError> {
     // Before anything moves: a signal that comes meanwhile is not lost.
     let mut terminated = signal(SignalKind::terminate())?;
     let mut interrupted = signal(SignalKind::interrupt())?;
@@ -98,6 +110,14 @@ async fn serve(config: Config) -> Result<(), CliError> {
         "quell: robot {}, {rate:.0} Hz{link}, page at http://{page}/\n",
         robot.name()
     ))?;
+    if demo {
+        let handle = service.handle();
+        tokio::spawn(async move {
+            if let Err(error) = service::demo::run(&handle).await {
+                tracing::warn!("the demonstration ended early: {error}");
+            }
+        });
+    }
     tokio::select! {
         _ = terminated.recv() => {}
         _ = interrupted.recv() => {}

@@ -84,6 +84,12 @@ impl GuardReport {
         all.filter(|(_, sensor)| sensor.samples > 0)
     }
 
+    /// The present fault of the sensor of a quantity.
+    pub fn fault_of(&self, quantity: Quantity) -> Option<Fault> {
+        let index = QUANTITIES.iter().position(|&known| known == quantity)?;
+        self.sensors[index].fault
+    }
+
     /// Whether any sensor is at fault.
     pub fn is_at_fault(&self) -> bool {
         self.sensors.iter().any(|sensor| sensor.fault.is_some())
@@ -180,11 +186,14 @@ impl Guard {
         sensor.fault.is_none()
     }
 
-    /// Forgets the last samples, as after the robot's clock has started anew.
+    /// Forgets the last samples and their faults, as after somebody has seen to them.
     pub fn restart(&mut self) {
         self.last = [None; QUANTITIES.len()];
         self.equal = [0; QUANTITIES.len()];
         self.faulty_until = [f64::NEG_INFINITY; QUANTITIES.len()];
+        for sensor in &mut self.report.sensors {
+            sensor.fault = None;
+        }
     }
 
     fn fault(

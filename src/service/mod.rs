@@ -8,9 +8,11 @@ pub mod bridged;
 pub mod clock;
 pub mod config;
 pub mod contract;
+pub mod demo;
 pub mod disk;
 mod engine;
 mod features;
+pub mod following;
 #[cfg(feature = "foxglove")]
 mod foxglove;
 pub mod guard;

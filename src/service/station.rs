@@ -146,6 +146,7 @@ impl Station {
         let ticks = joints.iter().enumerate().map(|(index, joint)| {
             let registered = robot.sensor.is_some();
             JointTick::new(index, bounds(joint), watchdog, joint.adaptation, registered)
+                .following_within(joint.config.following_limit, config.period)
         });
         let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
         let (handle, ends) = channels(Snapshot {
@@ -250,6 +251,7 @@ fn made(
         stop_due: false,
         running: None,
         asked: None,
+        jog: None,
         ordered: Vec::new(),
         standstill: Default::default(),
         motor: None,

@@ -148,8 +148,20 @@ class Service:
 
         self.wait("the joints rest", rest)
 
+    def enable(self):
+        """Takes a fault back, if there is one, and lets moves begin, once every joint is ready."""
+        while True:
+            self.wait_for_rest()
+            try:
+                self.ask("/api/v1/reset", {})
+                return self.ask("/api/v1/enable", {})
+            except urllib.error.HTTPError as error:
+                if error.code != 409:
+                    sys.exit(f"/api/v1/enable: {error.read().decode()}")
+                time.sleep(0.05)
+
     def order(self, target, shaper=None):
-        """The number of a move; a joint that is not heard takes none until it is heard again."""
+        """The number of a move; after the start and after a fault moves are enabled first."""
         body = {"joint": "joint_1", "target_rad": target}
         if shaper:
             body["shaper"] = shaper
@@ -159,9 +171,9 @@ class Service:
                 return self.ask("/api/move", body)["id"]
             except urllib.error.HTTPError as error:
                 text = error.read().decode()
-                if "is not heard" not in text:
+                if error.code != 409:
                     sys.exit(f"/api/move: {text}")
-                time.sleep(0.1)
+                self.enable()
 
     def ended(self, number):
         """What a move came to, once it has ended."""

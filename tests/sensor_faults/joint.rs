@@ -7,6 +7,7 @@ use quell::estimators::Settings;
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::service::contract::{Measured, Quantity};
 use quell::service::guard::{Bounds, SensorReport};
+use quell::service::tick::gate::Gate;
 use quell::service::tick::pace::Stride;
 use quell::service::tick::{AxisReport, Event, JointTick, Plan, Start, Train, Watchdog};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
@@ -211,14 +212,17 @@ impl Joint {
             }
         }
         while self.asks {
-            match self.tick.take_plan(tick, time) {
+            match self.tick.take_plan(tick, time, &Gate::default()) {
                 Some(Event::NotTaken(..)) => self.expect(planner, time, period)?,
                 Some(_) => self.asks = false,
                 None => break,
             }
         }
         self.tick.step();
-        self.setpoint = self.tick.setpoint(&WHOLE, period).unwrap_or(self.setpoint);
+        self.setpoint = self
+            .tick
+            .setpoint(&WHOLE, period, time)
+            .unwrap_or(self.setpoint);
         let report = self.tick.report(time);
         let silent = |sensor: &SensorReport| time - sensor.heard > WATCHDOG;
         self.frozen |= report.axis.is_some_and(|axis| axis.frozen);
@@ -254,7 +258,8 @@ impl Joint {
             ticket: 0,
             samples: Some(slowed.plan),
             start: Start::Rest(Box::new(order)),
-            stops: false,
+            together: None,
+            permit: None,
         }));
         Ok(())
     }

@@ -54,6 +54,19 @@ fn ask(handle: &Handle, request: Request) -> Result<Accepted, ServiceError> {
     runtime.expect("a runtime").block_on(handle.ask(request))
 }
 
+/// Takes a fault back, if there is one, and lets moves begin.
+fn enable(handle: &Handle) {
+    let since = Instant::now();
+    loop {
+        ask(handle, Request::Reset).expect("a reset");
+        match ask(handle, Request::Enable) {
+            Ok(_) => return,
+            Err(error) => assert!(since.elapsed() < PATIENCE, "{error}"),
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 fn go(handle: &Handle, target: f64, shaper: Option<&str>) -> u64 {
     let request = Request::Move {
         joint: "joint_1".into(),
@@ -154,6 +167,7 @@ fn udp(data: &std::path::Path) -> (Service, Handle, UdpRobot) {
     let robot = UdpRobot::start(address, PERIOD);
     let handle = service.handle();
     wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
+    enable(&handle);
     (service, handle, robot)
 }
 
@@ -276,6 +290,16 @@ fn a_robot_that_falls_silent_is_stopped() {
         &robot.received.lock().expect("no panic"),
         &handle.snapshot(),
     );
+    let refused = ask(
+        &handle,
+        Request::Move {
+            joint: "joint_1".into(),
+            target: 0.0,
+            shaper: None,
+        },
+    );
+    assert!(matches!(refused, Err(ServiceError::NotEnabled { .. })));
+    enable(&handle);
     let id = go(&handle, 0.0, None);
     assert_eq!(result(&handle, id).target_rad, 0.0);
 }
@@ -286,6 +310,7 @@ fn requests_that_make_no_sense_change_nothing() {
     let service = start(config(RobotKind::Embedded, data.path())).expect("a service");
     let handle = service.handle();
     wait(&handle, "the joint is commanded", phase_is(Phase::Rest));
+    enable(&handle);
     let to = |joint: &str, target: f64, shaper: Option<&str>| {
         let request = Request::Move {
             joint: joint.into(),

@@ -117,10 +117,15 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
         ticket: 1,
         samples: Some(plan(&robot, 0.0, 0.5)),
         start: Start::Rest(Box::new(train)),
-        stops: false,
+        together: None,
+        permit: Some(1),
     };
     let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, mode)));
-    for order in [begin, ToTick::Plan(Box::new(move_))] {
+    let enable = ToTick::Enable {
+        permit: 1,
+        trips: 0,
+    };
+    for order in [begin, enable, ToTick::Plan(Box::new(move_))] {
         assert!(rings.orders.push(order).is_ok());
     }
     (tick, rings, told)

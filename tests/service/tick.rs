@@ -72,7 +72,13 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
     let zvd = shaper_by_name("zvd").expect("a shaper");
     let belief = Mode::from_hertz(10.15, 0.084).expect("a mode");
     let begin = ToTick::Begin(0, Box::new(controller(&robot, zvd, belief)));
-    assert!(rings.orders.push(begin).is_ok());
+    let enable = ToTick::Enable {
+        permit: 1,
+        trips: 0,
+    };
+    for order in [begin, enable] {
+        assert!(rings.orders.push(order).is_ok());
+    }
     let (mut allocations, mut counted) = (0, [0, 0]);
     for k in 0..20_000u64 {
         // Each second: a load, a train that may be out of date, and a plan from where the last ended.
@@ -96,7 +102,8 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
                 ticket: k,
                 samples: Some(plan(&robot, from, 0.5 - from)),
                 start: Start::Rest(Box::new(train)),
-                stops: false,
+                together: None,
+                permit: Some(1),
             };
             let orders = [
                 ToTick::Carry(loads[index % 2].clone()),

@@ -7,7 +7,7 @@ use quell::recording::Recording;
 
 use super::check_recording;
 use super::client::Client;
-use super::process::{go, serve, until};
+use super::process::{enable, go, serve, until};
 
 #[test]
 fn a_recording_that_a_kill_cuts_opens_everywhere_after_the_next_start() {
@@ -17,6 +17,7 @@ fn a_recording_that_a_kill_cuts_opens_everywhere_after_the_next_start() {
     until(&mut client, "/api/state", "it is commanded", |state| {
         state["joints"][0]["phase"] == "rest"
     });
+    enable(&mut client);
     let body = r#"{"joint": "joint_1", "target_deg": 60}"#;
     assert_eq!(client.post("/api/move", body).status, 200);
     let recordings = data.path().join("recordings");

@@ -69,12 +69,22 @@ pub fn until(client: &mut Client, path: &str, what: &str, holds: impl Fn(&Value)
     }
 }
 
+/// Lets moves begin, once the joint is known to stand where it is commanded to be.
+pub fn enable(client: &mut Client) {
+    let since = Instant::now();
+    while client.post("/api/v1/enable", "").status != 200 {
+        assert!(since.elapsed() < PATIENCE, "it is not enabled");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
 /// Commands a move and waits for its end; says what was answered.
 pub fn go(client: &mut Client, degrees: f64) -> Value {
     let body = format!(r#"{{"joint": "joint_1", "target_deg": {degrees}}}"#);
     until(client, "/api/state", "it rests", |state| {
         state["joints"][0]["phase"] == "rest"
     });
+    enable(client);
     let answer = client.post("/api/move", &body);
     assert_eq!(answer.status, 200, "{}{}", answer.head, answer.error());
     let id = answer.json()["id"].clone();

@@ -53,6 +53,7 @@ fn running(data: &Path, required: bool) -> Running {
         runtime,
     };
     running.wait("it is commanded", |s| s.joints[0].phase == Phase::Rest);
+    running.wait("it is enabled", |_| running.ask(Request::Enable).is_ok());
     running
 }
 

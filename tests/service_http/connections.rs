@@ -57,7 +57,7 @@ fn one_beyond_the_places_may_stop_and_do_nothing_else() {
     ] {
         let refused = Client::new(outside.address).post(path, body);
         assert_eq!(refused.status, 503, "{path}");
-        assert!(refused.error().contains("only POST /api/stop"), "{path}");
+        assert!(refused.error().contains("only POST /api/v1/stop"), "{path}");
     }
     assert_eq!(Client::new(outside.address).get("/api/stop").status, 503);
     let stopped = stop(outside.address);

@@ -5,6 +5,7 @@ mod connections;
 mod jobs;
 #[path = "../moves/mod.rs"]
 mod moves;
+mod openapi;
 mod recordings;
 #[path = "../small/mod.rs"]
 mod small;

@@ -2,8 +2,8 @@
 
 use quell::report::page;
 use quell::service::contract::{
-    Accepted, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot, Stopping,
-    channels,
+    Accepted, EnableState, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot,
+    Stopping, channels,
 };
 use quell::service::http::{Settings, serve};
 use quell::service::recorder::{Bounds, Recorder, Shelf};
@@ -117,12 +117,21 @@ async fn answer(mut ends: EngineEnds) {
                 duration_s: 1.0,
                 speed: 1.0,
             }),
+            Request::MoveTogether { .. } => Ok(Accepted::Together {
+                moves: Vec::new(),
+                duration_s: 1.0,
+            }),
+            Request::Jog { .. } => Ok(Accepted::Jog { held_s: 0.25 }),
+            Request::Feed { .. } => Ok(Accepted::Changed),
             Request::Stop => Ok(Accepted::Stop {
                 duration_s: 0.1,
                 joints: vec![Stopping {
                     joint: "joint_1".into(),
                     duration_s: Some(0.1),
                 }],
+            }),
+            Request::Enable | Request::Disable | Request::Reset => Ok(Accepted::Enabling {
+                state: EnableState::Disabled,
             }),
             Request::Payload { mass } if mass > 1.0 => value("mass_kg", mass),
             Request::Payload { .. } => Err(ServiceError::Stopping),

@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use super::browser::Browser;
 use super::process::{Process, announced};
-use super::{RESTS, travel, until};
+use super::{RESTS, enable, travel, until};
 
 #[test]
 fn a_full_disk_is_told_on_the_page() {
@@ -23,6 +23,7 @@ fn a_full_disk_is_told_on_the_page() {
     let page = announced(process.0.stdout.take().unwrap(), "http://");
     browser.open(&page);
     until(&mut browser, RESTS);
+    enable(&mut browser);
     travel(&mut browser, 40, 1);
     browser.until(
         "document.querySelector('#trouble').textContent.includes('Moves are not recorded since ')",

@@ -7,6 +7,7 @@ use serde_json::json;
 /// The elements that can have the focus; all are on the page, the report in its frame included.
 const FOCUSED: &[&str] = &[
     "#stop",
+    "#enable",
     "#target",
     "#move .primary",
     "[data-by]",
@@ -59,7 +60,7 @@ fn one_stop(browser: &mut Browser, focus: &str) {
         browser.until(SAID);
         assert_eq!(
             browser.commands(),
-            ["POST /api/stop"],
+            ["POST /api/v1/stop"],
             "{} on {focus}",
             key.1
         );

@@ -25,6 +25,15 @@ fn until(browser: &mut Browser, holds: &str) {
 
 const RESTS: &str = "state.joints[0].phase === 'rest'";
 
+/// Lets moves begin by the button, as a person does.
+fn enable(browser: &mut Browser) {
+    until(browser, RESTS);
+    browser.until("document.querySelector('#enable').textContent === 'Enable moves'");
+    browser.click("#enable", 1);
+    until(browser, "state.enable.state === 'enabled'");
+    browser.until("document.querySelector('#enable').textContent === 'Disable moves'");
+}
+
 /// Types a target and presses Enter, and waits for the bar.
 fn travel(browser: &mut Browser, degrees: i32, moves: usize) {
     until(browser, RESTS);
@@ -38,7 +47,7 @@ fn travel(browser: &mut Browser, degrees: i32, moves: usize) {
     browser.until("document.querySelector('#said').textContent.startsWith('Moving, ')");
     assert_eq!(
         browser.commands(),
-        ["POST /api/move"],
+        ["POST /api/v1/move"],
         "Enter is held, and moves once"
     );
     browser.until(&format!(
@@ -59,6 +68,14 @@ fn shaping(browser: &mut Browser, on: bool) {
     browser.until("document.querySelector('#said').textContent === 'Changed; in force with the next move from rest.'");
 }
 
+/// After the start a move is refused, with a sentence that says what to do.
+fn disabled(browser: &mut Browser) {
+    browser.click("#move .primary", 1);
+    browser.until("document.querySelector('#said').textContent.startsWith('moves are not enabled: the service has started; enable first')");
+    assert_eq!(browser.text("#enabled"), "disabled");
+    until(browser, "Math.abs(state.joints[0].command_rad) < 0.01");
+}
+
 /// In the middle of a long move: the page says how long the stop takes, and the bars leave the move out.
 fn stopped_by_key(browser: &mut Browser) {
     let bars = browser.value("document.querySelectorAll('#bars .name').length");
@@ -70,12 +87,12 @@ fn stopped_by_key(browser: &mut Browser) {
         browser,
         "state.joints[0].phase === 'moving' && state.joints[0].command_rad < 0.3",
     );
-    assert_eq!(browser.commands(), ["POST /api/move"]);
+    assert_eq!(browser.commands(), ["POST /api/v1/move"]);
     browser.press(ESCAPE, 20);
     browser.until("/^joint_1: stopping, at rest in [0-9.]+ s\\.$/.test(document.querySelector('#said').textContent)");
     assert_eq!(
         browser.commands(),
-        ["POST /api/stop"],
+        ["POST /api/v1/stop"],
         "Escape is held, and stops once"
     );
     until(
@@ -122,6 +139,8 @@ fn a_robot_is_moved_and_diagnosed_from_the_page() {
     let (mut process, page) = service(folder.path(), &[]);
     browser.open(&page);
     until(&mut browser, RESTS);
+    disabled(&mut browser);
+    enable(&mut browser);
 
     shaping(&mut browser, false);
     travel(&mut browser, 30, 1);
@@ -197,7 +216,7 @@ fn gone(browser: &mut Browser) {
     let disabled = browser.value(disabled);
     assert_eq!(
         disabled,
-        json!([false, true, true, true, true, true]),
+        json!([vec![false], vec![true; 9]].concat()),
         "only Stop can be pressed"
     );
     browser.click("#stop", 1);

@@ -1,17 +1,28 @@
 //! A joint that is not heard takes no move, and nothing that was asked before begins later.
 
-use quell::service::contract::{Accepted, ErrorKind, Phase, Request, ServiceError, WatchdogState};
+use quell::service::contract::{
+    Accepted, ErrorKind, FaultKind, Phase, Request, ServiceError, WatchdogState,
+};
 
 use super::world::{Answered, PERIOD, STANDSTILL, WATCHDOG, World, config};
 
 /// Ticks after which a silence is known to the engine.
 const NOTICED: usize = (WATCHDOG / PERIOD) as usize + 3;
 
-fn is_not_heard(answered: &Answered) -> bool {
+fn is_not_enabled(answered: &Answered) -> bool {
     let refused = answered.answer.as_ref().err();
     refused.is_some_and(|error| {
-        matches!(error, ServiceError::NotHeard { .. }) && error.kind() == ErrorKind::Conflict
+        let kind = matches!(
+            error,
+            ServiceError::NotEnabled { .. } | ServiceError::Faulted { .. }
+        );
+        kind && error.kind() == ErrorKind::Conflict
     })
+}
+
+/// The fault that the service shows.
+fn fault(world: &World) -> Option<FaultKind> {
+    world.snapshot().enable.fault
 }
 
 #[test]
@@ -23,9 +34,13 @@ fn twenty_orders_to_a_joint_that_is_not_heard_move_nothing() {
     for order in 0..20 {
         world.go(0.5);
         let answered = world.steps(20);
-        assert!(answered.len() == 1 && is_not_heard(&answered[0]), "{order}");
+        assert!(
+            answered.len() == 1 && is_not_enabled(&answered[0]),
+            "{order}"
+        );
     }
     assert_eq!(world.joint().watchdog, WatchdogState::Stopped);
+    assert_eq!(fault(&world), Some(FaultKind::LinkLost));
     world.ask(Request::Stop);
     let stopped = world.steps(2);
     let nothing_moves = Ok(Accepted::Stop {
@@ -33,11 +48,22 @@ fn twenty_orders_to_a_joint_that_is_not_heard_move_nothing() {
         joints: Vec::new(),
     });
     assert!(stopped.len() == 1 && stopped[0].answer == nothing_moves);
-    // Nothing of it is made up for when the joint is heard again; what is asked for then is done.
+    // It cannot be enabled unheard.
+    world.enable();
+    let answered = world.steps(2);
+    assert!(matches!(
+        answered[1].answer,
+        Err(ServiceError::NotHeard { .. })
+    ));
+    // Heard again it takes no move, and nothing is made up for, until somebody enables.
     world.robot.silent = false;
     world.steps(100);
+    world.go(0.5);
+    let answered = world.steps(20);
+    assert!(is_not_enabled(&answered[0]), "{:?}", answered[0].answer);
     assert!(world.sent().iter().all(|(_, sent)| sent.position == 0.0));
     assert_eq!(world.joint().watchdog, WatchdogState::Fine);
+    world.enable();
     world.go(0.5);
     world.steps(200);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.5));
@@ -71,7 +97,7 @@ fn a_move_that_waits_when_the_silence_begins_is_refused() {
     world.steps(9);
     world.station.answer();
     let answered = world.steps(20);
-    assert!(answered.len() == 1 && is_not_heard(&answered[0]));
+    assert!(answered.len() == 1 && is_not_enabled(&answered[0]));
     world.robot.silent = false;
     world.steps(100);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.0));
@@ -95,6 +121,7 @@ fn a_joint_that_comes_back_elsewhere_is_not_sent_where_it_was() {
         "{:?}",
         sent[0]
     );
+    world.enable();
     world.go(0.4);
     world.steps(200);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.4));

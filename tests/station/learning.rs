@@ -19,6 +19,8 @@ fn embedded(data: &Path) -> World {
     let mut world = World::embedded(Config::load(None, &overrides).expect("defaults"));
     world.steps(100);
     assert_eq!(world.joint().phase, Phase::Rest);
+    world.enable();
+    world.steps(1);
     world
 }
 

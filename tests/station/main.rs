@@ -1,13 +1,16 @@
 //! The service without its threads, stepped by a simulated clock: nothing here depends on a machine that is
 //! quiet.
 
+mod faults;
 #[path = "../service_disk/faulty.rs"]
 mod faulty;
 mod heard;
+mod jog;
 mod learning;
 mod model;
 mod oracle;
 mod sequence;
 mod stops;
+mod together;
 mod untimed;
 mod world;

@@ -31,6 +31,9 @@ enum Op {
         shaper: Option<&'static str>,
     },
     Stop,
+    /// A fault is taken back, and moves are enabled.
+    Enable,
+    Disable,
     Shaping {
         enabled: Option<bool>,
         kind: Option<&'static str>,
@@ -103,6 +106,8 @@ fn op() -> impl Strategy<Value = Op> {
     prop_oneof![
         6 => (targets, shaper).prop_map(|(target, shaper)| Op::Move { target, shaper }),
         4 => Just(Op::Stop),
+        4 => Just(Op::Enable),
+        1 => Just(Op::Disable),
         1 => (prop::option::of(any::<bool>()), kind)
             .prop_map(|(enabled, kind)| Op::Shaping { enabled, kind }),
         1 => (-1.0..50.0f64).prop_map(Op::Payload),
@@ -280,6 +285,8 @@ impl Lives {
                 shaper: shaper.map(Into::into),
             }),
             Op::Stop => world.ask(Request::Stop),
+            Op::Enable => world.enable(),
+            Op::Disable => world.ask(Request::Disable),
             Op::Shaping { enabled, kind } => world.ask(Request::Shaping(ShapingChange {
                 enabled: *enabled,
                 kind: kind.map(Into::into),
@@ -372,6 +379,7 @@ fn sequences() -> ProptestConfig {
 fn live(ops: &[Op], timed: bool, records: bool) -> Result<(), TestCaseError> {
     let mut lives = Lives::new(timed, records);
     lives.run(STANDSTILL)?;
+    lives.apply(&Op::Enable)?;
     for op in ops {
         lives.apply(op)?;
         lives.step()?;
@@ -417,6 +425,7 @@ fn a_joint_may_count_as_not_heard_where_measurements_find_no_room() {
         missed.clone(),
         missed,
         Op::Burst(8),
+        Op::Enable,
         far,
         nothing.clone(),
         Op::Run(3),

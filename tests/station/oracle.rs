@@ -1,7 +1,7 @@
 //! The behaviour of a service that does as it is told, held against this one.
 
 use proptest::prelude::*;
-use quell::service::contract::{Accepted, Phase, Request, ServiceError};
+use quell::service::contract::{Accepted, EnableState, Phase, Request, ServiceError};
 use quell_shapers::Setpoint;
 
 use super::world::{Answered, PERIOD, Sent, WATCHDOG, World, beyond_limits};
@@ -29,6 +29,9 @@ enum Licence {
 /// The behaviour of a service that does as it is told.
 pub struct Oracle {
     licence: Licence,
+    /// Whether somebody has enabled moves, and neither fault nor disabling came since.
+    enabled: bool,
+    faults: u64,
     /// Whether a move was asked for and not answered before the last step.
     pub asked: bool,
     /// The last request that was obeyed.
@@ -52,6 +55,8 @@ impl Oracle {
     pub fn new(timed: bool) -> Self {
         Self {
             licence: Licence::None,
+            enabled: false,
+            faults: 0,
             seen: 0,
             last: None,
             asked: false,
@@ -66,6 +71,9 @@ impl Oracle {
     }
 
     pub fn hear(&mut self, answered: &Answered, now: f64) -> Result<(), TestCaseError> {
+        if let (Request::Move { .. }, Ok(_)) = (&answered.request, &answered.answer) {
+            prop_assert!(self.enabled, "a move begins that nobody has enabled");
+        }
         match (&answered.request, &answered.answer) {
             // One that began is ended by what was asked for later.
             (Request::Move { target, .. }, Ok(Accepted::Move { .. }))
@@ -87,6 +95,13 @@ impl Oracle {
                 let until = now + duration_s + STOP_SLACK + slow;
                 self.licence = Licence::Stop { until };
                 self.obeyed = answered.number;
+            }
+            (_, Ok(Accepted::Enabling { state })) => {
+                self.enabled = *state == EnableState::Enabled;
+                if answered.request == Request::Disable {
+                    self.stop_within(now);
+                    self.obeyed = answered.number;
+                }
             }
             (_, Err(ServiceError::Gone)) => prop_assert!(false, "the engine has ended"),
             _ => {}
@@ -177,17 +192,33 @@ impl Oracle {
             self.silent = now;
             self.lost = self.unread > 0 || silence > 1.5 * PERIOD;
         }
+        let faults = world.snapshot().enable.faults;
+        if faults > self.faults {
+            (self.faults, self.silent) = (faults, now);
+            // It may have been enabled again since, in the same round of the engine.
+            self.enabled &= world.snapshot().enable.state == EnableState::Enabled;
+            if let Licence::Move { .. } = self.licence {
+                self.stop_within(now);
+            }
+        }
         let noticed = silence > WATCHDOG + 3.0 * PERIOD && world.engine_sleeps == 0;
         if noticed && let Licence::Move { .. } = self.licence {
-            // The longest stop from full speed, within the limits.
-            let slow = if now < self.slow_until {
-                SLOW_START
-            } else {
-                0.0
-            };
-            let until = now + 0.2 + STOP_SLACK + slow;
-            self.licence = Licence::Stop { until };
+            self.stop_within(now);
         }
+    }
+
+    /// What runs is stopped from now on.
+    fn stop_within(&mut self, now: f64) {
+        if self.licence == Licence::None {
+            return;
+        }
+        let slow = match now < self.slow_until {
+            true => SLOW_START,
+            false => 0.0,
+        };
+        // The longest stop from full speed, within the limits.
+        let until = now + 0.2 + STOP_SLACK + slow;
+        self.licence = Licence::Stop { until };
     }
 
     pub fn delayed(&mut self, ticks: usize, now: f64) {

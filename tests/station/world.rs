@@ -64,6 +64,8 @@ impl RobotLink for Wire {
 pub struct Robot {
     pub position: f64,
     pub silent: bool,
+    /// Time constant with which it follows, s.
+    pub lag: f64,
     /// Switched off, it does not follow.
     pub off: bool,
     /// Its clock minus the service's, s.
@@ -210,7 +212,17 @@ impl World {
             world.step();
         }
         assert!(!world.sent().is_empty(), "the joint is commanded");
+        world.enable();
+        let enabled = world.step();
+        assert!(enabled.iter().all(|one| one.answer.is_ok()));
+        world.count = 0;
         world
+    }
+
+    /// Takes a fault back, if there is one, and lets moves begin.
+    pub fn enable(&mut self) {
+        self.ask(Request::Reset);
+        self.ask(Request::Enable);
     }
 
     /// A control period: the robot speaks, the tick runs, the engine works, answers are heard.
@@ -221,7 +233,8 @@ impl World {
         if let Some((_, last)) = self.sent.lock().expect("no panic")[before..].last()
             && !self.robot.off
         {
-            self.robot.position = last.position;
+            let share = 1.0 - (-PERIOD / self.robot.lag).exp();
+            self.robot.position += share * (last.position - self.robot.position);
         }
         match self.engine_sleeps {
             0 => self.station.work(),

@@ -7,6 +7,7 @@ use super::keys::JointKeys;
 use super::{Check, ConfigError};
 use crate::estimators::{ESTIMATORS, EstimatorEntry, estimator};
 use crate::plant::{Robot, RobotJoint};
+use crate::service::following::healthy;
 use crate::signal::JointArc;
 
 /// Positions that are targets where the configuration names no range, rad: a turn either way.
@@ -27,6 +28,8 @@ pub struct JointConfig {
     pub range: [f64; 2],
     /// Limits of the command.
     pub limits: Limits,
+    /// Following error that is a fault, rad.
+    pub following_limit: f64,
     /// Whether any of them is only that of the embedded arm, nothing having been said of this robot's.
     pub limits_assumed: bool,
     /// The mode that is shaped for until a better one is learned.
@@ -99,11 +102,21 @@ pub(super) fn checked(
     let resolution = keys.encoder_resolution_deg.map(f64::to_radians);
     let resolution = resolution.unwrap_or(robot.encoder.resolution);
     let full_scale = keys.deformation_range_deg.map_or(f64::MAX, f64::to_radians);
+    let limits = limits(keys, at, described, check)?;
+    let following = keys.following_error_deg.map(f64::to_radians);
+    let following = following.unwrap_or_else(|| healthy(limits.acceleration));
     Ok(JointConfig {
         name: keys.name.clone(),
         index,
         range,
-        limits: limits(keys, at, described, check)?,
+        limits,
+        following_limit: check
+            .within(
+                &key("following_error_deg"),
+                following.to_degrees(),
+                [1e-3, 360.0],
+            )?
+            .to_radians(),
         limits_assumed: false,
         belief: belief(keys, at, described, check)?,
         shaper: shaper_by_name(&keys.shaper).ok_or_else(|| {

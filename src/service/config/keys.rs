@@ -3,13 +3,14 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::recording::RecordingKeys;
 use super::{NatsConfig, ZenohConfig};
 
 /// The whole file. Every key may be left out.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Keys {
     pub service: ServiceKeys,
@@ -26,7 +27,7 @@ pub struct Keys {
 }
 
 /// `[service]`: what is commanded, and where data are kept.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServiceKeys {
     /// Which robot: `embedded`, `udp` or `zenoh`.
@@ -48,10 +49,11 @@ impl Default for ServiceKeys {
 }
 
 /// `[tick]`: the control period.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TickKeys {
     /// Ticks a second, Hz, 250 to 4000.
+    #[schemars(range(min = 250.0, max = 4000.0))]
     pub rate_hz: f64,
     /// Whether a real-time priority and locked memory are asked for.
     pub real_time: bool,
@@ -67,7 +69,7 @@ impl Default for TickKeys {
 }
 
 /// `[http]`: page and interface.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HttpKeys {
     /// Where it listens; port 0 takes a free one.
@@ -75,8 +77,10 @@ pub struct HttpKeys {
     /// Token that every request must carry; needed where the address is not loopback.
     pub token: Option<String>,
     /// Most connections at once.
+    #[schemars(range(min = 1, max = 10000))]
     pub max_connections: usize,
     /// Longest body of a request, bytes.
+    #[schemars(range(min = 256, max = 100000000))]
     pub max_body_bytes: usize,
 }
 
@@ -92,7 +96,7 @@ impl Default for HttpKeys {
 }
 
 /// `[udp]`: the link to a robot that is not embedded.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct UdpKeys {
     /// Where it listens; port 0 takes a free one.
@@ -119,7 +123,7 @@ impl Default for UdpKeys {
 }
 
 /// `[foxglove]`: the live view.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FoxgloveKeys {
     /// Where it listens, on loopback; port 0 takes a free one. Without it there is none.
@@ -127,12 +131,13 @@ pub struct FoxgloveKeys {
 }
 
 /// `[watchdog]`: what happens when the robot falls silent.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WatchdogKeys {
-    /// Silence after which the adaptation waits, s.
+    /// Silence of a motor side, and time without ticks in motion, after which there is a fault, s.
+    #[schemars(range(min = 0.005, max = 60.0))]
     pub timeout_s: f64,
-    /// Whether a joint without measurements is stopped.
+    /// Whether that is a fault, which stops all joints.
     pub stop: bool,
 }
 
@@ -146,10 +151,11 @@ impl Default for WatchdogKeys {
 }
 
 /// `[diagnosis]`: diagnoses ordered from the page or by a program.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DiagnosisKeys {
     /// Time after which a diagnosis is given up, s.
+    #[schemars(range(min = 1.0, max = 86400.0))]
     pub time_limit_s: f64,
 }
 
@@ -164,7 +170,7 @@ impl Default for DiagnosisKeys {
 }
 
 /// `[[joint]]`: one joint that is commanded. Without any, the one that the description moves.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointKeys {
     /// Name, as datagrams and requests call it.
@@ -179,6 +185,10 @@ pub struct JointKeys {
     pub acceleration_deg_s2: Option<f64>,
     /// Limit of the jerk, deg/s^3; the description's where absent.
     pub jerk_deg_s3: Option<f64>,
+    /// Distance of the motor side from its command that is a fault, deg, beyond what lag explains; where absent the
+    /// most that a joint can have which follows within 0.06 s.
+    #[schemars(range(min = 0.001, max = 360.0))]
+    pub following_error_deg: Option<f64>,
     /// Believed natural frequency, Hz, until a better one is learned; the description's where absent.
     pub frequency_hz: Option<f64>,
     /// Believed damping ratio; the description's where absent.
@@ -197,6 +207,7 @@ pub struct JointKeys {
     pub adaptation: bool,
     /// Samples a second of the sensor of tip, link or deformation, Hz; sizes the estimator's window.
     /// The description's tracker where absent.
+    #[schemars(range(min = 1.0, max = 100000.0))]
     pub sensor_rate_hz: Option<f64>,
     /// Step of the encoder's reading, deg; the description's where absent.
     pub encoder_resolution_deg: Option<f64>,
@@ -214,6 +225,7 @@ impl JointKeys {
             velocity_deg_s: None,
             acceleration_deg_s2: None,
             jerk_deg_s3: None,
+            following_error_deg: None,
             frequency_hz: None,
             damping_ratio: None,
             shaper: zvd(),

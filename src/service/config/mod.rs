@@ -2,6 +2,7 @@
 
 mod joint;
 mod keys;
+mod listed;
 mod nats;
 mod recording;
 mod udp;
@@ -15,6 +16,7 @@ use thiserror::Error;
 
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
+pub use listed::listed;
 pub use nats::NatsConfig;
 pub use recording::RecordingConfig;
 pub use zenoh::ZenohConfig;

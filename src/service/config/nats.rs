@@ -1,5 +1,6 @@
 //! `[nats]`: what the robot learns, told to a fleet.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Check, ConfigError};
@@ -8,7 +9,7 @@ use super::{Check, ConfigError};
 const LONGEST_NAME: usize = 64;
 
 /// `[nats]`: where estimates and trains are published; nowhere where the table is left out.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NatsConfig {
     /// Address of the server, as `nats://host:4222`; it may hold a user and a password.

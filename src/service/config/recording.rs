@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Check, ConfigError};
 
 /// The keys, before they are checked.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordingKeys {
     /// Whether every move is recorded.
@@ -15,12 +16,15 @@ pub struct RecordingKeys {
     /// Whether a move is refused while nothing can be recorded.
     pub required: bool,
     /// Most bytes of all recordings, MB; the oldest go first.
+    #[schemars(range(min = 1.0, max = 1e9))]
     pub max_size_mb: f64,
     /// Most recordings; the oldest go first.
+    #[schemars(range(min = 1, max = 1000000))]
     pub max_count: usize,
     /// So many of the last ones never go, however large they are.
     pub keep_last: usize,
     /// Retired: a clock that jumps changes every age.
+    #[schemars(skip)]
     pub max_age_days: Option<f64>,
 }
 

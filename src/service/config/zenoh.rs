@@ -1,5 +1,6 @@
 //! `[zenoh]`: the link to a robot that speaks ROS 2 over Zenoh.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Check, ConfigError};
@@ -10,7 +11,7 @@ const HIGHEST_DOMAIN: f64 = 232.0;
 const LONGEST_TOPIC: usize = 255;
 
 /// `[zenoh]`: how ROS 2 is reached, and its topics. All of it may be left out.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ZenohConfig {
     /// Endpoints that are connected to, as `tcp/127.0.0.1:7447`: there the router of `rmw_zenohd` listens.
@@ -20,6 +21,7 @@ pub struct ZenohConfig {
     /// Whether peers are looked for by multicast.
     pub multicast: bool,
     /// Domain of ROS 2, 0 to 232.
+    #[schemars(range(min = 0, max = 232))]
     pub domain: u32,
     /// In, `sensor_msgs/JointState`: motor-side positions by the joints' names.
     pub joint_states: String,

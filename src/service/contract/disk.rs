@@ -1,9 +1,10 @@
 //! Whether the data folder takes what is to be kept.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How it goes with the data folder.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct DiskView {
     /// Whether all that is to be kept is kept.
     pub state: DiskState,
@@ -16,7 +17,7 @@ pub struct DiskView {
 }
 
 /// Whether all that is to be kept is kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DiskState {
     /// The last write reached the disk.
@@ -27,7 +28,7 @@ pub enum DiskState {
 }
 
 /// The things that the service keeps on the disk.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DiskPart {
     /// Moves and what is recorded on demand.
@@ -50,7 +51,7 @@ impl DiskPart {
 }
 
 /// Something that cannot be written.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DiskFault {
     /// Its kind.
     pub what: DiskPart,

@@ -53,9 +53,58 @@ pub enum ServiceError {
         /// The joint.
         joint: String,
     },
+    /// A move of several joints begins at rest only.
+    #[error("{joint} is moving: a move of several joints has to wait until it rests")]
+    InMotion {
+        /// The joint.
+        joint: String,
+    },
+    /// A move of several joints that names one of them twice.
+    #[error("{joint} has two targets in one move")]
+    Twice {
+        /// The joint.
+        joint: String,
+    },
+    /// A hold that has ended moves nothing any more.
+    #[error("this hold of {joint} is over: let go and press again")]
+    HoldOver {
+        /// The joint.
+        joint: String,
+    },
+    /// Somebody else holds the joint moving.
+    #[error("{joint} is held moving by somebody else")]
+    Held {
+        /// The joint.
+        joint: String,
+    },
+    /// At no feed nothing moves.
+    #[error("the feed is 0 %: no move begins")]
+    NoFeed,
     /// A correction was under way for so long that the new plan could not be taken.
     #[error("{joint}: {reason}; the running move goes on")]
     NotTaken {
+        /// The joint.
+        joint: String,
+        /// Why.
+        reason: String,
+    },
+    /// Nobody has enabled moves, or not since a fault.
+    #[error("moves are not enabled: {reason}; {way}")]
+    NotEnabled {
+        /// Why, as the state says it.
+        reason: String,
+        /// What has to be asked for first.
+        way: &'static str,
+    },
+    /// A fault has to be reset before moves are enabled.
+    #[error("there is a fault: {reason}; see to it, then reset it, then enable")]
+    Faulted {
+        /// Why, as the state says it.
+        reason: String,
+    },
+    /// A joint that is not where it is commanded to be, or whose sensor is at fault.
+    #[error("{joint} cannot be enabled: {reason}")]
+    NotReady {
         /// The joint.
         joint: String,
         /// Why.
@@ -122,11 +171,19 @@ impl ServiceError {
             | Self::UnknownShaper { .. }
             | Self::Value { .. }
             | Self::Nothing
+            | Self::Twice { .. }
             | Self::Plan { .. }
             | Self::Train { .. }
             | Self::OnlyEmbedded { .. } => ErrorKind::Input,
             Self::ShaperInMotion { .. }
+            | Self::InMotion { .. }
+            | Self::HoldOver { .. }
+            | Self::Held { .. }
+            | Self::NoFeed
             | Self::NotTaken { .. }
+            | Self::NotEnabled { .. }
+            | Self::Faulted { .. }
+            | Self::NotReady { .. }
             | Self::NoMeasurement { .. }
             | Self::NotHeard { .. }
             | Self::Stopped => ErrorKind::Conflict,

@@ -107,7 +107,7 @@ impl Handle {
     pub async fn ask(&self, request: Request) -> Result<Accepted, ServiceError> {
         let (reply, answer) = oneshot::channel();
         let lane = match request {
-            Request::Stop => &self.stops,
+            Request::Stop | Request::Disable => &self.stops,
             _ => &self.others,
         };
         let envelope = Envelope {

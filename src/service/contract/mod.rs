@@ -5,6 +5,7 @@
 //! published, a reader of the stream that is too slow loses batches and is told how many.
 
 mod disk;
+mod enabling;
 mod error;
 mod handle;
 mod recording;
@@ -13,10 +14,11 @@ mod snapshot;
 mod stream;
 
 pub use disk::{DiskFault, DiskPart, DiskState, DiskView};
+pub use enabling::{EnableState, EnableView, FaultKind};
 pub use error::{ErrorKind, ServiceError};
 pub use handle::{EngineEnds, Envelope, Handle, Requests, channels};
 pub use recording::RecordingNews;
-pub use request::{Accepted, ModeValue, Request, ShapingChange, Stopping};
+pub use request::{Accepted, Begun, ModeValue, Request, ShapingChange, Stopping, Target};
 pub use snapshot::{
     EstimateView, JointSnapshot, LinkHealth, MoveResult, Phase, SensorView, Snapshot,
     TickStatistics, TrainView, WatchdogState,

@@ -1,7 +1,10 @@
 //! The requests of the outside.
 
 use quell_shapers::{Mode, ModeError};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::EnableState;
 
 /// The requests of the outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,8 +18,35 @@ pub enum Request {
         /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
         shaper: Option<String>,
     },
+    /// Move several joints from rest, so that they begin and end together.
+    MoveTogether {
+        /// The joints and where they shall end.
+        targets: Vec<Target>,
+        /// Shaper for this move alone, `none` for unshaped; each joint's own where absent.
+        shaper: Option<String>,
+    },
+    /// Move a joint while it is held moving.
+    Jog {
+        /// Name of the joint.
+        joint: String,
+        /// Velocity, rad/s; 0 ends the hold.
+        velocity: f64,
+        /// Number of the hold, another one for each press of a button.
+        hold: u64,
+    },
+    /// Plan moves from now on at a share of full speed, 0 to 1. What moves goes on as planned, but at 0 it stops.
+    Feed {
+        /// The share.
+        share: f64,
+    },
     /// Bring every joint to a jerk-limited stop.
     Stop,
+    /// Let moves begin. Nothing moves by this alone.
+    Enable,
+    /// Stop every joint, and let no move begin.
+    Disable,
+    /// Take a fault back, once somebody has seen to it. Moves stay disabled.
+    Reset,
     /// Change how commands are shaped; all of it or, on an error, nothing.
     Shaping(ShapingChange),
     /// Change the payload of the embedded arm, a point mass at the tip, kg.
@@ -26,8 +56,17 @@ pub enum Request {
     },
 }
 
+/// Where a joint shall end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Name of the joint.
+    pub joint: String,
+    /// Where it shall end, rad.
+    pub target: f64,
+}
+
 /// A change of how commands are shaped. What is absent stays as it is; trains change at rest.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShapingChange {
     /// The joint; every joint where absent.
@@ -43,7 +82,7 @@ pub struct ShapingChange {
 }
 
 /// A mode as people write it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModeValue {
     /// Undamped natural frequency, Hz.
@@ -70,7 +109,7 @@ impl TryFrom<ModeValue> for Mode {
 }
 
 /// The outcome of a request that was taken.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "accepted", rename_all = "snake_case")]
 pub enum Accepted {
     /// The move has begun.
@@ -82,6 +121,18 @@ pub enum Accepted {
         /// Speed to which the plan was slowed so that the train keeps the limits; 1 is full speed.
         speed: f64,
     },
+    /// A move of several joints has begun.
+    Together {
+        /// Their moves.
+        moves: Vec<Begun>,
+        /// Until all commands rest, with the trains, s.
+        duration_s: f64,
+    },
+    /// The hold is renewed, or has ended as was asked.
+    Jog {
+        /// Unless it is renewed within this time the joint is stopped, s.
+        held_s: f64,
+    },
     /// Every joint that moves is being stopped.
     Stop {
         /// How long the longest stop lasts, s; 0 where nothing moves.
@@ -89,12 +140,26 @@ pub enum Accepted {
         /// The joints that are being stopped; none where nothing moves.
         joints: Vec<Stopping>,
     },
+    /// Moves are enabled or not, as it says.
+    Enabling {
+        /// The state.
+        state: EnableState,
+    },
     /// The change is in force, or will be with the next move from rest.
     Changed,
 }
 
+/// The move of one joint of several.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Begun {
+    /// Name of the joint.
+    pub joint: String,
+    /// Number of the move.
+    pub id: u64,
+}
+
 /// A joint that is being stopped.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Stopping {
     /// Its name.
     pub joint: String,

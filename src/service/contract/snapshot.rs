@@ -2,12 +2,13 @@
 
 use std::net::SocketAddr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{DiskView, ModeValue};
+use super::{DiskView, EnableView, ModeValue};
 
 /// The state of everything now. Published some 20 times a second.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Snapshot {
     /// Version of the service.
     pub version: &'static str,
@@ -19,6 +20,10 @@ pub struct Snapshot {
     pub time_s: f64,
     /// Whether the service is bringing the robot to rest in order to end.
     pub stopping: bool,
+    /// Whether moves may begin, and why not.
+    pub enable: EnableView,
+    /// Share of full speed at which moves are planned, percent.
+    pub feed_percent: f64,
     /// Payload of the embedded arm, kg; absent for another robot.
     pub payload_kg: Option<f64>,
     /// One entry a joint.
@@ -34,7 +39,7 @@ pub struct Snapshot {
 }
 
 /// One joint now.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct JointSnapshot {
     /// Name.
     pub name: String,
@@ -52,6 +57,10 @@ pub struct JointSnapshot {
     pub command_rad_s: f64,
     /// Last measured motor position, rad.
     pub motor_rad: Option<f64>,
+    /// Distance of the motor side from all that was commanded in the 0.06 s in which it follows, rad.
+    pub following_error_rad: Option<f64>,
+    /// Following error from which on it is a fault, rad.
+    pub following_limit_rad: f64,
     /// Last deformation, rad.
     pub deformation_rad: Option<f64>,
     /// The same along the tip's arc, m, where the arc is known.
@@ -95,7 +104,7 @@ pub struct JointSnapshot {
 }
 
 /// The phase of a joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// The robot has not yet said where it stands; nothing is commanded.
@@ -110,7 +119,7 @@ pub enum Phase {
 }
 
 /// Impulses in force.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TrainView {
     /// Instants, s after the first.
     pub times_s: Vec<f64>,
@@ -119,7 +128,7 @@ pub struct TrainView {
 }
 
 /// An estimate and what was made of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct EstimateView {
     /// Time of the last sample used, s on the service's clock.
     pub time_s: f64,
@@ -140,7 +149,7 @@ pub struct EstimateView {
 }
 
 /// The state of the watchdog.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WatchdogState {
     /// Measurements come.
@@ -153,7 +162,7 @@ pub enum WatchdogState {
 }
 
 /// One sensor of a joint.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct SensorView {
     /// Its quantity: `motor_position`, `link_position`, `deformation`, `tip_position`,
     /// `tip_acceleration`.
@@ -171,7 +180,7 @@ pub struct SensorView {
 }
 
 /// How well the tick is kept, since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TickStatistics {
     /// Ticks asked for a second, Hz.
     pub rate_hz: f64,
@@ -201,7 +210,7 @@ pub struct TickStatistics {
 }
 
 /// Counts of the link's messages, in and out, since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct LinkHealth {
     /// Datagrams received, of whatever kind.
     pub received: u64,
@@ -236,7 +245,7 @@ pub struct LinkHealth {
 }
 
 /// The result of a move.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MoveResult {
     /// Number of the move.
     pub id: u64,

@@ -4,8 +4,8 @@ use quell_shapers::Setpoint;
 
 use super::joint::Hearing;
 use super::{Engine, controller};
-use crate::service::contract::ServiceError;
-use crate::service::tick::{FOLLOWED, MOVED, ToTick};
+use crate::service::following::{FOLLOWED, MOVED};
+use crate::service::tick::ToTick;
 
 impl Engine {
     /// Begins to command a joint that stands still at `position` (rad).
@@ -41,16 +41,14 @@ impl Engine {
         }
     }
 
-    /// A joint is not heard any more: what was asked for does not begin, and what runs is stopped.
+    /// A joint is not heard any more. Where moves were enabled that is a fault, which the tick tells.
     pub(super) fn lost(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         if !joint.began {
             return;
         }
-        tracing::warn!(joint = joint.config.name, "no measurement: stopped");
+        tracing::warn!(joint = joint.config.name, "no measurement");
         joint.hearing = Hearing::Lost;
-        let joint = joint.config.name.clone();
-        self.stop(index, ServiceError::NotHeard { joint });
     }
 
     /// It says again where its motor side stands, rad.
@@ -79,7 +77,7 @@ impl Engine {
     }
 
     /// Ceases to command a joint until it stands still.
-    fn cease(&mut self, index: usize) {
+    pub(super) fn cease(&mut self, index: usize) {
         self.finish(index);
         let joint = &mut self.joints[index];
         if let Some(axis) = joint.report.take().and_then(|report| report.axis) {

@@ -3,8 +3,8 @@
 use quell_shapers::Mode;
 
 use crate::service::contract::TickRow;
+use crate::service::following::FOLLOWED;
 use crate::service::ringing::{STEADY, largest};
-use crate::service::tick::FOLLOWED;
 
 /// The vibration measured in cruise.
 #[derive(Clone, Debug)]

@@ -4,12 +4,13 @@ use quell_shapers::{Mode, Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
+use super::hold::Jog;
 use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;
 use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
-use crate::service::tick::{AxisReport, JointReport};
+use crate::service::tick::{AxisReport, JointReport, Together};
 use crate::signal::DeformationSensor;
 
 /// Where the answer to a request goes, if anybody waits for it.
@@ -53,6 +54,8 @@ pub struct Joint {
     pub running: Option<Running>,
     /// The order that has not begun yet.
     pub asked: Option<Asked>,
+    /// The last hold that jogged it.
+    pub jog: Option<Jog>,
     /// Plans that the tick was given and has not answered. It may have begun any of them.
     pub ordered: Vec<Ordered>,
     /// Whether the motor side stands still, while the joint is not commanded.
@@ -68,9 +71,9 @@ pub struct Joint {
 pub enum Hearing {
     /// It is heard, or does not have to be.
     Heard,
-    /// It is not: it is brought to rest and takes no move.
+    /// It is not.
     Lost,
-    /// It is again, and takes no move until it is known to stand where it was left.
+    /// It is again, and is not known yet to stand where it was left.
     Back,
 }
 
@@ -84,6 +87,8 @@ pub struct Asked {
     pub ticket: u64,
     /// Ticks ahead for which it was planned, in motion.
     pub ahead: u64,
+    /// The plans of other joints that it begins with.
+    pub together: Option<Together>,
     /// Share of the limits of acceleration and jerk that it uses, in motion.
     pub effort: f64,
     /// After this time (s) it is given up.
@@ -108,6 +113,8 @@ pub struct Ordered {
     pub speed: f64,
     /// The rule of its train.
     pub shaper: Option<&'static dyn Shaper>,
+    /// The plans of other joints that it begins with.
+    pub together: Option<Together>,
     /// Who asked for it, where that was withdrawn meanwhile.
     pub withdrawn: Option<Withdrawn>,
 }
@@ -129,6 +136,8 @@ pub enum What {
     Move {
         target: f64,
         shaper: Option<Option<&'static dyn Shaper>>,
+        /// Most speed of the plan, rad/s; infinite where only the limits bound it.
+        speed: f64,
     },
     /// A stop.
     Stop,
@@ -191,10 +200,15 @@ impl Joint {
         }
     }
 
+    /// Whether it is commanded and not heard.
+    pub fn is_unheard(&self) -> bool {
+        self.began && self.hearing != Hearing::Heard
+    }
+
     /// The state of the watchdog.
     pub fn watchdog(&self) -> WatchdogState {
         match &self.report {
-            _ if self.began && self.hearing != Hearing::Heard => WatchdogState::Stopped,
+            _ if self.is_unheard() => WatchdogState::Stopped,
             Some(report) => report.watchdog,
             None => WatchdogState::Silent,
         }

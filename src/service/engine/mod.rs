@@ -6,6 +6,9 @@
 mod axis;
 mod commanding;
 mod cruise;
+mod enabling;
+mod hold;
+mod jog;
 mod joint;
 mod orders;
 mod planning;
@@ -16,6 +19,7 @@ mod registration;
 mod requests;
 mod running;
 mod standstill;
+mod together;
 mod trains;
 
 use std::collections::VecDeque;
@@ -28,6 +32,9 @@ use quell_trajectories::Planner;
 pub use axis::controller;
 pub use joint::{Hearing, Joint};
 pub use registration::Registrar;
+
+use enabling::Enabling;
+use together::Group;
 
 use super::clock::ServiceClock;
 use super::config::Config;
@@ -71,6 +78,11 @@ pub struct Engine {
     /// Number of the last request to stop.
     last_stop: Option<u64>,
     stopping: Option<f64>,
+    enabling: Enabling,
+    /// Moves of several joints that the tick has not begun yet.
+    groups: Vec<Group>,
+    /// Share of full speed at which moves are planned, 0 to 1.
+    feed: f64,
 }
 
 /// The parts of an engine.
@@ -101,6 +113,7 @@ impl Engine {
     /// An engine whose joints are not commanded yet.
     pub fn new(parts: EngineParts) -> Self {
         let mut engine = Self {
+            enabling: Enabling::at_start(parts.clock.unix_time()),
             payload: parts.arm.as_ref().map(|_| 0.0),
             moves: parts.state.moves.iter().cloned().collect(),
             config: parts.config,
@@ -119,6 +132,8 @@ impl Engine {
             tickets: 0,
             last_stop: None,
             stopping: None,
+            groups: Vec::new(),
+            feed: 1.0,
         };
         engine.begin_embedded();
         engine

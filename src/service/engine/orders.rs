@@ -21,7 +21,7 @@ const FURTHEST: f64 = 0.32;
 /// takes up to four times as long.
 const LEAST_EFFORT: f64 = 0.25;
 /// How long a plan is tried for, s: as long as a correction at 1 Hz lasts.
-const TRIED: f64 = 3.0;
+pub(super) const TRIED: f64 = 3.0;
 
 impl Engine {
     /// Plans and orders; whoever asked hears once the tick has taken it.
@@ -48,6 +48,7 @@ impl Engine {
             id,
             ticket: 0,
             ahead,
+            together: None,
             effort: 1.0,
             deadline: self.clock.now() + TRIED,
             again: false,
@@ -78,7 +79,11 @@ impl Engine {
         self.withdraw_for(index, why);
     }
 
-    fn withdraw_for(&mut self, index: usize, why: ServiceError) {
+    pub(super) fn withdraw_for(&mut self, index: usize, why: ServiceError) {
+        let asked = self.joints[index].asked.as_ref();
+        if let Some(together) = asked.and_then(|asked| asked.together) {
+            return self.disband(together.id, &why);
+        }
         let joint = &mut self.joints[index];
         let Some(asked) = joint.asked.take() else {
             return;
@@ -99,6 +104,7 @@ impl Engine {
 
     /// Brings a joint to rest, if it moves or is about to. A move that waits hears `why`.
     pub(super) fn stop(&mut self, index: usize, why: ServiceError) -> Option<Stopping> {
+        self.end_hold(index);
         let joint = &self.joints[index];
         let stops = |asked: &Asked| matches!(asked.what, What::Stop);
         if !joint.asked.as_ref().is_some_and(stops) {
@@ -139,18 +145,26 @@ impl Engine {
         effort: f64,
     ) -> Result<Planned, ServiceError> {
         let joint = &self.joints[index];
-        if let What::Move { .. } = what {
+        let own = joint.config.limits;
+        let mut limits = own;
+        if let What::Move { speed, .. } = what {
+            if self.feed == 0.0 {
+                return Err(ServiceError::NoFeed);
+            }
+            limits = self.fed(own, speed);
             // Each time anew: it may be lost between two tries.
+            self.enabling.allows_moves()?;
             joint.takes_moves()?;
         }
         let at = Moment {
             tick: self.next_tick() + ahead,
             effort,
+            limits,
         };
         plan(joint, what, &self.planner, self.config.period, at)
     }
 
-    fn order(&mut self, index: usize, mut asked: Asked, planned: Planned) {
+    pub(super) fn order(&mut self, index: usize, mut asked: Asked, planned: Planned) {
         self.tickets += 1;
         asked.ticket = self.tickets;
         asked.again = false;
@@ -161,6 +175,7 @@ impl Engine {
             samples: planned.samples.clone(),
             speed: planned.speed,
             shaper: planned.shaper,
+            together: asked.together,
             withdrawn: None,
         };
         let plan = Plan {
@@ -169,7 +184,8 @@ impl Engine {
             ticket: asked.ticket,
             samples: Some(planned.samples),
             start: planned.start,
-            stops: matches!(asked.what, What::Stop),
+            together: asked.together,
+            permit: matches!(asked.what, What::Move { .. }).then_some(self.enabling.permit),
         };
         let joint = &mut self.joints[index];
         match self.rings.orders.push(ToTick::Plan(Box::new(plan))) {
@@ -191,6 +207,7 @@ impl Engine {
 
     /// Plans anew what the tick has not taken, as long as there is time.
     pub(super) fn retry(&mut self, now: f64) {
+        self.end_overdue(now);
         for index in 0..self.joints.len() {
             self.answer_overdue(index, now);
             let late = |asked: &Asked| now > asked.deadline;
@@ -200,6 +217,10 @@ impl Engine {
             let Some(asked) = self.joints[index].asked.take_if(|asked| asked.again) else {
                 continue;
             };
+            if let Some(together) = asked.together {
+                self.disband(together.id, &ServiceError::Busy);
+                continue;
+            }
             match self.planned(index, asked.what, asked.ahead, asked.effort) {
                 Ok(planned) => self.order(index, asked, planned),
                 Err(error) => answer(asked.reply, Err(error)),
@@ -228,6 +249,9 @@ impl Engine {
         let Some(ordered) = self.answered(plan.joint, plan.ticket) else {
             return;
         };
+        if let Some(together) = ordered.together {
+            return self.member_not_taken(together.id, plan, why);
+        }
         if let Some(withdrawn) = ordered.withdrawn {
             answer(Some(withdrawn.reply), Err(withdrawn.why));
         }
@@ -248,9 +272,10 @@ impl Engine {
             NotTaken::Outdated => {}
             // A correction under way leaves less of the limits to a new plan.
             NotTaken::Refused(_) => asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT),
-            NotTaken::NotHeard => {
-                let joint = joint.config.name.clone();
-                self.withdraw_for(plan.joint, ServiceError::NotHeard { joint });
+            NotTaken::NotEnabled => {
+                // Where the gate has just been closed its event comes with this one.
+                let why = self.enabling.allows_moves().err();
+                self.withdraw_for(plan.joint, why.unwrap_or(ServiceError::Stopped));
             }
             NotTaken::Idle | NotTaken::Train(_) | NotTaken::Replaced | NotTaken::Withdrawn => {
                 self.withdraw(plan.joint, &format!("{why:?}"));
@@ -281,6 +306,10 @@ impl Engine {
             }
             (What::Stop, None) => {}
             (What::Move { .. }, _) => self.begin_move(index, &ordered, taken, from),
+        }
+        if let Some(together) = ordered.together {
+            self.wanted(index, ordered.ticket);
+            return self.member_taken(together.id, index, ordered.id);
         }
         let accepted = Accepted::Move {
             id: ordered.id,
@@ -348,7 +377,7 @@ impl Engine {
 }
 
 /// Answers, if anybody waits; whoever asked may have gone.
-fn answer(reply: Option<Reply>, answer: Result<Accepted, ServiceError>) {
+pub(super) fn answer(reply: Option<Reply>, answer: Result<Accepted, ServiceError>) {
     if let Some(reply) = reply {
         let _ = reply.send(answer);
     }

@@ -31,6 +31,8 @@ pub struct Moment {
     pub tick: u64,
     /// Share of the limits of acceleration and jerk that it uses.
     pub effort: f64,
+    /// The limits.
+    pub limits: Limits,
 }
 
 /// Plans for a joint; in motion, the plan begins `at` a moment.
@@ -46,15 +48,15 @@ pub fn plan(
             let from = running.state_before(at.tick);
             in_motion(joint, what, planner, period, from, at)
         }
-        (_, What::Move { target, shaper }) => from_rest(
+        (_, What::Move { target, shaper, .. }) => from_rest(
             joint,
-            target,
+            (target, at.limits),
             shaper.unwrap_or(joint.standing_shaper()),
             planner,
             period,
         ),
         (_, What::Stop) => {
-            let here = joint.position;
+            let here = (joint.position, at.limits);
             from_rest(joint, here, joint.standing_shaper(), planner, period)
         }
     }
@@ -80,14 +82,14 @@ pub fn standing_train(
 
 fn from_rest(
     joint: &Joint,
-    target: f64,
+    (target, limits): (f64, Limits),
     shaper: Option<&'static dyn Shaper>,
     planner: &Planner,
     period: f64,
 ) -> Result<Planned, ServiceError> {
     let train = standing_train(joint, shaper, period)?;
     let ends = [joint.position, target];
-    let slowed = plan_shaped(planner, ends, joint.config.limits, &train.train).map_err(refused)?;
+    let slowed = plan_shaped(planner, ends, limits, &train.train).map_err(refused)?;
     if slowed.peaks.worst() > 1.0 + ROUNDING {
         let reason = format!(
             "shaped by {} it reaches {:.2} times a limit, even at {:.0} % speed",
@@ -127,7 +129,7 @@ fn in_motion(
         velocity,
         acceleration,
         jerk,
-    } = joint.config.limits;
+    } = at.limits;
     let limits = [Limits {
         velocity: velocity / gain,
         acceleration: at.effort * acceleration / gain,
@@ -155,7 +157,7 @@ fn joint_shaper(joint: &Joint) -> Option<&'static dyn Shaper> {
     quell_shapers::shaper_by_name(name?)
 }
 
-fn refused(error: quell_trajectories::PlanError) -> ServiceError {
+pub fn refused(error: quell_trajectories::PlanError) -> ServiceError {
     ServiceError::Plan {
         reason: error.to_string(),
     }

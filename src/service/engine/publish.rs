@@ -19,6 +19,8 @@ impl Engine {
             unix_time_s: self.clock.unix_time(),
             time_s: whole.time,
             stopping: self.stopping.is_some(),
+            enable: self.enabling.view.clone(),
+            feed_percent: 100.0 * self.feed,
             payload_kg: self.payload,
             joints: self
                 .joints
@@ -52,6 +54,10 @@ impl Engine {
             command_rad: axis.map_or(joint.position, |axis| axis.sent.position),
             command_rad_s: axis.map_or(0.0, |axis| axis.sent.velocity),
             motor_rad: joint.motor,
+            following_error_rad: axis
+                .and(joint.report.as_ref())
+                .map(|report| report.following_error),
+            following_limit_rad: joint.config.following_limit,
             deformation_rad: deformation.map(|sample| sample.deformation),
             tip_deformation_m: deformation
                 .map(|sample| sample.tip_deformation)
@@ -65,7 +71,7 @@ impl Engine {
                 .is_some_and(|registrar| registrar.sees_the_tip()),
             shaping: joint.shaping,
             adaptation: joint.adaptation,
-            adaptation_frozen: axis.is_some_and(|axis| axis.frozen),
+            adaptation_frozen: joint.is_unheard() || axis.is_some_and(|axis| axis.frozen),
             shaper: name_of(Some(joint.shaper)),
             mode: Some(joint.mode.into()),
             mode_since_s: joint.mode_since,

@@ -29,6 +29,7 @@ impl Engine {
             (0..self.joints.len()).for_each(|index| self.order_train(index));
             self.publish();
         }
+        self.end_holds(now);
         self.retry(now);
         if now - self.batch_since >= BATCH {
             self.flush(now);
@@ -83,6 +84,7 @@ impl Engine {
             Event::Taken(taken) => self.taken(&taken),
             Event::NotTaken(plan, why) => self.not_taken(&plan, why),
             Event::Settled(index, id, time) => self.settled(index, id, time),
+            Event::Tripped(trip) => self.tripped(trip),
             Event::Lost(index) => self.lost(index),
             Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),

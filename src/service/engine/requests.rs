@@ -5,11 +5,15 @@ use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 use super::Engine;
 use super::axis::train;
 use super::joint::What;
-use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange};
+use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
 use crate::service::tick::ToTick;
 
 /// Largest payload of the embedded arm, kg: its class carries 60, and twice that is still an arm.
 const HEAVIEST: f64 = 120.0;
+
+/// Joints and targets in rad, and the rule for this move alone.
+type CheckedTogether =
+    Result<(Vec<(usize, f64)>, Option<Option<&'static dyn Shaper>>), ServiceError>;
 
 impl Engine {
     /// Answers a request, at once or once the tick has said what became of it.
@@ -31,9 +35,21 @@ impl Engine {
                 target,
                 shaper,
             } => match self.check_move(&joint, target, shaper.as_deref()) {
-                Ok((index, what)) => return self.ask(index, what, Some(reply)),
+                Ok((index, what)) => {
+                    self.end_hold(index);
+                    return self.ask(index, what, Some(reply));
+                }
                 Err(error) => Err(error),
             },
+            Request::MoveTogether { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::MoveTogether { targets, shaper } => {
+                match self.check_together(&targets, shaper.as_deref()) {
+                    Ok((members, shaper)) => return self.ask_together(members, shaper, reply),
+                    Err(error) => Err(error),
+                }
+            }
             Request::Stop => {
                 self.last_stop = self.last_stop.max(Some(number));
                 let joints = self.stop_all(&ServiceError::Stopped);
@@ -43,6 +59,24 @@ impl Engine {
                     joints,
                 })
             }
+            Request::Jog { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::Jog {
+                joint,
+                velocity,
+                hold,
+            } => return self.jog(&joint, velocity, hold, reply),
+            Request::Feed { share } => self.change_feed(share),
+            Request::Enable if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::Enable => self.enable(),
+            Request::Disable => {
+                self.last_stop = self.last_stop.max(Some(number));
+                Ok(self.disable())
+            }
+            Request::Reset => Ok(self.reset()),
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };
@@ -50,7 +84,7 @@ impl Engine {
         let _ = reply.send(answer);
     }
 
-    fn check_move(
+    pub(super) fn check_move(
         &self,
         joint: &str,
         target: f64,
@@ -69,6 +103,7 @@ impl Engine {
                 rule: "within the joint's range",
             });
         }
+        self.enabling.allows_moves()?;
         joint.takes_moves()?;
         self.check_recording()?;
         let shaper = shaper.map(shaper_named).transpose()?;
@@ -82,7 +117,32 @@ impl Engine {
             let joint = joint.config.name.clone();
             return Err(ServiceError::ShaperInMotion { joint });
         }
-        Ok((index, What::Move { target, shaper }))
+        let speed = f64::INFINITY;
+        Ok((
+            index,
+            What::Move {
+                target,
+                shaper,
+                speed,
+            },
+        ))
+    }
+
+    /// The joints of a move of several, and its rule, if it has one of its own.
+    fn check_together(&self, targets: &[Target], shaper: Option<&str>) -> CheckedTogether {
+        let mut members = Vec::new();
+        for Target { joint, target } in targets {
+            let (index, _) = self.check_move(joint, *target, shaper)?;
+            if members.iter().any(|&(other, _)| other == index) {
+                let joint = joint.clone();
+                return Err(ServiceError::Twice { joint });
+            }
+            members.push((index, *target));
+        }
+        match members.is_empty() {
+            true => Err(ServiceError::Nothing),
+            false => Ok((members, shaper.map(shaper_named).transpose()?)),
+        }
     }
 
     pub(super) fn index_of(&self, name: &str) -> Result<usize, ServiceError> {

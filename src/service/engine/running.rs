@@ -5,8 +5,8 @@ use quell_trajectories::{AxisState, SampledTrajectory};
 
 use super::cruise::Cruise;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
+use crate::service::following::FOLLOWED;
 use crate::service::ringing;
-use crate::service::tick::FOLLOWED;
 
 /// Periods for which a joint is watched after its command has ended: the amplitude is taken over two,
 /// after the motor side has followed.

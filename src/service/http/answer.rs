@@ -6,6 +6,7 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::App;
@@ -21,8 +22,10 @@ pub struct Refused {
     sentence: String,
 }
 
-#[derive(Serialize)]
-struct Body<'a> {
+/// An error.
+#[derive(Serialize, JsonSchema)]
+pub struct Body<'a> {
+    /// What is wrong, in one sentence.
     error: &'a str,
 }
 
@@ -100,7 +103,7 @@ impl From<CancelError> for Refused {
 /// For a connection beyond the places.
 pub async fn too_many(State(app): State<Arc<App>>) -> Refused {
     add(&app.counters.connections_refused);
-    let sentence = "too many connections are open: only POST /api/stop is taken here; try again";
+    let sentence = "too many connections are open: only POST /api/v1/stop is taken here; try again";
     Refused::new(StatusCode::SERVICE_UNAVAILABLE, sentence)
 }
 

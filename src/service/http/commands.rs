@@ -7,28 +7,68 @@ use std::time::Duration;
 use axum::Json as Answer;
 use axum::extract::State;
 use axum::http::StatusCode;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::App;
 use super::answer::Refused;
 use super::body::{Json, Nothing};
-use crate::service::contract::{Accepted, JointSnapshot, Request, ShapingChange, Snapshot};
+use crate::service::contract::{Accepted, JointSnapshot, Request, ShapingChange, Snapshot, Target};
+use crate::service::demo;
 
 /// Time in which the engine answers: a correction takes a second at most.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The body of a move.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Travel {
-    joint: String,
+    /// The joint, where one moves.
+    joint: Option<String>,
+    /// Where it shall end, deg.
     target_deg: Option<f64>,
+    /// The same, rad.
     target_rad: Option<f64>,
+    /// Joints that begin and end together, instead of one.
+    joints: Option<Vec<One>>,
+    /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
     shaper: Option<String>,
 }
 
+/// One joint of several that move together.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct One {
+    /// The joint.
+    joint: String,
+    /// Where it shall end, deg.
+    target_deg: Option<f64>,
+    /// The same, rad.
+    target_rad: Option<f64>,
+}
+
+/// The body of a jog.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Jogged {
+    /// The joint.
+    joint: String,
+    /// Velocity, deg/s; 0 ends the hold.
+    velocity_deg_s: f64,
+    /// Number of the hold, another one for each press of a button.
+    hold: u64,
+}
+
+/// The body of a feed.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Feed {
+    /// Share of full speed, percent, 0 to 100.
+    percent: f64,
+}
+
 /// The body of a payload.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
     mass_kg: f64,
@@ -36,25 +76,111 @@ pub struct Payload {
 
 type Answered = Result<Answer<Accepted>, Refused>;
 
-/// `POST /api/move`.
+/// `POST /api/v1/move`.
 pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> Answered {
     let snapshot = app.handle.snapshot();
-    let target = body.target(joint(&snapshot, &body.joint)?)?;
-    let Travel { joint, shaper, .. } = body;
-    let request = Request::Move {
+    let Travel {
         joint,
-        target,
+        target_deg,
+        target_rad,
+        joints,
         shaper,
+    } = body;
+    let single = |joint: String| One {
+        joint,
+        target_deg,
+        target_rad,
+    };
+    let request = match (joint, joints) {
+        (Some(joint), None) => {
+            let Target { joint, target } = single(joint).target(&snapshot)?;
+            Request::Move {
+                joint,
+                target,
+                shaper,
+            }
+        }
+        (None, Some(joints)) if (target_deg, target_rad) == (None, None) => {
+            let targets = joints.into_iter().map(|one| one.target(&snapshot));
+            let targets = targets.collect::<Result<_, _>>()?;
+            Request::MoveTogether { targets, shaper }
+        }
+        (None, None) => {
+            let sentence =
+                "the body is not what it should be: missing field `joint`, or `joints` for several";
+            return Err(Refused::new(StatusCode::BAD_REQUEST, sentence));
+        }
+        _ => {
+            let sentence = "give either joint and its target, or joints, each with its own";
+            return Err(Refused::value(sentence));
+        }
     };
     ask(&app, request).await
 }
 
-/// `POST /api/stop`.
+/// `POST /api/v1/jog`.
+pub async fn jog(State(app): State<Arc<App>>, Json(body): Json<Jogged>) -> Answered {
+    let snapshot = app.handle.snapshot();
+    let joint = joint(&snapshot, &body.joint)?.name.clone();
+    let velocity = body.velocity_deg_s.to_radians();
+    let hold = body.hold;
+    let request = Request::Jog {
+        joint,
+        velocity,
+        hold,
+    };
+    ask(&app, request).await
+}
+
+/// `POST /api/v1/feed`.
+pub async fn feed(State(app): State<Arc<App>>, Json(body): Json<Feed>) -> Answered {
+    if !(0.0..=100.0).contains(&body.percent) {
+        let sentence = format!("percent is {}, it must be from 0 to 100", body.percent);
+        return Err(Refused::value(sentence));
+    }
+    let share = body.percent / 100.0;
+    ask(&app, Request::Feed { share }).await
+}
+
+/// `POST /api/v1/demo`.
+pub async fn demonstrate(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    demo::check(&app.handle)?;
+    // One at a time, and it goes on without whoever asked.
+    let Ok(place) = Arc::clone(&app.demo).try_acquire_owned() else {
+        let sentence = "the demonstration is running already";
+        return Err(Refused::new(StatusCode::CONFLICT, sentence));
+    };
+    let handle = app.handle.clone();
+    tokio::spawn(async move {
+        if let Err(error) = demo::run(&handle).await {
+            tracing::warn!("the demonstration ended early: {error}");
+        }
+        drop(place);
+    });
+    Ok(Answer(Accepted::Changed))
+}
+
+/// `POST /api/v1/stop`.
 pub async fn stop(State(app): State<Arc<App>>, _: Nothing) -> Answered {
     ask(&app, Request::Stop).await
 }
 
-/// `POST /api/shaper`.
+/// `POST /api/v1/enable`.
+pub async fn enable(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    ask(&app, Request::Enable).await
+}
+
+/// `POST /api/v1/disable`.
+pub async fn disable(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    ask(&app, Request::Disable).await
+}
+
+/// `POST /api/v1/reset`.
+pub async fn reset(State(app): State<Arc<App>>, _: Nothing) -> Answered {
+    ask(&app, Request::Reset).await
+}
+
+/// `POST /api/v1/shaper`.
 pub async fn shaper(State(app): State<Arc<App>>, Json(change): Json<ShapingChange>) -> Answered {
     if change == ShapingChange::default() {
         let keys = "enabled, adaptation, kind or mode";
@@ -63,7 +189,7 @@ pub async fn shaper(State(app): State<Arc<App>>, Json(change): Json<ShapingChang
     ask(&app, Request::Shaping(change)).await
 }
 
-/// `POST /api/payload`.
+/// `POST /api/v1/payload`.
 pub async fn payload(State(app): State<Arc<App>>, Json(body): Json<Payload>) -> Answered {
     if body.mass_kg.is_nan() || body.mass_kg < 0.0 {
         let sentence = format!("mass_kg is {}, it must be 0 or more", body.mass_kg);
@@ -85,9 +211,10 @@ pub fn joint<'a>(snapshot: &'a Snapshot, name: &str) -> Result<&'a JointSnapshot
     })
 }
 
-impl Travel {
-    /// The target, rad, within the range of the joint. What is refused is told in the unit that was given.
-    fn target(&self, joint: &JointSnapshot) -> Result<f64, Refused> {
+impl One {
+    /// The target within the range of the joint. What is refused is told in the unit that was given.
+    fn target(self, snapshot: &Snapshot) -> Result<Target, Refused> {
+        let joint = joint(snapshot, &self.joint)?;
         let (name, value, factor) = match (self.target_deg, self.target_rad) {
             (Some(degrees), None) => ("target_deg", degrees, TAU / 360.0),
             (None, Some(radians)) => ("target_rad", radians, 1.0),
@@ -101,7 +228,10 @@ impl Travel {
         // A limit that is given in degrees must not fail by rounding.
         let slack = f64::EPSILON * low.abs().max(high.abs());
         if (low - slack..=high + slack).contains(&target) {
-            return Ok(target.clamp(low, high));
+            return Ok(Target {
+                joint: self.joint,
+                target: target.clamp(low, high),
+            });
         }
         let (low, high) = (shown(low / factor), shown(high / factor));
         let sentence = format!(

@@ -7,6 +7,7 @@ use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use quell_shapers::Mode;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::App;
@@ -25,14 +26,14 @@ const REPORT_POLICY: &str = "sandbox allow-scripts; default-src 'none'; script-s
     style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'";
 
 /// The body of an order.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wanted {
     recording: String,
     model: Option<String>,
 }
 
-/// `POST /api/diagnose`.
+/// `POST /api/v1/diagnose`.
 pub async fn order(
     State(app): State<Arc<App>>,
     Json(body): Json<Wanted>,
@@ -58,17 +59,17 @@ pub async fn order(
     Ok((StatusCode::ACCEPTED, fresh(&job)).into_response())
 }
 
-/// `GET /api/diagnose`.
+/// `GET /api/v1/diagnose`.
 pub async fn all(State(app): State<Arc<App>>) -> Response {
     fresh(&app.jobs.all())
 }
 
-/// `GET /api/diagnose/{id}`.
+/// `GET /api/v1/diagnose/{id}`.
 pub async fn job(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Response, Refused> {
     Ok(fresh(&known(&app, &id)?))
 }
 
-/// `DELETE /api/diagnose/{id}`: the job as it stands now; one that runs ends within moments.
+/// `DELETE /api/v1/diagnose/{id}`: the job as it stands now; one that runs ends within moments.
 pub async fn cancel(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,
@@ -77,7 +78,7 @@ pub async fn cancel(
     Ok(fresh(&app.jobs.cancel(job.id)?))
 }
 
-/// `GET /api/diagnose/{id}/report`.
+/// `GET /api/v1/diagnose/{id}/report`.
 pub async fn report(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,

@@ -12,7 +12,7 @@ use super::answer::Refused;
 use super::pieces::in_pieces;
 use super::recordings::{on_disk, recorder};
 
-/// `GET /api/recordings/{name}`.
+/// `GET /api/v1/recordings/{name}`.
 pub async fn download(
     State(app): State<Arc<App>>,
     Path(name): Path<String>,

@@ -16,7 +16,8 @@ use axum::response::{IntoResponse, Response};
 use super::App;
 use super::counters::Counters;
 use crate::service::contract::{
-    DiskPart, DiskView, JointSnapshot, LinkHealth, Snapshot, TickStatistics,
+    DiskPart, DiskView, EnableState, EnableView, JointSnapshot, LinkHealth, Snapshot,
+    TickStatistics,
 };
 use joint::{JOINT, flag};
 
@@ -24,6 +25,7 @@ use joint::{JOINT, flag};
 pub async fn metrics(State(app): State<Arc<App>>) -> Response {
     let snapshot = app.handle.snapshot();
     let mut text = Text::default();
+    enabling(&mut text, &snapshot.enable);
     tick(&mut text, &snapshot.tick);
     link(&mut text, &snapshot.link);
     disk(&mut text, &snapshot.disk);
@@ -101,6 +103,18 @@ fn joint_name(joint: &JointSnapshot) -> &str {
 fn escaped(label: &str) -> String {
     let label = label.replace('\\', "\\\\").replace('"', "\\\"");
     label.replace('\n', "\\n")
+}
+
+fn enabling(text: &mut Text, enable: &EnableView) {
+    let is = |state| flag(enable.state == state);
+    text.one(
+        "enabled",
+        "Whether moves are enabled.",
+        is(EnableState::Enabled),
+    );
+    let help = "Whether a fault waits for its reset.";
+    text.one("faulted", help, is(EnableState::Faulted));
+    text.count("faults_total", "Faults since the start.", enable.faults);
 }
 
 fn tick(text: &mut Text, tick: &TickStatistics) {

@@ -1,20 +1,7 @@
 //! HTTP, WebSocket and the page.
 //!
-//! | request | body | answer |
-//! |---|---|---|
-//! | `GET /` | | the page |
-//! | `GET /api/state`, `/api/estimates` | | [`Snapshot`](super::contract::Snapshot), estimates of it |
-//! | `GET /api/stream` | | WebSocket: state, batches of frames and events, what was lost |
-//! | `POST /api/move` | `{"joint", "target_deg" or "target_rad", "shaper"?}` | [`Accepted`](super::contract::Accepted) |
-//! | `POST /api/stop` | none or `{}` | the same: which joints stop, and when they rest |
-//! | `POST /api/shaper` | `{"joint"?, "enabled"?, "adaptation"?, "kind"?, "mode"?}` | the same |
-//! | `POST /api/payload` | `{"mass_kg"}` | the same |
-//! | `GET /api/recordings`, `/api/recordings/{name}` | | the list; one as a tar archive |
-//! | `POST /api/recordings` | `{"joint"?, "recording"}` | begins (`true`) or ends one on demand |
-//! | `POST /api/diagnose` | `{"recording", "model"?}` | a [`Job`](super::jobs::Job) |
-//! | `GET /api/diagnose`, `/api/diagnose/{id}`, `/api/diagnose/{id}/report` | | all jobs; one; its page |
-//! | `DELETE /api/diagnose/{id}` | | cancels a job that waits or runs |
-//! | `GET /metrics` | | Prometheus text |
+//! [`routes`] has every path, method and body; `GET /openapi.json` tells them. Paths are versioned: `/api/v1/...`. The
+//! old ones without a version are aliases, and their answers say that they are deprecated.
 //!
 //! Any error is `{"error": "a sentence"}`. Everything that a stranger may make large is bounded:
 //! bodies, headers, connections, streams, downloads, waiting jobs, and the time each may take. A stop has
@@ -29,10 +16,13 @@ mod diagnose;
 mod download;
 mod guard;
 mod metrics;
+mod openapi;
 mod pace;
 mod page;
 mod pieces;
 mod recordings;
+mod route;
+mod routes;
 mod stream;
 mod views;
 mod wire;
@@ -45,7 +35,7 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::middleware::from_fn_with_state;
-use axum::routing::{get, post};
+use axum::routing::post;
 use thiserror::Error;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
@@ -113,6 +103,7 @@ struct App {
     jobs: Jobs,
     streams: Arc<Semaphore>,
     downloads: Arc<Semaphore>,
+    demo: Arc<Semaphore>,
 }
 
 /// Checks where to listen, and with which token.
@@ -176,30 +167,12 @@ fn app(handle: Handle, settings: Settings) -> Result<Arc<App>, HttpError> {
         counters: Counters::default(),
         streams: Arc::new(Semaphore::new(STREAMS)),
         downloads: Arc::new(Semaphore::new(DOWNLOADS)),
+        demo: Arc::new(Semaphore::new(1)),
     }))
 }
 
 fn router(app: Arc<App>) -> Router {
-    let api = Router::new()
-        .route("/api/state", get(views::state))
-        .route("/api/estimates", get(views::estimates))
-        .route("/api/stream", get(stream::stream))
-        .route("/api/move", post(commands::travel))
-        .route("/api/stop", post(commands::stop))
-        .route("/api/shaper", post(commands::shaper))
-        .route("/api/payload", post(commands::payload))
-        .route(
-            "/api/recordings",
-            get(recordings::list).post(recordings::record),
-        )
-        .route("/api/recordings/{name}", get(download::download))
-        .route("/api/diagnose", get(diagnose::all).post(diagnose::order))
-        .route(
-            "/api/diagnose/{id}",
-            get(diagnose::job).delete(diagnose::cancel),
-        )
-        .route("/api/diagnose/{id}/report", get(diagnose::report))
-        .route("/metrics", get(metrics::metrics));
+    let api = routes::add_all(Router::new());
     page::routes(api)
         .fallback(answer::not_found)
         .method_not_allowed_fallback(answer::not_allowed)
@@ -210,6 +183,7 @@ fn router(app: Arc<App>) -> Router {
 /// The answers on a connection beyond the places: a stop is obeyed, all else is refused.
 fn stop_only(app: Arc<App>) -> Router {
     Router::new()
+        .route("/api/v1/stop", post(commands::stop))
         .route("/api/stop", post(commands::stop))
         .fallback(answer::too_many)
         .method_not_allowed_fallback(answer::too_many)

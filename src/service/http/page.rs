@@ -24,6 +24,7 @@ const STYLE: &str = include_str!("../../../assets/service/service.css");
 const SCRIPT: &str = include_str!("../../../assets/service/service.js");
 const ASK: &str = include_str!("../../../assets/service/ask.js");
 const DOM: &str = include_str!("../../../assets/service/dom.js");
+const JOG: &str = include_str!("../../../assets/service/jog.js");
 const KEYS: &str = include_str!("../../../assets/service/keys.js");
 const MOVES: &str = include_str!("../../../assets/service/moves.js");
 const CHARTS: &str = include_str!("../../../assets/service/charts.js");
@@ -31,13 +32,14 @@ const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
 const ICON: &str = include_str!("../../../assets/service/icon.svg");
 
 /// Path, type and text of each file.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 14] = [
     ("/", HTML, PAGE),
     ("/service.css", CSS, STYLE),
     ("/service.js", JS, SCRIPT),
     ("/ask.js", JS, ASK),
     ("/charts.js", JS, CHARTS),
     ("/dom.js", JS, DOM),
+    ("/jog.js", JS, JOG),
     ("/keys.js", JS, KEYS),
     ("/moves.js", JS, MOVES),
     ("/recordings.js", JS, RECORDINGS),

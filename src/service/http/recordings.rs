@@ -6,6 +6,7 @@ use axum::Json as Answer;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::App;
@@ -16,7 +17,7 @@ use super::views::fresh;
 use crate::service::recorder::{Recorder, Shelf, ShelfError};
 
 /// The body of a recording on demand.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
     joint: Option<String>,
@@ -24,13 +25,13 @@ pub struct Record {
 }
 
 /// Which recording was begun or ended.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Recorded {
     name: String,
     recording: bool,
 }
 
-/// `GET /api/recordings`, oldest first.
+/// `GET /api/v1/recordings`, oldest first.
 pub async fn list(State(app): State<Arc<App>>) -> Result<Response, Refused> {
     let list = match &app.settings.recorder {
         Some(recorder) => on_disk(recorder, Shelf::list).await?,
@@ -39,7 +40,7 @@ pub async fn list(State(app): State<Arc<App>>) -> Result<Response, Refused> {
     Ok(fresh(&list))
 }
 
-/// `POST /api/recordings`.
+/// `POST /api/v1/recordings`.
 pub async fn record(
     State(app): State<Arc<App>>,
     Json(body): Json<Record>,

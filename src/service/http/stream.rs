@@ -1,4 +1,4 @@
-//! `GET /api/stream`: what happens, as it happens, to as many as listen.
+//! `GET /api/v1/stream`: what happens, as it happens, to as many as listen.
 //!
 //! Every message is JSON with a `type`:
 //! - `state`, four times a second: `state` is the [`Snapshot`](crate::service::contract::Snapshot);
@@ -116,7 +116,7 @@ fn text(told: &Told) -> Option<Utf8Bytes> {
         .map(Utf8Bytes::from)
 }
 
-/// `GET /api/stream`.
+/// `GET /api/v1/stream`.
 pub async fn stream(State(app): State<Arc<App>>, upgrade: WebSocketUpgrade) -> Response {
     let Ok(place) = Arc::clone(&app.streams).try_acquire_owned() else {
         let sentence = "too many streams are open; close one";

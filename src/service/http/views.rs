@@ -6,13 +6,14 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::header::CACHE_CONTROL;
 use axum::response::{IntoResponse, Response};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::App;
 use crate::service::contract::{EstimateView, JointSnapshot, ModeValue, Snapshot, TrainView};
 
-#[derive(Serialize)]
-struct Estimate<'a> {
+#[derive(Serialize, JsonSchema)]
+pub struct Estimate<'a> {
     joint: &'a str,
     adaptation: bool,
     adaptation_frozen: bool,
@@ -40,12 +41,12 @@ impl<'a> From<&'a JointSnapshot> for Estimate<'a> {
     }
 }
 
-/// `GET /api/state`.
+/// `GET /api/v1/state`.
 pub async fn state(State(app): State<Arc<App>>) -> Response {
     fresh(app.handle.snapshot().as_ref())
 }
 
-/// `GET /api/estimates`.
+/// `GET /api/v1/estimates`.
 pub async fn estimates(State(app): State<Arc<App>>) -> Response {
     let snapshot: Arc<Snapshot> = app.handle.snapshot();
     let all: Vec<_> = snapshot.joints.iter().map(Estimate::from).collect();

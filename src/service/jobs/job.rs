@@ -3,13 +3,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::work::{Diagnosed, Failure};
 use crate::diagnosis::Diagnosis;
 
 /// Where a job stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// Others are before it.
@@ -43,7 +44,7 @@ impl Status {
 }
 
 /// A job as the outside sees it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Job {
     /// Its number, counted up.
     pub id: u64,
@@ -62,6 +63,7 @@ pub struct Job {
     /// Why it failed.
     pub error: Option<String>,
     /// The diagnosis, once it is there.
+    #[schemars(with = "Option<serde_json::Value>")]
     pub diagnosis: Option<Diagnosis>,
     #[serde(skip)]
     report: Option<Arc<str>>,

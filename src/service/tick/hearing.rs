@@ -1,20 +1,14 @@
-//! Whether a joint is heard. One that is not takes no move, until the engine has seen where it stands.
+//! Whether a joint is heard, and where one stands that was not. Whether it may move is the [gate](super::gate)'s.
 
 use crate::service::contract::{Measured, Quantity};
-
-/// Distance of the motor side from a command at rest from which, after a silence, it counts as moved by
-/// something else, rad: more than the static error of a servo, less than anybody would call a move.
-pub const MOVED: f64 = 1e-3;
-/// Within this time the motor side has followed its command, s: seven time constants of a servo of
-/// 20 Hz, to 1 in 1000.
-pub const FOLLOWED: f64 = 0.06;
+use crate::service::following::MOVED;
 
 /// The watchdog of a joint that is not heard.
 #[derive(Clone, Copy, Debug)]
 pub struct Watchdog {
     /// Silence after which a joint counts as not heard, s.
     pub timeout: f64,
-    /// Whether it is stopped then, and takes no move. Otherwise only the adaptation waits.
+    /// Whether that is a fault. Otherwise only the adaptation waits.
     pub stops: bool,
 }
 
@@ -32,7 +26,7 @@ enum State {
     Heard,
     /// Not heard; with the motor side's position, once there is one again.
     Lost(Option<f64>),
-    /// Heard again, the motor side at this position; the engine has not yet said that it may go on.
+    /// Heard again, the motor side at this position; the engine has not yet seen whether it was moved.
     Back(f64),
 }
 
@@ -62,8 +56,12 @@ impl Hearing {
 
     /// Takes a measurement of the joint, marked where it is refused.
     pub fn take(&mut self, measured: &Measured) {
+        if measured.quantity != Quantity::MotorPosition {
+            return;
+        }
+        // Without the motor side nobody knows what a joint does, whatever else of it is heard.
         self.last = measured.received;
-        if measured.quantity != Quantity::MotorPosition || measured.refused {
+        if measured.refused {
             return;
         }
         match &mut self.state {
@@ -89,20 +87,30 @@ impl Hearing {
         }
     }
 
-    /// The engine has seen where the joint stands: it takes moves again, unless it was lost meanwhile.
+    /// The engine has seen that the joint stands where it was left, unless it was lost meanwhile.
     pub fn resume(&mut self) {
         if let State::Back(_) = self.state {
             self.state = State::Heard;
         }
     }
 
-    /// Whether nothing was heard for longer than the watchdog allows, at `now` (s).
-    pub fn is_silent(&self, now: f64) -> bool {
-        now - self.last > self.watchdog.timeout
+    /// Silence after which the joint counts as not heard, s.
+    pub fn timeout(&self) -> f64 {
+        self.watchdog.timeout
     }
 
-    /// Whether a plan that leads somewhere may begin.
-    pub fn allows_moves(&self) -> bool {
+    /// Time since the motor side was heard, s, at `now` (s).
+    pub fn silence(&self, now: f64) -> f64 {
+        now - self.last
+    }
+
+    /// Whether nothing was heard for longer than the watchdog allows, at `now` (s).
+    pub fn is_silent(&self, now: f64) -> bool {
+        self.silence(now) > self.watchdog.timeout
+    }
+
+    /// Whether it is heard, and stands where it was left.
+    pub fn is_heard(&self) -> bool {
         self.state == State::Heard
     }
 

@@ -3,14 +3,19 @@
 use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
-use super::hearing::{Change, FOLLOWED, Hearing, Watchdog};
-use super::messages::{AxisReport, Event, JointReport, NotTaken, Plan, Taken, TrainOrder};
+use super::following::Following;
+use super::gate::{Cause, Gate};
+use super::hearing::{Change, Hearing, Watchdog};
+use super::messages::{
+    AxisReport, Event, JointReport, NotTaken, Plan, Taken, Together, TrainOrder,
+};
 use super::pace::Stride;
 use super::taking::{put_in_force, ready};
 use crate::controller::{AxisStatus, Controller, ringing_time};
 use crate::estimators::Estimate;
 use crate::service::between::within_limits;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
+use crate::service::following::FOLLOWED;
 use crate::service::guard::{Bounds, CommandedMotion, Guard};
 use crate::service::link::INBOX;
 use crate::signal::{DeformationSensor, Measurement};
@@ -23,6 +28,8 @@ pub struct JointTick {
     limits: Limits,
     inbox: Vec<Measurement>,
     waiting: Option<Box<Plan>>,
+    /// Whether the plan that waits may begin without waiting for those of other joints.
+    released: bool,
     /// The command at the last two control periods.
     command: [Setpoint; 2],
     sent: Setpoint,
@@ -34,6 +41,7 @@ pub struct JointTick {
     /// Whether there is nothing to be heard but noise.
     quiet: bool,
     hearing: Hearing,
+    following: Following,
     move_id: u64,
     runs: bool,
     /// Since when the command stands still, s; not at all before the first move.
@@ -59,6 +67,7 @@ impl JointTick {
             limits: bounds.limits,
             inbox: Vec::with_capacity(INBOX),
             waiting: None,
+            released: false,
             command: [Setpoint::default(); 2],
             sent: Setpoint::default(),
             motion: CommandedMotion::default(),
@@ -67,11 +76,19 @@ impl JointTick {
             frozen: false,
             quiet: false,
             hearing: Hearing::new(watchdog),
+            following: Following::new(f64::INFINITY, f64::INFINITY),
             move_id: 0,
             runs: false,
             settled: Some(f64::NEG_INFINITY),
             learned: None,
         }
+    }
+
+    /// The joint, at fault where its motor side is further from its commands, one every `period` (s), than
+    /// `limit` (rad). Without this it may be anywhere.
+    pub fn following_within(mut self, limit: f64, period: f64) -> Self {
+        self.following = Following::new(limit, period);
+        self
     }
 
     /// From `now` (s) on the joint is commanded; gives the controller before back.
@@ -82,6 +99,7 @@ impl JointTick {
         self.command = [self.sent; 2];
         self.runs = false;
         self.guard.restart();
+        self.following.restart();
         self.controller.replace(controller)
     }
 
@@ -108,6 +126,7 @@ impl JointTick {
 
     /// Takes a plan that waits for its time; gives one that it replaces back.
     pub fn expect(&mut self, plan: Box<Plan>) -> Option<Event> {
+        self.released = plan.together.is_none();
         let replaced = self.waiting.replace(plan)?;
         Some(Event::NotTaken(replaced, NotTaken::Replaced))
     }
@@ -125,6 +144,9 @@ impl JointTick {
     pub fn measure(&mut self, measured: &mut Measured) {
         measured.refused = !self.guard.admits(measured, self.motion);
         self.hearing.take(measured);
+        if measured.quantity == Quantity::MotorPosition && !measured.refused {
+            self.following.take(measured);
+        }
         let measurement = match measurement(measured) {
             Some(measurement) if !measured.refused => measurement,
             _ => return,
@@ -152,23 +174,71 @@ impl JointTick {
         })
     }
 
-    /// Takes moves again after it was not heard.
+    /// It stands where it was left when it was not heard any more.
     pub fn resume(&mut self) {
         self.hearing.resume();
     }
 
-    /// Begins the plan that waits, if its time has come.
-    pub fn take_plan(&mut self, tick: u64, time: f64) -> Option<Event> {
+    /// The fault for which no move may begin, but for silence, which [`look`](Self::look) tells.
+    pub fn fault(&self) -> Option<Cause> {
+        self.controller.as_ref()?;
+        let sensor = self.guard.report().fault_of(Quantity::MotorPosition);
+        let following = || self.following.excess().map(Cause::Following);
+        sensor.map(Cause::Sensor).or_else(following)
+    }
+
+    /// Forgets what its sensors have said.
+    pub fn forget(&mut self) {
+        self.guard.restart();
+        self.following.forgive();
+    }
+
+    /// Whether it is commanded, heard, and stands where it was left.
+    pub fn is_ready(&self) -> bool {
+        self.controller.is_some() && self.hearing.is_heard()
+    }
+
+    /// Time since it was heard, s, and the longest that may be.
+    pub fn silence(&self, now: f64) -> [f64; 2] {
+        [self.hearing.silence(now), self.hearing.timeout()]
+    }
+
+    /// The plans that the one that waits begins with, while it waits for them.
+    pub fn together(&self) -> Option<Together> {
+        let waits = self.waiting.as_ref().filter(|_| !self.released);
+        waits.and_then(|plan| plan.together)
+    }
+
+    /// Whether the plan that waits is one of these, and could begin with this tick.
+    pub fn is_ready_with(&mut self, together: Together, tick: u64, gate: &Gate) -> bool {
+        let waits = self.waiting.as_ref();
+        let Some(plan) = waits.filter(|plan| plan.together == Some(together)) else {
+            return false;
+        };
+        let admitted = plan.permit.is_none_or(|permit| gate.admits(permit));
+        let Some(controller) = self.controller.as_deref_mut().filter(|_| admitted) else {
+            return false;
+        };
+        ready(plan, controller, tick) == Ok(true)
+    }
+
+    /// Lets the plan that waits begin, if it is one of these.
+    pub fn release(&mut self, together: Together) {
+        self.released |= self.together() == Some(together);
+    }
+
+    /// Begins the plan that waits, if its time has come and the gate is open for it.
+    pub fn take_plan(&mut self, tick: u64, time: f64, gate: &Gate) -> Option<Event> {
         let mut plan = self.waiting.take()?;
         let Some(controller) = self.controller.as_deref_mut() else {
             return Some(Event::NotTaken(plan, NotTaken::Idle));
         };
-        if !(plan.stops || self.hearing.allows_moves()) {
-            return Some(Event::NotTaken(plan, NotTaken::NotHeard));
+        if !plan.permit.is_none_or(|permit| gate.admits(permit)) {
+            return Some(Event::NotTaken(plan, NotTaken::NotEnabled));
         }
         match ready(&plan, controller, tick) {
-            Ok(true) => {}
-            Ok(false) => {
+            Ok(true) if self.released => {}
+            Ok(_) => {
                 self.waiting = Some(plan);
                 return None;
             }
@@ -241,7 +311,7 @@ impl JointTick {
     }
 
     /// The setpoint after a stride, if the joint is commanded.
-    pub fn setpoint(&mut self, stride: &Stride, period: f64) -> Option<Setpoint> {
+    pub fn setpoint(&mut self, stride: &Stride, period: f64, time: f64) -> Option<Setpoint> {
         self.controller.as_ref()?;
         let at = within_limits(self.command, 1.0 - stride.behind, period);
         let setpoint = Setpoint {
@@ -254,6 +324,7 @@ impl JointTick {
             jerk: (setpoint.acceleration - self.sent.acceleration) / period,
         };
         self.sent = setpoint;
+        self.following.command(time, setpoint.position);
         Some(setpoint)
     }
 
@@ -313,6 +384,7 @@ impl JointTick {
                 false => WatchdogState::Fine,
             },
             guard: *self.guard.report(),
+            following_error: self.following.error(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use quell_shapers::{GridTrain, ImpulseTrain, Setpoint, Shaper, ShaperError, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 
+use super::gate::Trip;
 use crate::controller::{AxisStatus, Controller, LoadError};
 use crate::plant::Load;
 use crate::service::contract::{LinkHealth, Measured, TickRow, TickStatistics, WatchdogState};
@@ -19,8 +20,19 @@ pub enum ToTick {
     Plan(Box<Plan>),
     /// Give the plan of this ticket back, if it still waits.
     Withdraw(usize, u64),
-    /// Take moves again: a joint that was not heard stands where it was left.
+    /// A joint that was not heard stands where it was left.
     Resume(usize),
+    /// Moves of this permit may begin; given when so many faults were known.
+    Enable {
+        /// The permit.
+        permit: u64,
+        /// Faults known.
+        trips: u64,
+    },
+    /// No move may begin.
+    Disable,
+    /// What the monitors have seen so far is forgotten: somebody has seen to it.
+    Forget,
     /// Take a train, once the joint rests.
     Train(Box<TrainOrder>),
     /// Whether the train of a joint follows the estimate.
@@ -51,8 +63,19 @@ pub struct Plan {
     pub samples: Option<SampledTrajectory>,
     /// When it begins.
     pub start: Start,
-    /// Whether it brings the joint to rest: that is taken whether the joint is heard or not.
-    pub stops: bool,
+    /// The plans that it begins with, at rest; none where it begins alone.
+    pub together: Option<Together>,
+    /// The permit under which it was asked for; none for one that brings the joint to rest, which needs none.
+    pub permit: Option<u64>,
+}
+
+/// Plans of several joints that begin with one tick, or not at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Together {
+    /// Number of their common move.
+    pub id: u64,
+    /// How many they are.
+    pub size: usize,
 }
 
 /// When a plan begins.
@@ -93,8 +116,8 @@ pub enum NotTaken {
     Replaced,
     /// The engine took it back before it could begin.
     Withdrawn,
-    /// It leads somewhere, and the joint is not heard.
-    NotHeard,
+    /// It leads somewhere, and its permit is over.
+    NotEnabled,
 }
 
 /// Tick to engine, for the stream.
@@ -114,7 +137,9 @@ pub enum Event {
     NotTaken(Box<Plan>, NotTaken),
     /// The command of a joint stands still after the move of this number, since this time (s).
     Settled(usize, u64, f64),
-    /// A joint that is commanded is not heard any more: it takes no move until the engine has it resume.
+    /// The tick has closed the gate: no move begins until the engine opens it again.
+    Tripped(Trip),
+    /// A joint that is commanded is not heard any more.
     Lost(usize),
     /// A joint that was lost says again where its motor side stands, rad.
     Back(usize, f64),
@@ -162,6 +187,8 @@ pub struct JointReport {
     pub watchdog: WatchdogState,
     /// The findings of the sensors' guard.
     pub guard: GuardReport,
+    /// Distance of the motor side from what was commanded in the time in which it follows, rad.
+    pub following_error: f64,
 }
 
 /// Command and belief of a joint.

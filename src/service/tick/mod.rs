@@ -6,6 +6,8 @@
 //! A tick that is missed is counted, and nothing is sent for it. What becomes of the command's own time
 //! is said in [`pace`]: the limits hold over the time that has really gone by between any two setpoints.
 
+mod following;
+pub mod gate;
 mod hearing;
 mod joint;
 mod lateness;
@@ -16,16 +18,18 @@ pub mod real_time;
 mod taking;
 mod thread;
 
-pub use hearing::{FOLLOWED, MOVED, Watchdog};
+pub use following::Following;
+pub use hearing::Watchdog;
 pub use joint::JointTick;
 pub use lateness::Histogram;
 pub use messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Train,
+    AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Together, Train,
     TrainOrder, WholeReport,
 };
 pub use pulse::Pulse;
 pub use thread::{TickThread, TickThreadSettings};
 
+use gate::{Cause, Gate, Trip};
 use pace::{Pace, Stride};
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -70,6 +74,7 @@ pub struct Tick {
     inbox: Vec<Measured>,
     rings: TickRings,
     pace: Pace,
+    gate: Gate,
     period: f64,
     /// Ticks run.
     ticks: u64,
@@ -94,6 +99,7 @@ impl Tick {
         let limits = joints.iter().map(JointTick::limits);
         let tick = Self {
             pace: Pace::new(limits, period, link.carries_time()),
+            gate: Gate::default(),
             inbox: Vec::with_capacity(INBOX * joints.len()),
             joints,
             link,
@@ -129,9 +135,14 @@ impl Tick {
         self.take_orders(now);
         self.measure(now);
         let moves = self.joints.iter().any(JointTick::is_moving);
+        self.watch(missed, moves);
         let stride = self.pace.stride(missed, moves);
         for index in 0..self.joints.len() {
             self.look(index, now);
+        }
+        self.tell_trip();
+        self.release();
+        for index in 0..self.joints.len() {
             self.joints[index].listen(now);
             self.advance(index, now, &stride);
             self.command(index, now, &stride);
@@ -184,6 +195,23 @@ impl Tick {
                 self.joints.get_mut(joint)?.resume();
                 None
             }
+            ToTick::Enable { permit, trips } => {
+                let opened = self.gate.open(permit, trips);
+                // What the engine does not know of yet closes it again.
+                let unready = self.joints.iter().position(|joint| !joint.is_ready());
+                if let Some(joint) = unready.filter(|_| opened) {
+                    self.gate.trip(self.silent(joint, now));
+                }
+                None
+            }
+            ToTick::Disable => {
+                self.gate.close();
+                None
+            }
+            ToTick::Forget => {
+                self.joints.iter_mut().for_each(JointTick::forget);
+                None
+            }
             ToTick::Train(order) => Some(self.joints.get_mut(order.joint)?.take_train(order)),
             ToTick::Adaptive(joint, adaptive) => {
                 self.joints.get_mut(joint)?.set_adaptive(adaptive);
@@ -218,7 +246,77 @@ impl Tick {
             && !is_behind
             && let Some(event) = self.joints[index].look(now)
         {
+            if let Event::Lost(_) = event {
+                self.gate.trip(self.silent(index, now));
+            }
             self.tell(event);
+        }
+    }
+
+    /// The fault of a joint that is not heard. Where another one was heard in the last half of the time that this may
+    /// take, it is not the link's.
+    fn silent(&self, index: usize, now: f64) -> Trip {
+        let heard = |joint: &JointTick| {
+            let [silence, timeout] = joint.silence(now);
+            silence < 0.5 * timeout
+        };
+        match self.joints.iter().any(heard) {
+            true => Trip {
+                joint: Some(index),
+                cause: Cause::Silent,
+            },
+            false => Trip {
+                joint: None,
+                cause: Cause::LinkLost,
+            },
+        }
+    }
+
+    /// Closes the gate for what was measured, and for ticks that were missed.
+    ///
+    /// A robot that was sent nothing for as long as it may itself be silent has stood, and whoever is beside it takes
+    /// it for at rest: it does not go on by itself. Below that the [`pace`] bridges.
+    fn watch(&mut self, missed: u64, moves: bool) {
+        for (index, joint) in self.joints.iter().enumerate() {
+            if let Some(cause) = joint.fault() {
+                let joint = Some(index);
+                self.gate.trip(Trip { joint, cause });
+            }
+        }
+        let without = missed as f64 * self.period;
+        let patience = self.joints.iter().map(|joint| joint.silence(0.0)[1]);
+        if moves && without > patience.fold(f64::INFINITY, f64::min) {
+            self.gate.trip(Trip {
+                joint: None,
+                cause: Cause::Overrun(without),
+            });
+        }
+    }
+
+    /// Lets the plans of several joints begin with this tick, where each of them can.
+    fn release(&mut self) {
+        for index in 0..self.joints.len() {
+            let Some(together) = self.joints[index].together() else {
+                continue;
+            };
+            let (tick, gate) = (self.count, &self.gate);
+            let mut ready = 0;
+            for joint in &mut self.joints {
+                ready += usize::from(joint.is_ready_with(together, tick, gate));
+            }
+            if ready == together.size {
+                let members = self.joints.iter_mut();
+                members.for_each(|joint| joint.release(together));
+            }
+        }
+    }
+
+    /// Tells the engine of a fault, once there is room.
+    fn tell_trip(&mut self) {
+        if self.rings.events.slots() > ORDERS
+            && let Some(trip) = self.gate.take_untold()
+        {
+            self.tell(Event::Tripped(trip));
         }
     }
 
@@ -228,13 +326,13 @@ impl Tick {
             let left = stride.periods - period;
             let time = now - left as f64 * self.period;
             let tick = self.count + period - 1;
-            if let Some(event) = self.joints[index].take_plan(tick, time) {
+            if let Some(event) = self.joints[index].take_plan(tick, time, &self.gate) {
                 self.tell(event);
             }
             self.joints[index].step();
             if left > 0 && stride.behind == 0.0 {
                 // Where the command was at a tick that was missed.
-                let _ = self.joints[index].setpoint(stride, self.period);
+                let _ = self.joints[index].setpoint(stride, self.period, time);
                 self.record_row(index, time);
             }
             // In a slow start the setpoint is still on its way to where the command stands.
@@ -248,7 +346,7 @@ impl Tick {
 
     fn command(&mut self, index: usize, now: f64, stride: &Stride) {
         let displaced = self.joints[index].is_displaced(now);
-        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period)
+        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period, now)
             && !displaced
         {
             self.link.send(now, index, &setpoint);

@@ -4,6 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::service::contract::{ModeValue, MoveResult};
@@ -14,7 +15,7 @@ pub const ABOUT: &str = "about.json";
 const LONGEST_NAME: usize = 128;
 
 /// The subject of a recording.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct About {
     /// Its number, one more than that of the recording before it, whatever the clock says. 0 for those
@@ -37,7 +38,7 @@ pub struct About {
 }
 
 /// A recording of the list.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Entry {
     /// Name.
     pub name: String,

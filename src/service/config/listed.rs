@@ -1,0 +1,78 @@
+//! Every key of `quell.toml`, from the types that read it: a file that changes nothing.
+
+use std::fmt::Write;
+
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+use super::keys::Keys;
+
+/// Units by the end of a key; the longest first.
+const UNITS: [(&str, &str); 9] = [
+    ("_deg_s2", "deg/s^2"),
+    ("_deg_s3", "deg/s^3"),
+    ("_deg_s", "deg/s"),
+    ("_deg", "deg"),
+    ("_hz", "Hz"),
+    ("_mb", "MB"),
+    ("_bytes", "bytes"),
+    ("_ratio", "a ratio"),
+    ("_s", "s"),
+];
+
+/// All keys, with their defaults, units, ranges and a sentence each, as TOML. What is left out by default is a
+/// comment.
+pub fn listed() -> String {
+    let settings = SchemaSettings::draft2020_12();
+    let inline = settings.with(|settings| settings.inline_subschemas = true);
+    let schema = inline.into_generator().into_root_schema_for::<Keys>();
+    let mut text =
+        String::from("# Every key of quell.toml. A key that is a comment has no default.\n");
+    let tables = schema.get("properties").and_then(Value::as_object);
+    for (name, table) in tables.into_iter().flatten() {
+        let (header, inner) = match table.get("items") {
+            Some(items) => (format!("[[{name}]]"), items),
+            None => (format!("[{name}]"), some(table)),
+        };
+        // A table that must name something stands for nothing by default.
+        let absent = inner.get("required").is_some();
+        let before = if absent { "# " } else { "" };
+        let _ = write!(text, "\n{}\n{before}{header}\n", sentence(inner));
+        let keys = inner.get("properties").and_then(Value::as_object);
+        for (key, value) in keys.into_iter().flatten() {
+            let _ = write!(text, "{}{}", sentence(value), bounds(key, value));
+            let default = value.get("default").filter(|default| !default.is_null());
+            let _ = match default {
+                Some(default) => write!(text, "\n{before}{key} = {default}\n"),
+                None => write!(text, "\n# {key} =\n"),
+            };
+        }
+    }
+    text
+}
+
+/// The schema itself, where it may be absent.
+fn some(schema: &Value) -> &Value {
+    let any = schema.get("anyOf").and_then(Value::as_array);
+    let some = any.and_then(|any| any.iter().find(|one| one.get("properties").is_some()));
+    some.unwrap_or(schema)
+}
+
+/// What it is, as a comment of one line.
+fn sentence(schema: &Value) -> String {
+    let words = schema.get("description").and_then(Value::as_str);
+    let words: Vec<_> = words.unwrap_or_default().split_whitespace().collect();
+    format!("# {}", words.join(" "))
+}
+
+/// Unit and range of a key, where it has them.
+fn bounds(key: &str, schema: &Value) -> String {
+    let unit = UNITS.iter().find(|(end, _)| key.ends_with(end));
+    let unit = unit.map_or("", |(_, unit)| unit);
+    let range = [schema.get("minimum"), schema.get("maximum")];
+    match range {
+        [Some(low), Some(high)] => format!(" [{low} to {high} {unit}]").replace(" ]", "]"),
+        _ if unit.is_empty() => String::new(),
+        _ => format!(" [{unit}]"),
+    }
+}

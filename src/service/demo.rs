@@ -1,0 +1,102 @@
+//! What shaping is for, on the simulated arm: the same move unshaped, shaped for a wrong mode, and shaped for the mode
+//! that was learned meanwhile.
+
+use std::time::Duration;
+
+use super::contract::{
+    Accepted, Handle, ModeValue, Phase, Request, ServiceError, ShapingChange, Snapshot,
+};
+
+/// Where the moves lead to and fro, rad.
+const ENDS: [f64; 2] = [core::f64::consts::FRAC_PI_6, 0.0];
+/// How wrong the belief is: by a quarter, as `quell move` supposes.
+const WRONG: f64 = 1.25;
+/// How often it is looked whether a move is over.
+const LOOKED: Duration = Duration::from_millis(20);
+/// A move that takes longer was stopped by somebody.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Whether the robot is the simulated arm, the only one that moves without a person beside it.
+///
+/// # Errors
+/// [`ServiceError::OnlyEmbedded`] for another one.
+pub fn check(handle: &Handle) -> Result<(), ServiceError> {
+    match handle.snapshot().robot {
+        "embedded" => Ok(()),
+        _ => Err(ServiceError::OnlyEmbedded {
+            what: "a demonstration",
+        }),
+    }
+}
+
+/// Runs it: unshaped, wrong belief, adapting, adapted. It enables moves, as whoever asks for it wants, and ends early
+/// where somebody stops or disables.
+///
+/// # Errors
+/// The error of a request that is refused; that of [`check`].
+pub async fn run(handle: &Handle) -> Result<(), ServiceError> {
+    check(handle)?;
+    let first = until(handle, |snapshot| rests(snapshot, 0)).await?;
+    let joint = first.joints[0].name.clone();
+    let truth = first.joints[0].true_mode.or(first.joints[0].mode);
+    let wrong = truth.map(|mode| ModeValue {
+        frequency_hz: WRONG * mode.frequency_hz,
+        ..mode
+    });
+    handle.ask(Request::Enable).await?;
+    let steps = [
+        (Some("none"), false),
+        (None, false),
+        (None, true),
+        (None, true),
+    ];
+    for (step, (shaper, adaptation)) in steps.into_iter().enumerate() {
+        let change = ShapingChange {
+            adaptation: Some(adaptation),
+            enabled: Some(true),
+            kind: Some("zv".into()),
+            mode: wrong.filter(|_| step < 2),
+            ..ShapingChange::default()
+        };
+        handle.ask(Request::Shaping(change)).await?;
+        let asked = handle.ask(Request::Move {
+            joint: joint.clone(),
+            target: ENDS[step % 2],
+            shaper: shaper.map(str::to_owned),
+        });
+        let Accepted::Move { id, .. } = asked.await? else {
+            return Ok(());
+        };
+        let done = until(handle, |snapshot| rests(snapshot, id)).await?;
+        if done.moves.iter().any(|one| one.id == id && one.interrupted) {
+            return Err(ServiceError::Stopped);
+        }
+    }
+    Ok(())
+}
+
+/// Whether all rests, and what this move left is told.
+fn rests(snapshot: &Snapshot, id: u64) -> bool {
+    let told = id == 0 || snapshot.moves.iter().any(|done| done.id == id);
+    told && snapshot
+        .joints
+        .first()
+        .is_some_and(|joint| joint.phase == Phase::Rest && joint.motor_rad.is_some())
+}
+
+async fn until(
+    handle: &Handle,
+    holds: impl Fn(&Snapshot) -> bool,
+) -> Result<std::sync::Arc<Snapshot>, ServiceError> {
+    let waited = async {
+        loop {
+            let snapshot = handle.snapshot();
+            if holds(&snapshot) {
+                return snapshot;
+            }
+            tokio::time::sleep(LOOKED).await;
+        }
+    };
+    let waited = tokio::time::timeout(PATIENCE, waited).await;
+    waited.map_err(|_| ServiceError::Stopped)
+}

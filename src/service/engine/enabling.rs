@@ -1,0 +1,224 @@
+//! Whether moves may begin: disabled after the start, enabled by a request and by nothing else, faulted by the tick.
+//!
+//! ```text
+//!            enable                fault
+//! disabled ----------> enabled ----------> faulted
+//!    ^  ^----disable------'                   |
+//!    '-------------------reset----------------'
+//! ```
+//!
+//! The monitors (silence, following error, sensors, missed ticks) stand at the [tick](crate::service::tick), which
+//! closes its [gate](crate::service::tick::gate) at once. All that was asked for is withdrawn then, and each joint
+//! is brought to rest.
+
+use super::Engine;
+use super::joint::Hearing;
+use crate::service::contract::{
+    Accepted, EnableState, EnableView, FaultKind, Quantity, ServiceError,
+};
+use crate::service::tick::ToTick;
+use crate::service::tick::gate::{Cause, Trip};
+
+/// The state as the engine knows it.
+pub struct Enabling {
+    /// What is shown of it.
+    pub view: EnableView,
+    /// Number of the present or last permit to move.
+    pub permit: u64,
+}
+
+impl Enabling {
+    /// Disabled, since the service has started.
+    pub fn at_start(unix_time: f64) -> Self {
+        Self {
+            view: EnableView {
+                reason: "the service has started".into(),
+                since_unix_time_s: unix_time,
+                ..EnableView::default()
+            },
+            permit: 0,
+        }
+    }
+
+    /// Whether a move may be asked for.
+    ///
+    /// # Errors
+    /// [`ServiceError::NotEnabled`] with the reason, and what has to be done.
+    pub fn allows_moves(&self) -> Result<(), ServiceError> {
+        let way = match self.view.state {
+            EnableState::Enabled => return Ok(()),
+            EnableState::Disabled => "enable first (POST /api/v1/enable)",
+            EnableState::Faulted => {
+                "see to it, then reset it (POST /api/v1/reset), then enable (POST /api/v1/enable)"
+            }
+        };
+        let reason = self.view.reason.clone();
+        Err(ServiceError::NotEnabled { reason, way })
+    }
+
+    fn turn(&mut self, state: EnableState, reason: &str, unix_time: f64) {
+        self.view = EnableView {
+            state,
+            reason: reason.into(),
+            since_unix_time_s: unix_time,
+            faults: self.view.faults,
+            ..EnableView::default()
+        };
+        tracing::info!(?state, reason, "moves");
+    }
+}
+
+impl Engine {
+    /// Lets moves begin, where every joint is commanded, heard, and where it is commanded to be.
+    pub(super) fn enable(&mut self) -> Result<Accepted, ServiceError> {
+        if self.stopping.is_some() {
+            return Err(ServiceError::Stopping);
+        }
+        let state = self.enabling.view.state;
+        if state == EnableState::Faulted {
+            let reason = self.enabling.view.reason.clone();
+            return Err(ServiceError::Faulted { reason });
+        }
+        if state == EnableState::Disabled {
+            (0..self.joints.len()).try_for_each(|index| self.check_ready(index))?;
+            let permit = self.enabling.permit + 1;
+            let trips = self.enabling.view.faults;
+            let order = ToTick::Enable { permit, trips };
+            if self.rings.orders.push(order).is_err() {
+                return Err(ServiceError::Busy);
+            }
+            self.enabling.permit = permit;
+            let now = self.clock.unix_time();
+            let enabled = EnableState::Enabled;
+            self.enabling.turn(enabled, "enabled by a request", now);
+        }
+        Ok(self.enabling_now())
+    }
+
+    /// Stops every joint and lets no move begin. A fault stays one.
+    pub(super) fn disable(&mut self) -> Accepted {
+        // Where the ring is full the tick is stuck; the permit is over all the same.
+        let _ = self.rings.orders.push(ToTick::Disable);
+        self.enabling.permit += 1;
+        if self.enabling.view.state == EnableState::Enabled {
+            let now = self.clock.unix_time();
+            let disabled = EnableState::Disabled;
+            self.enabling.turn(disabled, "disabled by a request", now);
+        }
+        self.stop_all(&ServiceError::Stopped);
+        self.enabling_now()
+    }
+
+    /// Takes a fault back. A joint that is not where it was left is commanded anew from where it stands still.
+    pub(super) fn reset(&mut self) -> Accepted {
+        if self.enabling.view.state == EnableState::Faulted {
+            let reason = format!("a fault was reset ({})", self.enabling.view.reason);
+            let now = self.clock.unix_time();
+            self.enabling.turn(EnableState::Disabled, &reason, now);
+            // Where the ring is full the tick is stuck, and trips again.
+            let _ = self.rings.orders.push(ToTick::Forget);
+            for joint in &mut self.joints {
+                if let Some(report) = &mut joint.report {
+                    (report.guard, report.following_error) = Default::default();
+                }
+            }
+            (0..self.joints.len()).for_each(|index| self.let_go_of_displaced(index));
+        }
+        self.enabling_now()
+    }
+
+    fn let_go_of_displaced(&mut self, index: usize) {
+        let joint = &self.joints[index];
+        let off = |motor: f64| (motor - joint.position).abs() > joint.config.following_limit;
+        let rests = joint.is_at_rest() && joint.asked.is_none() && joint.ordered.is_empty();
+        if joint.began && rests && joint.motor.is_some_and(off) {
+            self.cease(index);
+        }
+    }
+
+    /// Shown at once: whoever acts by the state acts by this one.
+    fn enabling_now(&self) -> Accepted {
+        self.publish();
+        let state = self.enabling.view.state;
+        Accepted::Enabling { state }
+    }
+
+    fn check_ready(&self, index: usize) -> Result<(), ServiceError> {
+        let joint = &self.joints[index];
+        let name = || joint.config.name.clone();
+        if !joint.began {
+            return Err(ServiceError::NoMeasurement { joint: name() });
+        }
+        if joint.hearing != Hearing::Heard {
+            return Err(ServiceError::NotHeard { joint: name() });
+        }
+        let not_ready = |reason| ServiceError::NotReady {
+            joint: name(),
+            reason,
+        };
+        let Some(report) = &joint.report else {
+            return Err(not_ready("the tick has not said anything of it yet".into()));
+        };
+        if let Some(fault) = report.guard.fault_of(Quantity::MotorPosition) {
+            let fault = fault.name().replace('_', " ");
+            return Err(not_ready(format!(
+                "the sensor of its motor side is at fault ({fault})"
+            )));
+        }
+        if report.following_error > joint.config.following_limit {
+            return Err(not_ready(following(report.following_error, joint)));
+        }
+        Ok(())
+    }
+
+    /// The tick has closed its gate.
+    pub(super) fn tripped(&mut self, trip: Trip) {
+        let joint = trip.joint.map(|index| &self.joints[index]);
+        let name = joint.map_or("", |joint| &joint.config.name);
+        let timeout = self.config.watchdog.as_secs_f64();
+        let (fault, reason) = match trip.cause {
+            Cause::Silent => {
+                let reason = format!("the motor side of {name} was not heard for {timeout} s");
+                (FaultKind::Silent, reason)
+            }
+            Cause::LinkLost => {
+                let reason = format!("nothing was heard of the robot for {timeout} s");
+                (FaultKind::LinkLost, reason)
+            }
+            Cause::Following(error) => {
+                let reason = joint.map_or_else(String::new, |joint| following(error, joint));
+                (FaultKind::FollowingError, format!("{name}: {reason}"))
+            }
+            Cause::Sensor(fault) => {
+                let fault = fault.name().replace('_', " ");
+                let reason =
+                    format!("the sensor of the motor side of {name} is at fault ({fault})");
+                (FaultKind::Sensor, reason)
+            }
+            Cause::Overrun(seconds) => {
+                let reason = format!("nothing was sent to a robot in motion for {seconds:.2} s");
+                (FaultKind::TickOverrun, reason)
+            }
+        };
+        self.enabling.view = EnableView {
+            state: EnableState::Faulted,
+            reason: reason.clone(),
+            fault: Some(fault),
+            joint: joint.map(|joint| joint.config.name.clone()),
+            since_unix_time_s: self.clock.unix_time(),
+            faults: self.enabling.view.faults + 1,
+        };
+        self.enabling.permit += 1;
+        tracing::error!("fault: {reason}; stopped, and no move begins until it is reset");
+        self.stop_all(&ServiceError::Faulted { reason });
+        self.publish();
+    }
+}
+
+fn following(error: f64, joint: &super::Joint) -> String {
+    format!(
+        "it is {:.2} deg from where it is commanded to be, more than {:.2} deg",
+        error.to_degrees(),
+        joint.config.following_limit.to_degrees()
+    )
+}

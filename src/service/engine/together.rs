@@ -1,0 +1,280 @@
+//! Moves of several joints that begin with one tick and end with one tick.
+//!
+//! Each joint is shaped by its own train, and trains differ in their lengths `d_i`. A joint that alone takes `T_i`
+//! ends `T_i + d_i` after the start. With `T = max (T_i + d_i)` its plan is stretched to `T - d_i`: by limits
+//! times `s`, `s^2` and `s^3` a plan from rest to rest is the same one, `1 / s` as long.
+//!
+//! The plans are taken by the tick together or not at all; what ends one of them before that ends all.
+
+use quell_shapers::Shaper;
+use quell_trajectories::{AxisState, Limits, Trajectory};
+
+use super::Engine;
+use super::joint::{Asked, Reply, What};
+use super::orders::{TRIED, answer};
+use super::planning::{Planned, refused, standing_train};
+use crate::service::contract::{Accepted, Begun, ServiceError};
+use crate::service::tick::{NotTaken, Plan, Start, ToTick, Together, Train};
+
+/// A move of several joints that the tick has not begun yet.
+pub struct Group {
+    id: u64,
+    /// The joints and where they shall end, rad.
+    members: Vec<(usize, f64)>,
+    shaper: Option<Option<&'static dyn Shaper>>,
+    /// Plans that the tick has not answered.
+    waiting: usize,
+    begun: Vec<Begun>,
+    /// Until its commands rest, s.
+    duration: f64,
+    /// Why it does not begin.
+    why: Option<ServiceError>,
+    /// Whether a plan was only out of date: it is made anew then.
+    outdated: bool,
+    deadline: f64,
+    reply: Option<Reply>,
+}
+
+impl Engine {
+    /// Plans for joints at rest, and orders; whoever asked hears once the tick has begun all of it.
+    pub(super) fn ask_together(
+        &mut self,
+        members: Vec<(usize, f64)>,
+        shaper: Option<Option<&'static dyn Shaper>>,
+        reply: Reply,
+    ) {
+        self.tickets += 1;
+        let group = Group {
+            id: self.tickets,
+            members,
+            shaper,
+            waiting: 0,
+            begun: Vec::new(),
+            duration: 0.0,
+            why: None,
+            outdated: false,
+            deadline: self.clock.now() + TRIED,
+            reply: Some(reply),
+        };
+        self.begin_together(group);
+    }
+
+    fn begin_together(&mut self, mut group: Group) {
+        let planned = match self.planned_together(&group) {
+            Ok((planned, duration)) => {
+                group.duration = duration;
+                planned
+            }
+            Err(error) => return answer(group.reply, Err(error)),
+        };
+        let together = Together {
+            id: group.id,
+            size: group.members.len(),
+        };
+        group.waiting = together.size;
+        (group.why, group.outdated) = (None, false);
+        for (&(index, target), planned) in group.members.iter().zip(planned) {
+            self.end_hold(index);
+            self.state.last_move += 1;
+            let asked = Asked {
+                what: What::Move {
+                    target,
+                    shaper: group.shaper,
+                    speed: f64::INFINITY,
+                },
+                id: self.state.last_move,
+                ticket: 0,
+                ahead: 0,
+                together: Some(together),
+                effort: 1.0,
+                deadline: group.deadline,
+                again: false,
+                reply: None,
+            };
+            self.order(index, asked, planned);
+        }
+        self.groups.push(group);
+    }
+
+    fn planned_together(&self, group: &Group) -> Result<(Vec<Planned>, f64), ServiceError> {
+        self.enabling.allows_moves()?;
+        if self.feed == 0.0 {
+            return Err(ServiceError::NoFeed);
+        }
+        let each = group.members.iter();
+        let alone: Vec<_> = each
+            .map(|&(index, target)| self.planned_alone(index, target, group.shaper))
+            .collect::<Result<_, _>>()?;
+        let whole = alone.iter().map(Alone::duration).fold(0.0, f64::max);
+        let stretched = alone.into_iter().map(|alone| self.stretched(alone, whole));
+        Ok((stretched.collect::<Result<_, _>>()?, whole))
+    }
+
+    /// The quickest plan of one joint.
+    fn planned_alone(
+        &self,
+        index: usize,
+        target: f64,
+        shaper: Option<Option<&'static dyn Shaper>>,
+    ) -> Result<Alone, ServiceError> {
+        let joint = &self.joints[index];
+        joint.takes_moves()?;
+        if !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty() {
+            let joint = joint.config.name.clone();
+            return Err(ServiceError::InMotion { joint });
+        }
+        let shaper = shaper.unwrap_or(joint.standing_shaper());
+        let train = standing_train(joint, shaper, self.config.period)?;
+        // The gain of a train with negative impulses bounds what it makes of any plan.
+        let gain = train.train.gain().max(1.0);
+        let Limits {
+            velocity,
+            acceleration,
+            jerk,
+        } = self.fed(joint.config.limits, f64::INFINITY);
+        let limits = Limits {
+            velocity: velocity / gain,
+            acceleration: acceleration / gain,
+            jerk: jerk / gain,
+        };
+        let ends = [joint.position, target].map(AxisState::at_rest);
+        let plan = self.planner.plan(&ends[..1], &ends[1..], &[limits]);
+        Ok(Alone {
+            plan: plan.map_err(refused)?,
+            ends,
+            limits,
+            train,
+        })
+    }
+
+    /// The same plan, so long that it ends with all others, its train included.
+    fn stretched(&self, alone: Alone, whole: f64) -> Result<Planned, ServiceError> {
+        let Alone {
+            plan,
+            ends,
+            limits,
+            train,
+        } = alone;
+        let long = whole - train.train.duration();
+        let speed = match long > 0.0 {
+            true => plan.duration() / long,
+            false => 1.0,
+        };
+        let plan = match speed > 0.0 && speed < 1.0 {
+            true => {
+                let slowed = Limits {
+                    velocity: limits.velocity * speed,
+                    acceleration: limits.acceleration * speed.powi(2),
+                    jerk: limits.jerk * speed.powi(3),
+                };
+                let plan = self.planner.plan(&ends[..1], &ends[1..], &[slowed]);
+                plan.map_err(refused)?
+            }
+            false => plan,
+        };
+        Ok(Planned {
+            samples: plan.sample(self.config.period).map_err(refused)?,
+            shaper: train.shaper,
+            start: Start::Rest(Box::new(train)),
+            speed,
+        })
+    }
+
+    /// The tick has begun the plan of one joint.
+    pub(super) fn member_taken(&mut self, id: u64, index: usize, move_id: u64) {
+        let joint = self.joints[index].config.name.clone();
+        if let Some(group) = self.groups.iter_mut().find(|group| group.id == id) {
+            group.waiting -= 1;
+            group.begun.push(Begun { joint, id: move_id });
+        }
+        self.end_group(id);
+    }
+
+    /// The tick has not begun the plan of one joint.
+    pub(super) fn member_not_taken(&mut self, id: u64, plan: &Plan, why: NotTaken) {
+        let asked = &mut self.joints[plan.joint].asked;
+        asked.take_if(|asked| asked.ticket == plan.ticket);
+        let joint = self.joints[plan.joint].config.name.clone();
+        let outdated = why == NotTaken::Outdated;
+        let error = match (why, self.enabling.allows_moves()) {
+            (NotTaken::NotEnabled, Err(error)) => error,
+            (why, _) => ServiceError::NotTaken {
+                joint,
+                reason: format!("{why:?}"),
+            },
+        };
+        if let Some(group) = self.groups.iter_mut().find(|group| group.id == id) {
+            group.waiting -= 1;
+            group.outdated |= outdated && group.why.is_none();
+        }
+        self.disband(id, &error);
+        self.end_group(id);
+    }
+
+    /// Takes the plans of all joints back. Whoever asked hears why once the tick has answered them all.
+    pub(super) fn disband(&mut self, id: u64, why: &ServiceError) {
+        if let Some(group) = self.groups.iter_mut().find(|group| group.id == id) {
+            group.why.get_or_insert_with(|| why.clone());
+        }
+        for (index, joint) in self.joints.iter_mut().enumerate() {
+            let of = |asked: &mut Asked| asked.together.is_some_and(|together| together.id == id);
+            if let Some(asked) = joint.asked.take_if(of) {
+                // Where the ring is full the tick is stuck, and takes the plan or this later.
+                let order = ToTick::Withdraw(index, asked.ticket);
+                let _ = self.rings.orders.push(order);
+            }
+        }
+    }
+
+    /// Answers, once the tick has answered all plans.
+    fn end_group(&mut self, id: u64) {
+        let ended = |group: &Group| group.id == id && group.waiting == 0;
+        let Some(at) = self.groups.iter().position(ended) else {
+            return;
+        };
+        let group = self.groups.remove(at);
+        match group.why {
+            None => {
+                let accepted = Accepted::Together {
+                    moves: group.begun,
+                    duration_s: group.duration,
+                };
+                answer(group.reply, Ok(accepted));
+            }
+            Some(_) if group.outdated && group.begun.is_empty() => self.begin_together(group),
+            Some(why) => {
+                // A part of a move is none: what has begun is stopped.
+                for (index, _) in &group.members {
+                    self.stop(*index, why.clone());
+                }
+                answer(group.reply, Err(why));
+            }
+        }
+    }
+
+    /// Who waits for a tick that does not answer is not kept waiting for ever.
+    pub(super) fn end_overdue(&mut self, now: f64) {
+        for group in &mut self.groups {
+            if now > group.deadline + TRIED
+                && let Some(reply) = group.reply.take()
+            {
+                answer(Some(reply), Err(ServiceError::Busy));
+            }
+        }
+    }
+}
+
+/// The quickest plan of one joint, and its train.
+struct Alone {
+    plan: Trajectory,
+    ends: [AxisState; 2],
+    limits: Limits,
+    train: Train,
+}
+
+impl Alone {
+    /// Until its command rests, s.
+    fn duration(&self) -> f64 {
+        self.plan.duration() + self.train.train.duration()
+    }
+}

@@ -1,0 +1,80 @@
+//! Whether moves may begin. Closed at the start, opened by the engine for a person, closed by the tick itself with
+//! the first fault: in the tick in which it is seen, whatever the engine is doing.
+
+use crate::service::guard::Fault;
+
+/// Why the gate was closed by the tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cause {
+    /// The motor side of one joint has not been heard for longer than the watchdog allows, while others are.
+    Silent,
+    /// Nothing of the robot has been heard for as long.
+    LinkLost,
+    /// The motor side is so far (rad) from all that was commanded in the time in which it follows.
+    Following(f64),
+    /// The sensor of the motor side says what cannot be.
+    Sensor(Fault),
+    /// Nothing was sent to a joint in motion for so long, s.
+    Overrun(f64),
+}
+
+/// A fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trip {
+    /// The joint; none where it is that of all.
+    pub joint: Option<usize>,
+    /// Why.
+    pub cause: Cause,
+}
+
+/// Whether moves may begin, and under which permit.
+///
+/// A plan carries the permit under which it was asked for and begins under no other: what was asked for before a
+/// fault does not begin after it, however long it was under way. A permit that was given without knowledge of the
+/// last fault opens nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gate {
+    permit: Option<u64>,
+    /// Faults so far.
+    trips: u64,
+    /// A fault that the engine was not told for want of room.
+    untold: Option<Trip>,
+}
+
+impl Gate {
+    /// Opens for a permit that was given when so many faults were known. Whether it did.
+    pub fn open(&mut self, permit: u64, trips: u64) -> bool {
+        if trips == self.trips {
+            self.permit = Some(permit);
+        }
+        self.is_open()
+    }
+
+    /// Closes, as a person wants it.
+    pub fn close(&mut self) {
+        self.permit = None;
+    }
+
+    /// Closes for a fault. One that finds the gate closed has nothing to close, and is none.
+    pub fn trip(&mut self, trip: Trip) {
+        if self.permit.take().is_some() {
+            self.trips += 1;
+            self.untold = Some(trip);
+        }
+    }
+
+    /// Whether any move may begin.
+    pub fn is_open(&self) -> bool {
+        self.permit.is_some()
+    }
+
+    /// Whether a move of this permit may begin.
+    pub fn admits(&self, permit: u64) -> bool {
+        self.permit == Some(permit)
+    }
+
+    /// The fault to be told; once.
+    pub fn take_untold(&mut self) -> Option<Trip> {
+        self.untold.take()
+    }
+}

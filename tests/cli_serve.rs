@@ -1,0 +1,92 @@
+//! `quell serve` as a user types it: what it prints of its configuration.
+
+use std::path::Path;
+use std::process::Command;
+
+use quell::service::config::{Config, Overrides, listed};
+
+fn load(folder: &Path, text: &str) -> Result<Config, String> {
+    let file = folder.join("quell.toml");
+    std::fs::write(&file, text).expect("a file");
+    Config::load(Some(&file), &Overrides::default()).map_err(|error| error.to_string())
+}
+
+#[test]
+fn the_printed_configuration_is_one_and_changes_nothing() {
+    let output = Command::new(assert_cmd::cargo::cargo_bin!("quell"))
+        .args(["serve", "--print-config"])
+        .output()
+        .expect("it starts");
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).expect("text");
+    assert_eq!(text, listed());
+    let folder = tempfile::tempdir().expect("a folder");
+    let printed = load(folder.path(), &text).expect("it is a configuration");
+    let default = Config::load(None, &Overrides::default()).expect("defaults");
+    assert_eq!(printed.period, default.period);
+    assert_eq!(printed.http, default.http);
+    assert_eq!(printed.watchdog, default.watchdog);
+    assert_eq!(printed.recording, default.recording);
+    assert_eq!(printed.zenoh, default.zenoh);
+    assert_eq!(printed.joints.len(), default.joints.len());
+    for key in ["following_error_deg", "rate_hz", "timeout_s", "server"] {
+        assert!(text.contains(&format!("{key} =")), "{key}: {text}");
+    }
+    // Each key has its sentence before it.
+    let lines: Vec<_> = text.lines().collect();
+    for pair in lines.windows(2) {
+        let is_key = pair[1].contains(" =") && !pair[1].starts_with("# Every");
+        assert!(!is_key || pair[0].len() > 4, "{pair:?}");
+    }
+}
+
+/// A range that is printed is the one that is checked: its ends are taken, and what is beyond is refused.
+#[test]
+fn the_printed_ranges_are_those_that_are_checked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = listed();
+    let (mut table, mut range, mut checked) = (String::new(), None, 0);
+    for line in text.lines() {
+        let bare = line.trim_start_matches("# ");
+        if bare.starts_with('[') {
+            table = bare.into();
+        }
+        let found = line.rsplit_once(" [").and_then(|(_, end)| {
+            let (low, rest) = end.trim_end_matches(']').split_once(" to ")?;
+            let high = rest.split(' ').next()?;
+            Some([low.parse::<f64>().ok()?, high.parse::<f64>().ok()?])
+        });
+        if let Some(found) = found {
+            range = Some(found);
+            continue;
+        }
+        let (Some([low, high]), Some((key, default))) = (range.take(), bare.split_once(" ="))
+        else {
+            continue;
+        };
+        let number = |value: f64| match default.contains('.') || default.is_empty() {
+            true => format!("{value:?}"),
+            false => format!("{value:.0}"),
+        };
+        let name = if table == "[[joint]]" {
+            "name = \"a\"\n"
+        } else {
+            ""
+        };
+        let with = |value| {
+            load(
+                folder.path(),
+                &format!("{table}\n{name}{key} = {}\n", number(value)),
+            )
+        };
+        for end in [low, high] {
+            let refused = with(end).err().unwrap_or_default();
+            assert!(!refused.contains(key), "{key} = {end}: {refused}");
+        }
+        for beyond in [low - low.abs().max(1.0) * 0.5 - 0.5, high * 1.5 + 1.0] {
+            assert!(with(beyond).is_err(), "{table} {key} = {beyond}");
+        }
+        checked += 1;
+    }
+    assert_eq!(checked, 10, "{text}");
+}

@@ -1,0 +1,190 @@
+//! What disables moves, and that nothing but a request enables them.
+
+use quell::service::contract::{Accepted, EnableState, FaultKind, Phase, Request, ServiceError};
+use quell::service::following::{FOLLOWED, healthy};
+
+use super::world::{LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, beyond_limits, config};
+
+fn state(world: &World) -> EnableState {
+    world.snapshot().enable.state
+}
+
+/// Moves at full speed, from which something takes it.
+fn moving(data: &std::path::Path) -> World {
+    let mut world = World::commanded(config(data), true);
+    world.go(3.0);
+    world.steps(60);
+    assert_eq!(world.joint().phase, Phase::Moving);
+    world
+}
+
+/// Stopped within the limits for this reason, at rest from now on, and deaf to moves.
+fn stopped(world: &mut World, fault: FaultKind, before: usize) -> f64 {
+    world.steps(150);
+    let sent = world.sent().split_off(before);
+    for pair in sent.windows(2) {
+        assert_eq!(beyond_limits(pair[0], pair[1], true), None);
+    }
+    let (_, last) = world.last().expect("setpoints");
+    assert!(last.velocity == 0.0 && last.position < 2.9, "{last:?}");
+    let view = world.snapshot().enable.clone();
+    assert_eq!(
+        (view.state, view.fault),
+        (EnableState::Faulted, Some(fault))
+    );
+    world.go(0.1);
+    let answered = world.steps(50);
+    let refused = answered[0].answer.clone().expect_err("a fault");
+    assert!(refused.to_string().contains(&view.reason), "{refused}");
+    // It is not enabled over a fault.
+    world.ask(Request::Enable);
+    let answered = world.steps(1);
+    assert!(matches!(
+        answered[0].answer,
+        Err(ServiceError::Faulted { .. })
+    ));
+    assert_eq!(world.last().map(|(_, sent)| sent), Some(last));
+    last.position
+}
+
+/// Reset, enabled, and asked to, it moves again, and not before.
+fn moves_again(world: &mut World, rests: f64) {
+    world.ask(Request::Reset);
+    world.steps(2 * STANDSTILL);
+    assert_eq!(state(world), EnableState::Disabled);
+    let at = world.last().expect("setpoints").1.position;
+    assert!((at - rests).abs() < 1e-9, "{at} {rests}");
+    world.ask(Request::Enable);
+    let answered = world.steps(100);
+    let enabled = Accepted::Enabling {
+        state: EnableState::Enabled,
+    };
+    assert_eq!(answered[0].answer, Ok(enabled));
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(at));
+    world.go(0.2);
+    world.steps(400);
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.2));
+}
+
+#[test]
+fn nothing_moves_after_the_start_until_somebody_enables() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::start(config(data.path()), 1e9, 0.0, true);
+    world.ask(Request::Enable);
+    let answered = world.steps(1);
+    assert!(matches!(
+        answered[0].answer,
+        Err(ServiceError::NoMeasurement { .. })
+    ));
+    world.steps(STANDSTILL);
+    world.go(0.5);
+    let answered = world.steps(100);
+    let refused = answered[0].answer.clone().expect_err("disabled");
+    assert!(
+        refused
+            .to_string()
+            .starts_with("moves are not enabled: the service has started; "),
+        "{refused}"
+    );
+    assert!(world.sent().iter().all(|(_, sent)| sent.position == 0.0));
+    moves_again(&mut world, 0.0);
+    // A life after that begins disabled, whatever the last one was.
+    let at = world.robot.position;
+    drop(world);
+    let mut world = World::start(config(data.path()), 1e9, at, true);
+    world.steps(STANDSTILL + 20);
+    assert_eq!(state(&world), EnableState::Disabled);
+    world.go(0.5);
+    assert!(world.steps(100)[0].answer.is_err());
+    assert!(world.sent().iter().all(|(_, sent)| sent.position == at));
+}
+
+#[test]
+fn to_disable_stops_what_moves_and_what_was_asked_before() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = moving(data.path());
+    world.go(-1.0);
+    world.ask(Request::Disable);
+    // Asked after it, but nobody has enabled since.
+    world.go(-1.0);
+    let answered = world.steps(150);
+    assert!(answered[0].answer.is_ok() || answered[1].answer.is_ok());
+    assert_eq!(answered.iter().filter(|one| one.answer.is_err()).count(), 2);
+    let (_, last) = world.last().expect("setpoints");
+    assert!(last.velocity == 0.0 && last.position > 0.0, "{last:?}");
+    assert_eq!(state(&world), EnableState::Disabled);
+    moves_again(&mut world, last.position);
+}
+
+#[test]
+fn a_joint_that_is_held_trips_within_the_time_that_its_speed_says() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = moving(data.path());
+    let held = world.robot.position;
+    let speed = world.joint().command_rad_s;
+    world.robot.off = true;
+    let (since, before) = (world.clock.now(), world.sent().len());
+    while state(&world) == EnableState::Enabled {
+        world.step();
+        assert!(world.clock.now() - since < 1.0, "it does not trip");
+    }
+    // It moves on for the limit beyond what lag explains; the state is told every 50 ms.
+    let took = world.clock.now() - since;
+    let expected = FOLLOWED + healthy(LIMITS.acceleration) / speed;
+    assert!(took < expected + 0.05 + 3.0 * PERIOD, "{took} {expected}");
+    stopped(&mut world, FaultKind::FollowingError, before);
+    // Reset, it is commanded from where it stands.
+    world.ask(Request::Reset);
+    world.steps(2 * STANDSTILL);
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(held));
+    world.robot.off = false;
+    moves_again(&mut world, held);
+}
+
+/// The slowest servo that follows in time is held to be healthy, at every speed and on the way to it.
+#[test]
+fn a_joint_that_lags_is_no_fault() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    world.robot.lag = FOLLOWED;
+    for target in [1.5, -1.5, 0.0] {
+        world.go(target);
+        world.steps(600);
+        assert_eq!(state(&world), EnableState::Enabled, "{target}");
+    }
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.0));
+}
+
+#[test]
+fn a_motor_side_that_repeats_itself_in_motion_is_a_fault() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut config = config(data.path());
+    // So that the sensor is what is seen.
+    config.joints[0].following_limit = 10.0;
+    let mut world = World::commanded(config, true);
+    world.go(3.0);
+    world.steps(60);
+    let before = world.sent().len();
+    world.robot.off = true;
+    world.steps(40);
+    world.robot.off = false;
+    let rests = stopped(&mut world, FaultKind::Sensor, before);
+    moves_again(&mut world, rests);
+}
+
+#[test]
+fn ticks_that_are_missed_for_as_long_as_a_robot_may_be_silent_are_a_fault() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = moving(data.path());
+    let before = world.sent().len();
+    let missed = (WATCHDOG / PERIOD) as usize + 2;
+    world.miss(missed);
+    let rests = stopped(&mut world, FaultKind::TickOverrun, before);
+    moves_again(&mut world, rests);
+    // A shorter time is bridged.
+    world.go(3.0);
+    world.steps(60);
+    world.miss(missed - 4);
+    world.steps(600);
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(3.0));
+}
