@@ -1,0 +1,94 @@
+//! What adaptation leaves of the vibration of arms with several modes, and of modes that depend on pose and payload.
+//!
+//! `cargo bench --bench modes`
+
+#[path = "../tests/modes/plant.rs"]
+mod plant;
+#[path = "../tests/modes/programme.rs"]
+mod programme;
+
+use plant::{Faults, PlantMode};
+use programme::{Policy, Programme, median, percent, worst};
+
+const FAULTS: Faults = Faults {
+    noise: 10e-6,
+    resolution: 1e-6,
+    spikes: 0.0,
+    lost: 0.0,
+    lag: 0.0,
+    friction: 0.0,
+    backlash: 0.0,
+};
+
+/// Degrees of a programme: over the whole range, in pieces of unlike length.
+const TARGETS: [f64; 12] = [
+    60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0, 20.0, 40.0, 0.0, 35.0,
+];
+
+fn arm(name: &str, modes: &[PlantMode], belief_hz: f64) -> Programme {
+    Programme {
+        name: name.to_string(),
+        modes: modes.to_vec(),
+        faults: FAULTS,
+        belief_hz,
+        shaper: "zvd",
+        start: 0.0,
+        moves: TARGETS.map(|degrees| (f64::to_radians(degrees), 0.0)).to_vec(),
+        seed: 1,
+    }
+}
+
+fn arms() -> Vec<Programme> {
+    let mode = |hertz, share| PlantMode::new(hertz, 0.03, share);
+    // 8 Hz at 0 degrees, 11 Hz at 60.
+    let posed = PlantMode {
+        slope: 3.0 / 8.0 / 60f64.to_radians(),
+        ..mode(8.0, 1.0)
+    };
+    let loaded = PlantMode {
+        payload: 0.8,
+        ..mode(8.0, 1.0)
+    };
+    let mut payload = arm("payload 0-100 %", &[loaded], 8.0);
+    for (k, entry) in payload.moves.iter_mut().enumerate() {
+        entry.1 = [0.0, 1.0, 0.5, 0.25, 0.75, 0.0, 0.9, 0.1][k % 8];
+    }
+    vec![
+        arm("one mode, belief 25 % off", &[mode(8.0, 1.0)], 10.0),
+        arm("8 + 19 Hz, 1 : 1/3", &[mode(8.0, 1.0), mode(19.0, 1.0 / 3.0)], 10.0),
+        arm("8 + 19 Hz, 1 : 1", &[mode(8.0, 1.0), mode(19.0, 1.0)], 8.5),
+        arm(
+            "8 + 19 + 31 Hz",
+            &[mode(8.0, 1.0), mode(19.0, 1.0), mode(31.0, 1.5)],
+            9.0,
+        ),
+        arm("8 -> 11 Hz, belief 10", &[posed], 10.0),
+        arm("8 -> 11 Hz, belief 8", &[posed], 8.0),
+        payload,
+    ]
+}
+
+fn main() {
+    println!("% of the unshaped vibration at the tip: median, worst, of the third move on the same");
+    for programme in arms() {
+        let unshaped = programme.run(Policy::Unshaped);
+        println!("{}", programme.name);
+        for policy in [Policy::Fixed, Policy::Adaptive] {
+            let left = programme.run(policy);
+            let all = percent(&left, &unshaped);
+            let late = &all[2..];
+            let retunes: u32 = left.iter().map(|left| left.retunes).sum();
+            let delays: Vec<f64> = left.iter().map(|left| left.delay).collect();
+            let each: Vec<String> = all.iter().map(|value| format!("{value:.1}")).collect();
+            println!(
+                "  {policy:?}: {:.2} {:.2} | {:.2} {:.2} | {retunes} retunes, {:.3} s | {}",
+                median(&all),
+                worst(&all),
+                median(late),
+                worst(late),
+                median(&delays),
+                each.join(" ")
+            );
+        }
+    }
+}
