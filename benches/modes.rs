@@ -73,7 +73,7 @@ fn main() {
     for programme in arms() {
         let unshaped = programme.run(Policy::Unshaped);
         println!("{}", programme.name);
-        for policy in [Policy::Fixed, Policy::Adaptive] {
+        for policy in [Policy::Fixed, Policy::Adaptive, Policy::Learned] {
             let left = programme.run(policy);
             let all = percent(&left, &unshaped);
             let late = &all[2..];
@@ -89,6 +89,9 @@ fn main() {
                 median(&delays),
                 each.join(" ")
             );
+            if policy == Policy::Learned && std::env::args().any(|word| word == "--each") {
+                left.iter().for_each(|left| println!("    {}", left.said));
+            }
         }
     }
 }

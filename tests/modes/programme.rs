@@ -3,7 +3,8 @@
 use super::plant::{Faults, Plant, PlantMode};
 use quell::adaptation::AdaptationSettings;
 use quell::controller::{AxisSettings, Controller, RetunePolicy};
-use quell::estimators::{Settings, estimator};
+use quell::estimators::{Sample, Settings, estimator};
+use quell::learning::{Learner, LearnerSettings};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
 use quell_shapers::{Mode, Shaper, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
@@ -39,14 +40,16 @@ pub enum Policy {
     Unshaped,
     Fixed,
     Adaptive,
+    Learned,
 }
 
 /// What a move left, rad, and the length of its train, s.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Left {
     pub residual: f64,
     pub delay: f64,
     pub retunes: u32,
+    pub said: String,
 }
 
 impl Programme {
@@ -67,7 +70,7 @@ impl Programme {
             limits: LIMITS,
             shaper,
             belief,
-            adaptive: policy == Policy::Adaptive,
+            adaptive: matches!(policy, Policy::Adaptive | Policy::Learned),
             retune: RetunePolicy::InMotion,
             estimator: estimator("likelihood").expect("an estimator"),
             estimation: Settings {
@@ -82,26 +85,61 @@ impl Programme {
         }
     }
 
+    fn learner(&self, controller: &Controller) -> Learner {
+        let settings = self.settings(Policy::Learned);
+        Learner::new(LearnerSettings {
+            natural_frequency: settings.adaptation.natural_frequency,
+            dead_band: settings.adaptation.dead_band,
+            longest_train: settings.longest_train,
+            base: controller.axis().next_train().clone(),
+        })
+    }
+
     /// What each move leaves.
     pub fn run(&self, policy: Policy) -> Vec<Left> {
         let settings = self.settings(policy);
         let mut controller = Controller::new(settings, self.start).expect("a controller");
         let mut plant = Plant::new(&self.modes, self.faults, PERIOD, self.start, self.seed);
         let mut inbox = Vec::new();
+        let mut learner = self.learner(&controller);
         let moves = self.moves.iter();
         moves
             .map(|&(target, payload)| {
                 plant.payload = payload;
                 let from = controller.planned().position;
+                let plan = plan(from, target);
+                let mut said = String::new();
+                if policy == Policy::Learned {
+                    let in_force = controller.axis().next_train().clone();
+                    let prescribed = learner.prescribe(&plan, payload, &in_force);
+                    said = format!("{:?} {:?} ", prescribed.hold, prescribed.expected);
+                    for mode in &prescribed.modes {
+                        let hertz = mode.modes.map(|m| (m.hertz() * 100.0).round() / 100.0);
+                        let std = mode.known.natural_frequency_std / mode.known.mode.natural_frequency();
+                        said += &format!("{hertz:?} +-{:.2} % xi {:.3}; ", 100.0 * std, mode.known.mode.damping_ratio());
+                    }
+                    controller.hold(prescribed.hold);
+                    if let (Some(train), Some(known)) = (&prescribed.train, &prescribed.known) {
+                        let shaper = shaper_by_name(self.shaper);
+                        controller.set_train(shaper, known, train).expect("a train");
+                    }
+                }
                 let delay = controller.axis().next_train().duration();
-                controller.load(plan(from, target)).expect("a plan");
+                controller.load(plan).expect("a plan");
                 let before = controller.axis().status().retunes;
-                let residual = self.one(&mut controller, &mut plant, &mut inbox, target);
+                let mut heard = Vec::new();
+                let residual = self.one(&mut controller, &mut plant, &mut inbox, &mut heard, target);
                 let retunes = controller.axis().status().retunes - before;
+                let start = std::time::Instant::now();
+                if policy == Policy::Learned {
+                    learner.learn(&heard, payload);
+                }
+                said += &format!("{:.0} ms", start.elapsed().as_secs_f64() * 1e3);
                 Left {
                     residual,
                     delay,
                     retunes,
+                    said,
                 }
             })
             .collect()
@@ -114,20 +152,26 @@ impl Programme {
         controller: &mut Controller,
         plant: &mut Plant,
         inbox: &mut Vec<Measurement>,
+        heard: &mut Vec<Sample>,
         target: f64,
     ) -> f64 {
         let (mut quiet, mut trace) = (0.0, Vec::new());
         while quiet < WATCHED / self.belief_hz && trace.len() < 20_000 {
             let setpoint = controller.tick(inbox);
-            let heard = plant.step(setpoint.position, setpoint.velocity);
+            heard.extend(controller.axis().status().deformation.map(|sample| Sample {
+                time: sample.time,
+                motor_position: sample.motor_position,
+                deformation: sample.deformation,
+            }));
+            let measured = plant.step(setpoint.position, setpoint.velocity);
             inbox.clear();
             inbox.push(Measurement::MotorPosition {
-                time: heard.time,
-                position: heard.motor,
+                time: measured.time,
+                position: measured.motor,
             });
-            inbox.extend(heard.deformation.map(|deformation| {
+            inbox.extend(measured.deformation.map(|deformation| {
                 Measurement::Deformation {
-                    time: heard.time,
+                    time: measured.time,
                     deformation,
                 }
             }));

@@ -15,6 +15,10 @@ impl Axis {
         else {
             return;
         };
+        if let Some(hold) = self.hold {
+            self.status.decision = Some(Decision::Keep(Reason::Held(hold)));
+            return;
+        }
         // Once the plan has ended there is little more to learn: what is certain enough for the
         // adaptation is used then, settled or not.
         estimate.converged |= self.settings.estimator.states_error

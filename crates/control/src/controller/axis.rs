@@ -10,6 +10,7 @@ use super::path::Lane;
 use super::settings::AxisSettings;
 use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
+use crate::learning::Hold;
 use quell_signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
 
 /// The state of an axis: belief, train, counts; plain numbers for logs and displays.
@@ -50,6 +51,8 @@ pub struct Axis {
     /// The mode that the last correction was for, and how well it was known.
     pub(super) corrected: UncertainMode,
     pub(super) status: AxisStatus,
+    /// Why the train is not followed, if it is not.
+    pub(super) hold: Option<Hold>,
     fresh: bool,
 }
 
@@ -87,6 +90,7 @@ impl Axis {
                 correction: None,
                 deformation: None,
             },
+            hold: None,
             fresh: false,
             settings,
         })

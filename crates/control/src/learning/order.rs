@@ -1,0 +1,142 @@
+//! How many modes a move shows: one more as long as the likelihood ratio excludes that there is none.
+
+use super::fit::{Fit, Point, Prior, Problem};
+use super::map::Predicted;
+use super::path::NODES;
+use crate::estimators::Sample;
+use nalgebra::{SMatrix, SVector};
+
+/// Modes that are learned, and shaped for.
+pub const MOST: usize = 3;
+/// Ratio of neighbouring frequencies of the grid: four periods resolve an eighth.
+const RATIO: f64 = 1.07;
+/// Damping ratio of the grid's modes.
+const DAMPING: f64 = 0.03;
+/// Starts of a further mode.
+const STARTS: usize = 2;
+/// Odds against chance: a process of frequencies and dampings goes beyond 30 once in thousands of moves (module
+/// `two_mode_likelihood`).
+const CHANCE: f64 = 30.0;
+/// Unknowns of a mode.
+const UNKNOWNS: f64 = 8.0;
+/// Standard deviation of `ln w` above which a mode is of no use: two of them are the half width of what ZVD holds.
+const USEFUL: f64 = 0.08;
+/// Damping ratio above which nothing rings twice.
+const RINGS: f64 = 0.35;
+/// Prior of `ln w` of a mode that nothing is known of: of its level, and over the pose for what the map then says of a
+/// radian (a quarter of the inertia's).
+const LEVEL: f64 = 0.3;
+const POSE: f64 = 0.2;
+
+/// The prior of a mode that was found at a frequency.
+pub fn open_prior(log_w: f64, way: &[f64; NODES], damping: f64) -> Prior {
+    let covariance = SMatrix::from_fn(|i, j| {
+        let apart = way[i] - way[j];
+        LEVEL * LEVEL + POSE * POSE * (-0.5 * apart * apart).exp()
+    });
+    Prior {
+        log_w: Predicted {
+            mean: SVector::repeat(log_w),
+            covariance,
+        },
+        xi: (damping, 0.1 * 0.1),
+    }
+}
+
+fn at(prior: &Prior) -> Point {
+    Point {
+        log_w: prior.log_w.mean.into(),
+        xi: prior.xi.0,
+    }
+}
+
+/// Fits the modes that are known, and as many more as there is evidence for.
+pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -> Option<Fit> {
+    let mut fit = match known {
+        [] => None,
+        known => {
+            let start: Vec<Point> = known.iter().map(at).collect();
+            Some(problem.fit(&start, known)?)
+        }
+    };
+    while fit.as_ref().is_none_or(|fit| fit.modes.len() < MOST) {
+        let Some(more) = one_more(samples, problem, fit.as_ref()) else {
+            break;
+        };
+        fit = Some(more);
+    }
+    fit
+}
+
+/// The fit with one mode more, if there is evidence for it.
+fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) -> Option<Fit> {
+    let present: Vec<Point> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.point).collect());
+    let priors: Vec<Prior> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.prior).collect());
+    let without = match fit {
+        Some(fit) => fit.square,
+        None => problem.left_by(&[])?,
+    };
+    let nodes = problem.way.nodes();
+    let mut best: Option<Fit> = None;
+    for log_w in starts(samples, problem, &present) {
+        let prior = open_prior(log_w, &nodes, DAMPING);
+        let mut priors = priors.clone();
+        priors.push(prior);
+        let mut start = present.clone();
+        start.push(at(&prior));
+        let Some(found) = problem.fit(&start, &priors) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|best| found.square < best.square) {
+            best = Some(found);
+        }
+    }
+    best.filter(|found| is_evident(found, without))
+}
+
+/// Whether a fit excludes that its last mode is none.
+fn is_evident(found: &Fit, without: f64) -> bool {
+    let Some(last) = found.modes.last() else {
+        return false;
+    };
+    let independent = found.samples / found.inflation;
+    let evidence = independent * (without / found.square.max(f64::MIN_POSITIVE)).ln();
+    let needed = CHANCE + UNKNOWNS * independent.max(1.0).ln();
+    let std = last.covariance[(NODES - 1, NODES - 1)].sqrt();
+    let apart = found.modes.iter().rev().skip(1).all(|other| {
+        let distance = other.point.log_w[NODES - 1] - last.point.log_w[NODES - 1];
+        let known = (other.covariance + last.covariance)[(NODES - 1, NODES - 1)];
+        distance * distance > 9.0 * known
+    });
+    evidence > needed && std < USEFUL && last.point.xi < RINGS && apart
+}
+
+/// Frequencies at which a further mode explains most, the best first.
+fn starts(samples: &[Sample], problem: &Problem<'_>, present: &[Point]) -> Vec<f64> {
+    let (low, high) = problem.range;
+    let duration = samples[samples.len() - 1].time - samples[0].time;
+    let rate = (samples.len() - 1) as f64 / duration.max(f64::MIN_POSITIVE);
+    // Eight samples a period: the parabola between them then misses less than a hundredth.
+    let high = high.min((core::f64::consts::TAU * rate / 8.0).ln());
+    let count = ((high - low) / RATIO.ln()).ceil().max(1.0) as usize;
+    let left: Vec<(f64, f64)> = (0..=count)
+        .filter_map(|k| {
+            let log_w = low + (high - low) * k as f64 / count as f64;
+            let mut points = present.to_vec();
+            points.push(Point {
+                log_w: [log_w; NODES],
+                xi: DAMPING,
+            });
+            Some((log_w, problem.left_by(&points)?))
+        })
+        .collect();
+    let mut bottoms: Vec<(f64, f64)> = (0..left.len())
+        .filter(|&k| {
+            let lower = |other: Option<&(f64, f64)>| other.is_none_or(|o| left[k].1 <= o.1);
+            lower(k.checked_sub(1).and_then(|k| left.get(k))) && lower(left.get(k + 1))
+        })
+        .map(|k| left[k])
+        .collect();
+    bottoms.sort_by(|a, b| a.1.total_cmp(&b.1));
+    bottoms.iter().take(STARTS).map(|b| b.0).collect()
+}

@@ -1,0 +1,97 @@
+//! The response of a mode whose frequency changes along the way.
+//!
+//! ```text
+//! q'' + 2 xi w q' + w^2 q = w^2 u,        w = w(u(t))
+//! ```
+//! Within a sample interval `w` is that of its middle and `u` a parabola, so that the step is exact:
+//! `q_p = u - (2 xi / w) u' + ((4 xi^2 - 1) / w^2) u''`, and what is left of `q - q_p` decays freely.
+
+use crate::estimators::Sample;
+
+/// Columns of a mode at the samples: what the motor side drives, and what was there before.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    /// `q - u`; `q' / w_0`; free decays from a deflection of 1, and from a velocity of `w_0`.
+    pub of: [Vec<f64>; COLUMNS],
+}
+
+/// Columns of a mode.
+pub const COLUMNS: usize = 4;
+
+/// State of a mode: position and velocity.
+type State = [f64; 2];
+
+/// `exp(A h)` of a free mode of frequency `w` and damping ratio `xi`.
+pub fn free_step(w: f64, xi: f64, h: f64) -> [[f64; 2]; 2] {
+    let root = (1.0 - xi * xi).sqrt();
+    let (sin, cos) = (w * root * h).sin_cos();
+    let decay = (-xi * w * h).exp();
+    let s = xi / root * sin;
+    [
+        [decay * (cos + s), decay * sin / (w * root)],
+        [-decay * w * sin / root, decay * (cos - s)],
+    ]
+}
+
+fn times(step: &[[f64; 2]; 2], x: State) -> State {
+    [
+        step[0][0] * x[0] + step[0][1] * x[1],
+        step[1][0] * x[0] + step[1][1] * x[1],
+    ]
+}
+
+/// Slope and half the second derivative of the input around each sample's interval.
+fn bend(samples: &[Sample], k: usize) -> (f64, f64) {
+    let [a, b] = [samples[k - 1], samples[k]];
+    let step = b.time - a.time;
+    let chord = (b.motor_position - a.motor_position) / step;
+    if k < 2 {
+        return (chord, 0.0);
+    }
+    let before = samples[k - 2];
+    let step_before = a.time - before.time;
+    // A parabola over unlike intervals would extrapolate their noise.
+    if !(0.25..=4.0).contains(&(step_before / step)) {
+        return (chord, 0.0);
+    }
+    let chord_before = (a.motor_position - before.motor_position) / step_before;
+    (chord, (chord - chord_before) / (step + step_before))
+}
+
+/// The columns of a mode along samples, `ln w` a function of the motor side's position.
+pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Columns {
+    let mut columns = Columns::default();
+    columns.of.iter_mut().for_each(|c| c.reserve(samples.len()));
+    let Some(first) = samples.first() else {
+        return columns;
+    };
+    let start = log_w(first.motor_position).exp();
+    let origin = first.motor_position;
+    let (mut driven, mut free): (State, [State; 2]) = ([0.0; 2], [[1.0, 0.0], [0.0, start]]);
+    for (k, sample) in samples.iter().enumerate() {
+        if k > 0 {
+            let last = samples[k - 1];
+            let h = sample.time - last.time;
+            let w = log_w(0.5 * (last.motor_position + sample.motor_position)).exp();
+            let step = free_step(w, xi, h);
+            let (chord, curve) = bend(samples, k);
+            let particular = |u: f64, rate: f64| -> State {
+                let second = 2.0 * curve;
+                [
+                    u - 2.0 * xi / w * rate + (4.0 * xi * xi - 1.0) / (w * w) * second,
+                    rate - 2.0 * xi / w * second,
+                ]
+            };
+            let at_start = particular(last.motor_position - origin, chord - curve * h);
+            let at_end = particular(sample.motor_position - origin, chord + curve * h);
+            let loose = times(&step, [driven[0] - at_start[0], driven[1] - at_start[1]]);
+            driven = [loose[0] + at_end[0], loose[1] + at_end[1]];
+            free = free.map(|state| times(&step, state));
+        }
+        columns.of[0].push(driven[0] - (sample.motor_position - origin));
+        columns.of[1].push(driven[1] / start);
+        columns.of[2].push(free[0][0]);
+        columns.of[3].push(free[1][0]);
+    }
+    columns
+}
