@@ -23,6 +23,8 @@ const UNKNOWNS: f64 = 8.0;
 const USEFUL: f64 = 0.08;
 /// Damping ratio above which nothing rings twice.
 const RINGS: f64 = 0.35;
+/// Part of the deformation that is not worth a train: the dead band.
+const WORTH: f64 = 0.01;
 /// Prior of `ln w` of a mode that nothing is known of: of its level, and over the pose for what the map then says of a
 /// radian (a quarter of the inertia's).
 const LEVEL: f64 = 0.3;
@@ -51,31 +53,45 @@ fn at(prior: &Prior) -> Point {
 }
 
 /// Fits the modes that are known, and as many more as there is evidence for.
+///
+/// Of two strong modes the one that is left out colours what the other leaves, so that one alone is no evidence: two are looked
+/// at even where one is not enough, and three.
 pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -> Option<Fit> {
-    let mut fit = match known {
+    let mut accepted = match known {
         [] => None,
         known => {
             let start: Vec<Point> = known.iter().map(at).collect();
             Some(problem.fit(&start, known)?)
         }
     };
-    while fit.as_ref().is_none_or(|fit| fit.modes.len() < MOST) {
-        let Some(more) = one_more(samples, problem, fit.as_ref()) else {
+    let nothing = problem.left_by(&[])?;
+    let mut grown = accepted.clone();
+    for _ in known.len()..MOST {
+        let Some(more) = one_more(samples, problem, grown.as_ref()) else {
             break;
         };
-        fit = Some(more);
+        let without = accepted.as_ref().map_or(nothing, |fit| fit.square);
+        let before = accepted.as_ref().map_or(0, |fit| fit.modes.len());
+        if is_evident(&more, before, without, negligible(samples)) {
+            accepted = Some(more.clone());
+        }
+        grown = Some(more);
     }
-    fit
+    accepted
 }
 
-/// The fit with one mode more, if there is evidence for it.
+/// Mean square of what is not worth a train: the part [`WORTH`] of the deformation's.
+fn negligible(samples: &[Sample]) -> f64 {
+    let n = samples.len() as f64;
+    let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / n;
+    let square = samples.iter().map(|s| (s.deformation - mean).powi(2)).sum::<f64>() / n;
+    WORTH * WORTH * square
+}
+
+/// The fit with one mode more, wherever that explains most.
 fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) -> Option<Fit> {
     let present: Vec<Point> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.point).collect());
     let priors: Vec<Prior> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.prior).collect());
-    let without = match fit {
-        Some(fit) => fit.square,
-        None => problem.left_by(&[])?,
-    };
     let nodes = problem.way.nodes();
     let mut best: Option<Fit> = None;
     for log_w in starts(samples, problem, &present) {
@@ -91,24 +107,31 @@ fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) ->
             best = Some(found);
         }
     }
-    best.filter(|found| is_evident(found, without))
+    best
 }
 
-/// Whether a fit excludes that its last mode is none.
-fn is_evident(found: &Fit, without: f64) -> bool {
-    let Some(last) = found.modes.last() else {
-        return false;
-    };
+/// Whether a fit excludes that its modes after the first `before` are none, and they ring.
+fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool {
+    let more = found.modes.len() - before;
     let independent = found.samples / found.inflation;
-    let evidence = independent * (without / found.square.max(f64::MIN_POSITIVE)).ln();
-    let needed = CHANCE + UNKNOWNS * independent.max(1.0).ln();
-    let std = last.covariance[(NODES - 1, NODES - 1)].sqrt();
-    let apart = found.modes.iter().rev().skip(1).all(|other| {
-        let distance = other.point.log_w[NODES - 1] - last.point.log_w[NODES - 1];
-        let known = (other.covariance + last.covariance)[(NODES - 1, NODES - 1)];
-        distance * distance > 9.0 * known
+    // What is not worth a train is as good as noise.
+    let floor = negligible * found.samples;
+    let evidence = independent * ((without + floor) / (found.square + floor)).ln();
+    let needed = more as f64 * (CHANCE + UNKNOWNS * independent.max(1.0).ln());
+    evidence > needed && (before..found.modes.len()).all(|k| rings(found, k))
+}
+
+/// Whether a mode is known well enough to be of use, rings, and is none of the others.
+fn rings(found: &Fit, k: usize) -> bool {
+    let end = NODES - 1;
+    let mode = &found.modes[k];
+    let std = |n: usize| mode.covariance[(n, n)].sqrt();
+    let apart = found.modes.iter().enumerate().all(|(other, with)| {
+        let distance = with.point.log_w[end] - mode.point.log_w[end];
+        let known = (with.covariance + mode.covariance)[(end, end)];
+        other == k || distance * distance > 9.0 * known
     });
-    evidence > needed && std < USEFUL && last.point.xi < RINGS && apart
+    std(end) < USEFUL && mode.point.xi + 2.0 * std(NODES) < RINGS && apart
 }
 
 /// Frequencies at which a further mode explains most, the best first.
