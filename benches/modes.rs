@@ -70,7 +70,11 @@ fn arms() -> Vec<Programme> {
 
 fn main() {
     println!("% of the unshaped vibration at the tip: median, worst, of the third move on the same");
+    let only = std::env::args().skip_while(|word| word != "--only").nth(1);
     for programme in arms() {
+        if only.as_ref().is_some_and(|word| !programme.name.contains(word.as_str())) {
+            continue;
+        }
         let unshaped = programme.run(Policy::Unshaped);
         println!("{}", programme.name);
         for policy in [Policy::Fixed, Policy::Adaptive, Policy::Learned] {

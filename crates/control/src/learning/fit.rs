@@ -1,10 +1,10 @@
 //! Least squares of a move: a sum of modes, the frequency of each a function of the pose.
 //!
 //! ```text
-//! delta = sum_m [p_m (q_m - u) + c_m q_m' + a_m f_m + b_m g_m] + o + K u + s u' + noise
+//! delta = sum_m [p_m (q_m - u) + d_m (g_m - q_m) + c_m q_m' + a_m f_m + b_m h_m] + o + K u + s u' + noise
 //! ```
-//! with `q_m`, and the free decays `f_m`, `g_m`, of [`columns`]. The shares `p`, the dampers or lags `c`, `s`, what vibrated
-//! before `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at three nodes of the way, and `xi`, do not.
+//! with `q_m`, `g_m`, and the free decays `f_m`, `h_m`, of [`columns`]. The shares `p`, dampers to ground `d`, lags `c`, `s`, what
+//! vibrated before `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at the nodes of the way, and `xi`, do not.
 //! Gauss and Newton's steps, damped as by Levenberg and Marquardt, from Gaussian priors: what the map says.
 //!
 //! Source: L. Ljung, System Identification, 2nd ed., ch. 7.
@@ -30,8 +30,9 @@ const DAMPING: (f64, f64) = (1e-4, 0.5);
 /// Standard deviations of a static gain and, s, of what a clock's offset makes of the input's slope.
 const GAIN_STD: f64 = 0.05;
 const LAG_STD: f64 = 2e-3;
-/// Standard deviation of a mode's share, and of `c w`: a damper across the joint makes `2 xi` of it, a lag of 2 ms at 20 Hz 0.25.
+/// Standard deviation of a mode's share, of that of a damper to ground, and of `c w`: a lag of 2 ms at 20 Hz makes 0.25 of it.
 const SHARE_STD: f64 = 2.0;
+const GROUND_STD: f64 = 1.0;
 const RATE_STD: f64 = 0.3;
 /// A sample further away than so many standard deviations is none of the vibration: noise is once in two million.
 const SPIKE: f64 = 5.0;
@@ -183,7 +184,7 @@ impl<'a> Problem<'a> {
     /// Inverse variances of the linear unknowns.
     fn linear_precision(&self, modes: usize) -> DVector<f64> {
         let size = 10.0 * self.largest.max(1e-12);
-        let each = [SHARE_STD, RATE_STD, size, size];
+        let each = [SHARE_STD, GROUND_STD, RATE_STD, size, size];
         let common = [size, GAIN_STD, LAG_STD];
         let stds = (0..modes).flat_map(|_| each).chain(common);
         DVector::from_iterator(COLUMNS * modes + COMMON, stds.map(|std| std.powi(-2)))

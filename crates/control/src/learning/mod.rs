@@ -63,7 +63,7 @@ pub enum Hold {
 /// A mode on the way of the next move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeOnWay {
-    /// At start, middle and end.
+    /// From start to end, evenly.
     pub modes: [Mode; NODES],
     /// How well the one in the middle is known.
     pub known: UncertainMode,
@@ -265,7 +265,8 @@ impl Learner {
         on_way
             .filter_map(|(mode, contribution)| {
                 let at = |n: usize| Mode::new(mode.point.log_w[n].exp(), mode.point.xi).ok();
-                let modes = [at(0)?, at(1)?, at(2)?];
+                let at: Option<Vec<Mode>> = (0..NODES).map(at).collect();
+                let modes: [Mode; NODES] = at?.try_into().ok()?;
                 let std = |n: usize| mode.covariance[(n, n)].sqrt();
                 Some(ModeOnWay {
                     modes,

@@ -25,8 +25,8 @@ const DAMPING: Spread = Spread {
 /// What the parabola between the nodes, and a mode that is not quite linear, leave of `ln w` and of `xi`: a train is off by
 /// less than a third of the dead band of 1 % there.
 const UNSEEN: f64 = 0.002;
-/// Chi-squared of three unknowns that chance exceeds once in a thousand times.
-const SURPRISE: f64 = 16.3;
+/// Chi-squared of four unknowns that chance exceeds once in a thousand times.
+const SURPRISE: f64 = 18.5;
 
 /// A mode that moves have shown.
 #[derive(Clone, Debug)]
@@ -110,7 +110,7 @@ impl ModeMap {
         let pull = coarse * pull;
         self.learn_frequency(&mean, &precision, &pull, places);
         let xi = precision[(NODES, NODES)];
-        let only = |value: f64| SVector::<f64, NODES>::new(0.0, value, 0.0);
+        let only = |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
         let vector = only(xi * mean[NODES] + pull[NODES]);
         self.damping
             .add(places.clone(), SMatrix::from_diagonal(&only(xi)), vector);

@@ -6,6 +6,7 @@
 //! Source: N. Cesa-Bianchi, G. Lugosi, Prediction, Learning, and Games, 2006, ch. 2 and 3.
 
 use super::fit::Fit;
+use super::path::NODES;
 use crate::estimators::Sample;
 
 /// Weight of a move against the one after it: some three moves count.
@@ -56,7 +57,7 @@ pub fn ringing(samples: &[Sample], fit: &Fit) -> f64 {
     let reach = STANDS * (last.motor_position - first.motor_position).abs();
     let away = |s: &Sample| (s.motor_position - last.motor_position).abs() > reach;
     let stands = samples.iter().rposition(away).map_or(0, |k| k + 1);
-    let slowest = fit.modes.iter().map(|m| m.point.log_w[2].exp());
+    let slowest = fit.modes.iter().map(|m| m.point.log_w[NODES - 1].exp());
     let period = std::f64::consts::TAU / slowest.fold(f64::INFINITY, f64::min);
     let from = samples.get(stands).map_or(last.time, |s| s.time);
     let seen: Vec<f64> = samples[stands..]

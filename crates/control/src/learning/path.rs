@@ -1,7 +1,7 @@
 //! The way of a move in joint space, and a quantity along it.
 
-/// Points of a way at which the map is asked: a parabola goes through them.
-pub const NODES: usize = 3;
+/// Points of a way at which the map is asked: a cubic goes through them.
+pub const NODES: usize = 4;
 /// Below this length the pose is one and the same, rad.
 const SHORT: f64 = 1e-3;
 
@@ -18,21 +18,26 @@ impl Way {
         Self { from, to }
     }
 
-    /// Start, middle and end, rad.
+    /// From start to end, evenly, rad.
     pub fn nodes(&self) -> [f64; NODES] {
-        [self.from, 0.5 * (self.from + self.to), self.to]
+        let step = (self.to - self.from) / (NODES - 1) as f64;
+        core::array::from_fn(|n| self.from + step * n as f64)
     }
 
-    /// The value at a position of the parabola through the values at the nodes.
+    /// The value at a position of the polynomial through the values at the nodes (Lagrange).
     pub fn value(&self, values: &[f64; NODES], position: f64) -> f64 {
         let length = self.to - self.from;
         if length.abs() < SHORT {
-            return values[2];
+            return values[NODES - 1];
         }
         // A little beyond the ends, as far as a motor side overshoots.
-        let s = ((position - self.from) / length).clamp(-0.1, 1.1);
-        values[0] * (2.0 * s - 1.0) * (s - 1.0)
-            + values[1] * 4.0 * s * (1.0 - s)
-            + values[2] * s * (2.0 * s - 1.0)
+        let s = ((position - self.from) / length).clamp(-0.1, 1.1) * (NODES - 1) as f64;
+        let basis = |n: usize| -> f64 {
+            let others = (0..NODES).filter(|m| *m != n);
+            others
+                .map(|m| (s - m as f64) / (n as f64 - m as f64))
+                .product()
+        };
+        values.iter().enumerate().map(|(n, v)| v * basis(n)).sum()
     }
 }

@@ -1,22 +1,23 @@
 //! The response of a mode whose frequency changes along the way.
 //!
 //! ```text
-//! q'' + 2 xi w q' + w^2 q = w^2 u,        w = w(u(t))
+//! q'' + 2 xi w q' + w^2 q = w^2 u + 2 xi w u'     damper across the joint,    w = w(u(t))
+//! g'' + 2 xi w g' + w^2 g = w^2 u                 damper to ground
 //! ```
-//! Within a sample interval `w` is that of its middle and `u` a parabola, so that the step is exact:
-//! `q_p = u - (2 xi / w) u' + ((4 xi^2 - 1) / w^2) u''`, and what is left of `q - q_p` decays freely.
+//! Within a sample interval `w` is that of its middle and `u` a parabola, so that the step is exact: what is left of
+//! `q - q_p`, `q_p = u - u'' / w^2`, and of `g - g_p`, `g_p = u - (2 xi / w) u' + ((4 xi^2 - 1) / w^2) u''`, decays freely.
 
 use crate::estimators::Sample;
 
 /// Columns of a mode at the samples: what the motor side drives, and what was there before.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
-    /// `q - u`; `q' / w_0`; free decays from a deflection of 1, and from a velocity of `w_0`.
+    /// `q - u`; `g - q`; `q' / w_0`; free decays from a deflection of 1, and from a velocity of `w_0`.
     pub of: [Vec<f64>; COLUMNS],
 }
 
 /// Columns of a mode.
-pub const COLUMNS: usize = 4;
+pub const COLUMNS: usize = 5;
 
 /// State of a mode: position and velocity.
 type State = [f64; 2];
@@ -67,7 +68,8 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
     };
     let start = log_w(first.motor_position).exp();
     let origin = first.motor_position;
-    let (mut driven, mut free): (State, [State; 2]) = ([0.0; 2], [[1.0, 0.0], [0.0, start]]);
+    let mut driven: [State; 2] = [[0.0; 2]; 2];
+    let mut free: [State; 2] = [[1.0, 0.0], [0.0, start]];
     for (k, sample) in samples.iter().enumerate() {
         if k > 0 {
             let last = samples[k - 1];
@@ -75,23 +77,36 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
             let w = log_w(0.5 * (last.motor_position + sample.motor_position)).exp();
             let step = free_step(w, xi, h);
             let (chord, curve) = bend(samples, k);
-            let particular = |u: f64, rate: f64| -> State {
-                let second = 2.0 * curve;
+            let second = 2.0 * curve;
+            let across = |u: f64, rate: f64| [u - second / (w * w), rate];
+            let ground = |u: f64, rate: f64| {
+                let bent = (4.0 * xi * xi - 1.0) / (w * w) * second;
                 [
-                    u - 2.0 * xi / w * rate + (4.0 * xi * xi - 1.0) / (w * w) * second,
+                    u - 2.0 * xi / w * rate + bent,
                     rate - 2.0 * xi / w * second,
                 ]
             };
-            let at_start = particular(last.motor_position - origin, chord - curve * h);
-            let at_end = particular(sample.motor_position - origin, chord + curve * h);
-            let loose = times(&step, [driven[0] - at_start[0], driven[1] - at_start[1]]);
-            driven = [loose[0] + at_end[0], loose[1] + at_end[1]];
+            let ends = [
+                (last.motor_position - origin, chord - curve * h),
+                (sample.motor_position - origin, chord + curve * h),
+            ];
+            let [from, to] = ends.map(|(u, rate)| [across(u, rate), ground(u, rate)]);
+            driven = core::array::from_fn(|k| {
+                let state = driven[k];
+                let loose = times(&step, [state[0] - from[k][0], state[1] - from[k][1]]);
+                [loose[0] + to[k][0], loose[1] + to[k][1]]
+            });
             free = free.map(|state| times(&step, state));
         }
-        columns.of[0].push(driven[0] - (sample.motor_position - origin));
-        columns.of[1].push(driven[1] / start);
-        columns.of[2].push(free[0][0]);
-        columns.of[3].push(free[1][0]);
+        let [across, ground] = driven;
+        let row = [
+            across[0] - (sample.motor_position - origin),
+            ground[0] - across[0],
+            across[1] / start,
+            free[0][0],
+            free[1][0],
+        ];
+        columns.of.iter_mut().zip(row).for_each(|(c, x)| c.push(x));
     }
     columns
 }
