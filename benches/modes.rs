@@ -6,9 +6,12 @@
 mod plant;
 #[path = "../tests/modes/programme.rs"]
 mod programme;
+#[path = "../tests/modes/random.rs"]
+mod random;
 
 use plant::{Faults, PlantMode};
-use programme::{Policy, Programme, median, percent, worst};
+use programme::{Left, Policy, Programme, median, percent, worst};
+use rayon::prelude::*;
 
 const FAULTS: Faults = Faults {
     noise: 10e-6,
@@ -34,6 +37,7 @@ fn arm(name: &str, modes: &[PlantMode], belief_hz: f64) -> Programme {
         shaper: "zvd",
         start: 0.0,
         moves: TARGETS.map(|degrees| (f64::to_radians(degrees), 0.0)).to_vec(),
+        declared: true,
         seed: 1,
     }
 }
@@ -68,7 +72,49 @@ fn arms() -> Vec<Programme> {
     ]
 }
 
+/// Root of the mean square of what the moves left.
+fn size(left: &[Left]) -> f64 {
+    (left.iter().map(|left| left.residual.powi(2)).sum::<f64>() / left.len() as f64).sqrt()
+}
+
+/// What random programmes leave over what they leave without adaptation.
+fn campaign(count: u64, from: u64) {
+    let run = |seed: u64| {
+        let programme = random::programme(seed);
+        let [fixed, adaptive, learned] =
+            [Policy::Fixed, Policy::Adaptive, Policy::Learned].map(|policy| programme.run(policy));
+        let ratio = |left: &[Left], skip: usize| size(&left[skip..]) / size(&fixed[skip..]);
+        let each = learned.iter().zip(&fixed).map(|(a, b)| format!("{:.2}", a.residual / b.residual));
+        let each: Vec<String> = each.collect();
+        (
+            [ratio(&adaptive, 0), ratio(&learned, 0), ratio(&learned, 2)],
+            format!("{:.3} {} {}", ratio(&learned, 0), each.join(" "), programme.name),
+        )
+    };
+    let mut all: Vec<_> = (from..from + count).into_par_iter().map(run).collect();
+    for (k, name) in ["adaptive", "learned", "learned, from the third move"].iter().enumerate() {
+        let mut ratios: Vec<f64> = all.iter().map(|one| one.0[k]).collect();
+        ratios.sort_by(f64::total_cmp);
+        let at = |part: f64| ratios[((ratios.len() - 1) as f64 * part) as usize];
+        let worse = ratios.iter().filter(|ratio| **ratio > 1.05).count();
+        println!(
+            "{name}: median {:.3}, 90 % {:.3}, 99 % {:.3}, worst {:.3}; {worse} of {count} above 1.05",
+            at(0.5), at(0.9), at(0.99), at(1.0)
+        );
+    }
+    all.sort_by(|a, b| b.0[1].total_cmp(&a.0[1]));
+    all.iter().take(12).for_each(|one| println!("  {}", one.1));
+}
+
+fn number(name: &str) -> Option<u64> {
+    let mut words = std::env::args().skip_while(|word| word != name);
+    words.nth(1).and_then(|word| word.parse().ok())
+}
+
 fn main() {
+    if let Some(count) = number("--campaign") {
+        return campaign(count, number("--from").unwrap_or(0));
+    }
     println!("% of the unshaped vibration at the tip: median, worst, of the third move on the same");
     let only = std::env::args().skip_while(|word| word != "--only").nth(1);
     for programme in arms() {

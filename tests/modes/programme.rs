@@ -31,6 +31,8 @@ pub struct Programme {
     pub start: f64,
     /// Targets, rad, and payloads.
     pub moves: Vec<(f64, f64)>,
+    /// Whether the controller is told the payload.
+    pub declared: bool,
     pub seed: u64,
 }
 
@@ -106,6 +108,7 @@ impl Programme {
         moves
             .map(|&(target, payload)| {
                 plant.payload = payload;
+                let payload = if self.declared { payload } else { 0.0 };
                 let from = controller.planned().position;
                 let plan = plan(from, target);
                 let mut said = String::new();
