@@ -90,6 +90,7 @@ impl Programme {
     fn learner(&self, controller: &Controller) -> Learner {
         let settings = self.settings(Policy::Learned);
         Learner::new(LearnerSettings {
+            belief: self.belief(),
             natural_frequency: settings.adaptation.natural_frequency,
             dead_band: settings.adaptation.dead_band,
             longest_train: settings.longest_train,

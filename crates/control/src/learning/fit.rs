@@ -105,17 +105,29 @@ pub struct Fit {
     pub square: f64,
     /// Samples that count.
     pub samples: f64,
-    /// Variance of the residual, and by how much its colour widens what is known.
+    /// Variance of the residual.
     pub variance: f64,
+    /// By how much its colour widens what is known.
     pub inflation: f64,
     /// Residual at each sample; spikes are no numbers.
     pub residual: Vec<f64>,
 }
 
+impl Fit {
+    /// Part of the residual's variance that its colour tells from white noise: what the modes leave unexplained.
+    pub fn unexplained(&self) -> f64 {
+        // The correlation of neighbours: white noise has none, what vibrates nearly 1.
+        let correlation = (self.inflation - 1.0) / (self.inflation + 1.0);
+        correlation * self.variance
+    }
+}
+
 /// The samples of a move and its way.
 #[derive(Clone, Debug)]
 pub struct Problem<'a> {
+    /// Samples.
     pub samples: &'a [Sample],
+    /// From start to end.
     pub way: Way,
     /// Lowest and highest `ln w`.
     pub range: (f64, f64),
@@ -446,6 +458,7 @@ fn not_negative(
     eigen.recompose()
 }
 
+/// `ln w` at the nodes, and `xi`.
 pub fn vector(point: &Point) -> SVector<f64, OF_A_MODE> {
     SVector::from_fn(|i, _| match i {
         NODES => point.xi,

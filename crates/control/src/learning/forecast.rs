@@ -30,6 +30,7 @@ const NEGLIGIBLE: f64 = 1e-7;
 /// A mode on the way of a move, as well as it is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected {
+    /// Its mean.
     pub point: Point,
     /// Covariance of `ln w` at the nodes, and `xi`.
     pub covariance: SMatrix<f64, OF_A_MODE, OF_A_MODE>,

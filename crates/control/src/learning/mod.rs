@@ -16,10 +16,11 @@ mod path;
 mod response;
 mod simplex;
 
+use nalgebra::{SMatrix, SVector};
 use quell_shapers::{GridTrain, Mode, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 
-use self::fit::{Fit, Prior, Problem};
+use self::fit::{Fit, OF_A_MODE, Point, Prior, Problem};
 use self::forecast::{Expected, Forecast, Left};
 use self::map::Place;
 use self::mode_map::ModeMap;
@@ -36,9 +37,16 @@ const QUARTERS: std::ops::RangeInclusive<usize> = 2..=8;
 /// Part of the dead band that is expected to be left, so that two standard deviations stay within it.
 const GOAL: f64 = 0.5;
 
+/// What a move left unexplained counts by half as much with each move after it.
+const FORGETS: f64 = 0.5;
+/// Two standard deviations of a belief: a quarter of the frequency, the whole of the damping ratio.
+const BELIEF: (f64, f64) = (0.125, 0.5);
+
 /// Settings of a learner.
 #[derive(Clone, Debug)]
 pub struct LearnerSettings {
+    /// The mode that the engineer believes in.
+    pub belief: Mode,
     /// Natural frequencies that are looked for, rad/s.
     pub natural_frequency: [f64; 2],
     /// Share of the unshaped vibration that is not worth a change.
@@ -103,6 +111,8 @@ pub struct Learner {
     settings: LearnerSettings,
     modes: Vec<ModeMap>,
     monitor: Monitor,
+    /// Part of the unshaped vibration that the modes leave unexplained, squared, over the last moves.
+    unexplained: f64,
     pending: Option<Pending>,
 }
 
@@ -113,6 +123,7 @@ impl Learner {
             settings,
             modes: Vec::new(),
             monitor: Monitor::default(),
+            unexplained: 0.0,
             pending: None,
         }
     }
@@ -126,6 +137,7 @@ impl Learner {
     pub fn forget(&mut self) {
         self.modes.clear();
         self.monitor = Monitor::default();
+        self.unexplained = 0.0;
         self.pending = None;
     }
 
@@ -186,7 +198,10 @@ impl Learner {
         let base = &self.settings.base;
         let longest = pending.adapted.duration_in_ticks().max(base.duration_in_ticks());
         let left = forecast.left(longest);
-        let measured = monitor::ringing(samples, fit) / left.unshaped().max(f64::MIN_POSITIVE);
+        let unshaped = left.unshaped().max(f64::MIN_POSITIVE);
+        let measured = monitor::ringing(samples, fit) / unshaped;
+        let unexplained = 2.0 * fit.unexplained() / (unshaped * unshaped);
+        self.unexplained = (FORGETS * self.unexplained).max(unexplained).min(1.0);
         let outcome = match pending.is_base {
             true => Outcome {
                 base: measured,
@@ -216,7 +231,7 @@ impl Learner {
         let places = Self::places(&way, payload);
         let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
         let known = self.modes_on_way(plan, way, &expected);
-        let shaped: Vec<Expected> = expected
+        let mut shaped: Vec<Expected> = expected
             .iter()
             .zip(&known)
             .filter(|(_, on_way)| on_way.shaped)
@@ -235,6 +250,7 @@ impl Learner {
         };
         let mut adapted = in_force.clone();
         if !shaped.is_empty() {
+            shaped.push(self.unknown(&shaped));
             let forecast = Forecast::new(plan, way, &shaped);
             let (train, expected) = self.choose(&forecast, &shaped, in_force, plan.period());
             prescription.expected = Some(expected);
@@ -252,6 +268,30 @@ impl Learner {
             is_base: hold == Some(Hold::Worse),
         });
         prescription
+    }
+
+    /// What the modes leave unexplained: as large as it was, of a mode of which nothing but the belief is known. A train that
+    /// does well for the modes, but gives up the belief, is taken only for what they do explain.
+    fn unknown(&self, modes: &[Expected]) -> Expected {
+        let belief = self.settings.belief;
+        let (xi, square) = (belief.damping_ratio(), |x: f64| x * x);
+        let spread = SVector::<f64, OF_A_MODE>::from_fn(|n, _| match n {
+            NODES => square(BELIEF.1 * xi.max(0.01)),
+            _ => 0.0,
+        });
+        let mut covariance = SMatrix::from_diagonal(&spread);
+        covariance
+            .fixed_view_mut::<NODES, NODES>(0, 0)
+            .fill(square(BELIEF.0));
+        let shares: f64 = modes.iter().map(|mode| square(mode.share)).sum();
+        Expected {
+            point: Point {
+                log_w: [belief.natural_frequency().ln(); NODES],
+                xi,
+            },
+            covariance,
+            share: (self.unexplained * shares).sqrt(),
+        }
     }
 
     fn modes_on_way(

@@ -67,6 +67,9 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
     let nothing = problem.left_by(&[])?;
     let mut grown = accepted.clone();
     for _ in known.len()..MOST {
+        if grown.as_ref().is_some_and(|fit| is_all(fit, negligible(samples))) {
+            break;
+        }
         let Some(more) = one_more(samples, problem, grown.as_ref()) else {
             break;
         };
@@ -78,6 +81,13 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
         grown = Some(more);
     }
     accepted
+}
+
+/// Whether no further mode could be evident: it leaves the white part of the residual at least.
+fn is_all(fit: &Fit, negligible: f64) -> bool {
+    let (all, white) = (fit.variance, fit.variance - fit.unexplained());
+    let gain = fit.samples * ((all + negligible) / (white + negligible)).ln();
+    gain < CHANCE + UNKNOWNS * fit.samples.max(1.0).ln()
 }
 
 /// Mean square of what is not worth a train: the part [`WORTH`] of the deformation's.
