@@ -112,6 +112,20 @@ fn number(name: &str) -> Option<u64> {
 }
 
 fn main() {
+    if let Some(seed) = number("--seed") {
+        let programme = random::programme(seed);
+        println!("{}\n{:?} belief {:.2} Hz, {}", programme.name, programme.modes, programme.belief_hz, programme.shaper);
+        let [unshaped, fixed, learned] =
+            [Policy::Unshaped, Policy::Fixed, Policy::Learned].map(|policy| programme.run(policy));
+        for (k, left) in learned.iter().enumerate() {
+            let mm = |left: &Left| 1e3 * left.residual;
+            println!(
+                "{:?}: {:.3} {:.3} {:.3} mrad, {:.3} s, {} retunes, {}",
+                programme.moves[k], mm(&unshaped[k]), mm(&fixed[k]), mm(left), left.delay, left.retunes, left.said
+            );
+        }
+        return;
+    }
     if let Some(count) = number("--campaign") {
         return campaign(count, number("--from").unwrap_or(0));
     }

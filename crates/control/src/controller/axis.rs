@@ -39,7 +39,7 @@ pub struct Axis {
     pub(super) settings: AxisSettings,
     sensor: DeformationSensor,
     rest: RestDetector,
-    estimator: Box<dyn Estimator>,
+    pub(super) estimator: Box<dyn Estimator>,
     pub(super) adaptation: Adaptation,
     /// Changes nothing where there is a lane.
     pub(super) filter: AdaptiveFilter,
@@ -53,6 +53,8 @@ pub struct Axis {
     pub(super) status: AxisStatus,
     /// Why the train is not followed, if it is not.
     pub(super) hold: Option<Hold>,
+    /// The largest vibration that the planned input of the move would have left unshaped, rad.
+    pub(super) unshaped: f64,
     fresh: bool,
 }
 
@@ -91,6 +93,7 @@ impl Axis {
                 deformation: None,
             },
             hold: None,
+            unshaped: 0.0,
             fresh: false,
             settings,
         })
@@ -158,6 +161,7 @@ impl Axis {
     pub(super) fn begin_move(&mut self) {
         self.estimator.restart();
         self.status.estimate = None;
+        self.unshaped = 0.0;
     }
 
     /// Takes a measurement. No allocation.

@@ -318,11 +318,13 @@ impl<'a> Problem<'a> {
     fn descend(&self, start: &[Point], priors: &[Prior]) -> Option<Vec<Point>> {
         let unknowns = (COLUMNS + OF_A_MODE) * start.len() + COMMON;
         let mut points = start.to_vec();
+        // What the priors are weighed against: of a coloured residual fewer samples are independent.
         let mut variance = 1e-4 * self.largest * self.largest;
         let mut now = self.solve(&points, priors, variance)?;
         let mut damping = 1e-2;
         for _ in 0..STEPS {
-            let next_variance = self.variance(now.square, unknowns);
+            let wide = inflation(now.residual.as_slice());
+            let next_variance = wide * self.variance(now.square, unknowns);
             if (next_variance / variance - 1.0).abs() > 1e-3 {
                 variance = next_variance;
                 now = self.solve(&points, priors, variance)?;
@@ -405,24 +407,22 @@ impl<'a> Problem<'a> {
         let unknowns = (COLUMNS + OF_A_MODE) * points.len() + COMMON;
         let rough = self.solve(points, priors, 1e-6 * self.largest * self.largest)?;
         let variance = self.variance(rough.square, unknowns);
-        let linear = self.solve(points, priors, variance)?;
-        let (normal, _) = self.normal(points, priors, &linear, variance);
-        let inverse = normal.cholesky()?.inverse();
-        let inflation = inflation(linear.residual.as_slice());
+        let inflation = inflation(rough.residual.as_slice());
+        let wide = variance * inflation;
+        let linear = self.solve(points, priors, wide)?;
+        let (normal, _) = self.normal(points, priors, &linear, wide);
+        let inverse = normal.cholesky()?.inverse() * wide;
         let first = linear.design.ncols();
         let mut modes = Vec::new();
         for (m, (&point, &prior)) in points.iter().zip(priors).enumerate() {
             let at = first + OF_A_MODE * m;
-            let own = inverse.fixed_view::<OF_A_MODE, OF_A_MODE>(at, at) * variance;
-            let before = prior.precision();
-            let information = not_negative((own.try_inverse()? - before) / inflation);
-            let share = inverse[(COLUMNS * m, COLUMNS * m)] * variance * inflation;
+            let own = inverse.fixed_view::<OF_A_MODE, OF_A_MODE>(at, at).into_owned();
             modes.push(Fitted {
                 point,
                 share: linear.unknowns[COLUMNS * m],
-                share_std: share.sqrt(),
-                covariance: (before + information).try_inverse()?,
-                information,
+                share_std: inverse[(COLUMNS * m, COLUMNS * m)].sqrt(),
+                covariance: own,
+                information: not_negative(own.try_inverse()? - prior.precision()),
                 prior,
             });
         }

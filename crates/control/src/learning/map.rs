@@ -93,11 +93,6 @@ impl Map {
         });
     }
 
-    /// Forgets all moves.
-    pub fn forget(&mut self) {
-        self.blocks.clear();
-    }
-
     /// Moves that it remembers.
     pub fn moves(&self) -> usize {
         self.blocks.len()

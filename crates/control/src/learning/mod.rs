@@ -39,6 +39,8 @@ const GOAL: f64 = 0.5;
 
 /// What a move left unexplained counts by half as much with each move after it.
 const FORGETS: f64 = 0.5;
+/// Inflation by the residual's colour up to which it is as good as white: a correlation of neighbours of 0.2.
+const COLOURED: f64 = 1.5;
 /// Two standard deviations of a belief: a quarter of the frequency, the whole of the damping ratio.
 const BELIEF: (f64, f64) = (0.125, 0.5);
 
@@ -162,8 +164,18 @@ impl Learner {
             return;
         }
         let places = Self::places(&way, payload);
-        let Some(fit) = self.explain(&samples, way, &places) else {
-            return;
+        let fit = match self.explain(&samples, way, &places) {
+            Some((fit, true)) => fit,
+            Some((fit, false)) => {
+                // The arm is another one than the map's, or was never one of modes: what was learned is of no use.
+                self.modes.clear();
+                fit
+            }
+            None => {
+                self.modes.clear();
+                self.unexplained = 1.0;
+                return;
+            }
         };
         for (k, fitted) in fit.modes.iter().enumerate() {
             if k == self.modes.len() {
@@ -176,11 +188,45 @@ impl Learner {
         }
     }
 
-    fn explain(&self, samples: &[Sample], way: Way, places: &[Place; NODES]) -> Option<Fit> {
+    /// The fit of a move, and whether it is one of the modes that are known.
+    fn explain(
+        &self,
+        samples: &[Sample],
+        way: Way,
+        places: &[Place; NODES],
+    ) -> Option<(Fit, bool)> {
         let range = self.settings.natural_frequency.map(f64::ln);
+        let range = (range[0], range[1]);
         let priors: Vec<Prior> = self.modes.iter().map(|mode| mode.prior(places)).collect();
-        let mut problem = Problem::new(samples, way, (range[0], range[1]));
-        order::explain(samples, &mut problem, &priors)
+        let fit = |priors: &[Prior]| {
+            let mut problem = Problem::new(samples, way, range);
+            order::explain(samples, &mut problem, priors)
+        };
+        let known = match priors.as_slice() {
+            [] => None,
+            priors => fit(priors).filter(|found| self.is_theirs(found)),
+        };
+        // White noise is all that is left: nothing else can explain it better.
+        if let Some(known) = &known
+            && known.inflation <= COLOURED
+        {
+            return Some((known.clone(), true));
+        }
+        let anew = fit(&[]);
+        match (known, anew) {
+            (Some(known), Some(anew)) if !order::excludes(&anew, &known, samples) => {
+                Some((known, true))
+            }
+            (Some(known), None) => Some((known, true)),
+            (_, anew) => anew.map(|fit| (fit, false)),
+        }
+    }
+
+    /// Whether the modes of a fit are those of the map, and still modes.
+    fn is_theirs(&self, fit: &Fit) -> bool {
+        let theirs = self.modes.iter().zip(&fit.modes);
+        (0..fit.modes.len()).all(|k| order::rings(fit, k))
+            && !theirs.into_iter().any(|(map, fitted)| map.is_surprised(fitted))
     }
 
     /// Holds what the move left against what it would have left otherwise.

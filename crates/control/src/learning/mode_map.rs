@@ -94,10 +94,6 @@ impl ModeMap {
 
     /// Takes what a move says.
     pub fn learn(&mut self, fitted: &Fitted, places: &[Place; NODES]) {
-        if self.is_surprised(fitted) {
-            self.inertia.forget();
-            self.damping.forget();
-        }
         let mean = vector(&fitted.point);
         let information = fitted.information;
         // Where the sum of both is least, what the samples pull is what the prior pulls back.
@@ -139,7 +135,7 @@ impl ModeMap {
     }
 
     /// Whether a move is nothing that the map could expect: the arm has changed.
-    fn is_surprised(&self, fitted: &Fitted) -> bool {
+    pub fn is_surprised(&self, fitted: &Fitted) -> bool {
         if self.moves() == 0 {
             return false;
         }
@@ -150,11 +146,5 @@ impl ModeMap {
         let spread = fitted.prior.log_w.covariance - view(&fitted.covariance) + slack;
         let inverse = spread.try_inverse();
         inverse.is_some_and(|inverse| (shift.transpose() * inverse * shift)[0] > SURPRISE)
-    }
-
-    /// Forgets all moves.
-    pub fn forget(&mut self) {
-        self.inertia.forget();
-        self.damping.forget();
     }
 }

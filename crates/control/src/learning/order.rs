@@ -83,6 +83,15 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
     accepted
 }
 
+/// Whether one fit excludes another of as many samples and `more` modes fewer.
+pub fn excludes(better: &Fit, worse: &Fit, samples: &[Sample]) -> bool {
+    let floor = negligible(samples) * better.samples;
+    let independent = better.samples / better.inflation;
+    let evidence = independent * ((worse.square + floor) / (better.square + floor)).ln();
+    let more = better.modes.len().saturating_sub(worse.modes.len()) as f64;
+    evidence > CHANCE + more * UNKNOWNS * independent.max(1.0).ln()
+}
+
 /// Whether no further mode could be evident: it leaves the white part of the residual at least.
 fn is_all(fit: &Fit, negligible: f64) -> bool {
     let (all, white) = (fit.variance, fit.variance - fit.unexplained());
@@ -132,7 +141,7 @@ fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool
 }
 
 /// Whether a mode is known well enough to be of use, rings, and is none of the others.
-fn rings(found: &Fit, k: usize) -> bool {
+pub fn rings(found: &Fit, k: usize) -> bool {
     let end = NODES - 1;
     let mode = &found.modes[k];
     let std = |n: usize| mode.covariance[(n, n)].sqrt();
