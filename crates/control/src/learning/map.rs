@@ -39,8 +39,8 @@ pub struct Spread {
     pub level: f64,
     /// Over the pose.
     pub pose: f64,
-    /// Of a full payload.
-    pub load: f64,
+    /// By how much a full payload raises it: mean, and standard deviation.
+    pub load: (f64, f64),
 }
 
 /// Values at the nodes of a way, and their covariance.
@@ -108,13 +108,19 @@ impl Map {
         let near = (-0.5 * square / (LENGTH * LENGTH)).exp();
         level * level
             + pose * pose * near
-            + load * load * a.payload * b.payload * 0.5 * (1.0 + near)
+            + load.1 * load.1 * a.payload * b.payload * 0.5 * (1.0 + near)
+    }
+
+    /// What is believed before any move.
+    fn mean(&self, places: &[Place; NODES]) -> SVector<f64, NODES> {
+        let Spread { mean, load, .. } = self.spread;
+        SVector::from_fn(|n, _| mean + load.0 * places[n].payload)
     }
 
     /// What is known of the quantity at the nodes of a way.
     pub fn predict(&self, places: &[Place; NODES]) -> Predicted {
         let own = SMatrix::from_fn(|i, j| self.kernel(&places[i], &places[j]));
-        let mean = SVector::repeat(self.spread.mean);
+        let mean = self.mean(places);
         let nowhere = Predicted {
             mean,
             covariance: own,
@@ -132,7 +138,7 @@ impl Map {
             precision
                 .fixed_view_mut::<NODES, NODES>(at, at)
                 .copy_from(&block.precision);
-            let surprise = block.vector - block.precision * mean;
+            let surprise = block.vector - block.precision * self.mean(&block.places);
             vector.fixed_rows_mut::<NODES>(at).copy_from(&surprise);
         }
         let system = DMatrix::identity(n, n) + &precision * &among;

@@ -417,6 +417,11 @@ impl Learner {
                 break;
             }
         }
+        // That of no adaptation is there, too: it does for what is hardly known.
+        let base = self.left_by(forecast, &self.settings.base);
+        if best.as_ref().is_none_or(|best| base < 1.1 * best.1) {
+            best = Some((self.settings.base.clone(), base));
+        }
         let now = self.left_by(forecast, in_force);
         match best {
             Some((train, expected)) if self.is_worth(now, expected, in_force, &train, quarter) => {

@@ -8,19 +8,19 @@ use super::map::{Map, Place, Predicted, Spread};
 use super::path::NODES;
 
 /// The inertia over that of the first move: its level is known from there on; over a radian an arm folds to half of it, and
-/// a full payload may double it.
+/// a full payload adds something: at two standard deviations nothing, or as much as the arm has.
 const INERTIA: Spread = Spread {
     mean: 1.0,
     level: 0.5,
     pose: 0.4,
-    load: 1.0,
+    load: (0.5, 0.25),
 };
 /// Damping ratios: a few hundredths; they follow the frequency, but little.
 const DAMPING: Spread = Spread {
     mean: 0.05,
     level: 0.1,
     pose: 0.01,
-    load: 0.01,
+    load: (0.0, 0.01),
 };
 /// What the parabola between the nodes, and a mode that is not quite linear, leave of `ln w` and of `xi`: a train is off by
 /// less than a third of the dead band of 1 % there.
