@@ -36,7 +36,9 @@ fn arm(name: &str, modes: &[PlantMode], belief_hz: f64) -> Programme {
         belief_hz,
         shaper: "zvd",
         start: 0.0,
-        moves: TARGETS.map(|degrees| (f64::to_radians(degrees), 0.0)).to_vec(),
+        moves: TARGETS
+            .map(|degrees| (f64::to_radians(degrees), 0.0))
+            .to_vec(),
         declared: true,
         seed: 1,
     }
@@ -59,7 +61,11 @@ fn arms() -> Vec<Programme> {
     }
     vec![
         arm("one mode, belief 25 % off", &[mode(8.0, 1.0)], 10.0),
-        arm("8 + 19 Hz, 1 : 1/3", &[mode(8.0, 1.0), mode(19.0, 1.0 / 3.0)], 10.0),
+        arm(
+            "8 + 19 Hz, 1 : 1/3",
+            &[mode(8.0, 1.0), mode(19.0, 1.0 / 3.0)],
+            10.0,
+        ),
         arm("8 + 19 Hz, 1 : 1", &[mode(8.0, 1.0), mode(19.0, 1.0)], 8.5),
         arm(
             "8 + 19 + 31 Hz",
@@ -84,22 +90,36 @@ fn campaign(count: u64, from: u64) {
         let [fixed, adaptive, learned] =
             [Policy::Fixed, Policy::Adaptive, Policy::Learned].map(|policy| programme.run(policy));
         let ratio = |left: &[Left], skip: usize| size(&left[skip..]) / size(&fixed[skip..]);
-        let each = learned.iter().zip(&fixed).map(|(a, b)| format!("{:.2}", a.residual / b.residual));
+        let each = learned
+            .iter()
+            .zip(&fixed)
+            .map(|(a, b)| format!("{:.2}", a.residual / b.residual));
         let each: Vec<String> = each.collect();
         (
             [ratio(&adaptive, 0), ratio(&learned, 0), ratio(&learned, 2)],
-            format!("{:.3} {} {}", ratio(&learned, 0), each.join(" "), programme.name),
+            format!(
+                "{:.3} {} {}",
+                ratio(&learned, 0),
+                each.join(" "),
+                programme.name
+            ),
         )
     };
     let mut all: Vec<_> = (from..from + count).into_par_iter().map(run).collect();
-    for (k, name) in ["adaptive", "learned", "learned, from the third move"].iter().enumerate() {
+    for (k, name) in ["adaptive", "learned", "learned, from the third move"]
+        .iter()
+        .enumerate()
+    {
         let mut ratios: Vec<f64> = all.iter().map(|one| one.0[k]).collect();
         ratios.sort_by(f64::total_cmp);
         let at = |part: f64| ratios[((ratios.len() - 1) as f64 * part) as usize];
         let worse = ratios.iter().filter(|ratio| **ratio > 1.05).count();
         println!(
             "{name}: median {:.3}, 90 % {:.3}, 99 % {:.3}, worst {:.3}; {worse} of {count} above 1.05",
-            at(0.5), at(0.9), at(0.99), at(1.0)
+            at(0.5),
+            at(0.9),
+            at(0.99),
+            at(1.0)
         );
     }
     all.sort_by(|a, b| b.0[1].total_cmp(&a.0[1]));
@@ -114,14 +134,23 @@ fn number(name: &str) -> Option<u64> {
 fn main() {
     if let Some(seed) = number("--seed") {
         let programme = random::programme(seed);
-        println!("{}\n{:?} belief {:.2} Hz, {}", programme.name, programme.modes, programme.belief_hz, programme.shaper);
+        println!(
+            "{}\n{:?} belief {:.2} Hz, {}",
+            programme.name, programme.modes, programme.belief_hz, programme.shaper
+        );
         let [unshaped, fixed, learned] =
             [Policy::Unshaped, Policy::Fixed, Policy::Learned].map(|policy| programme.run(policy));
         for (k, left) in learned.iter().enumerate() {
             let mm = |left: &Left| 1e3 * left.residual;
             println!(
                 "{:?}: {:.3} {:.3} {:.3} mrad, {:.3} s, {} retunes, {}",
-                programme.moves[k], mm(&unshaped[k]), mm(&fixed[k]), mm(left), left.delay, left.retunes, left.said
+                programme.moves[k],
+                mm(&unshaped[k]),
+                mm(&fixed[k]),
+                mm(left),
+                left.delay,
+                left.retunes,
+                left.said
             );
         }
         return;
@@ -129,10 +158,15 @@ fn main() {
     if let Some(count) = number("--campaign") {
         return campaign(count, number("--from").unwrap_or(0));
     }
-    println!("% of the unshaped vibration at the tip: median, worst, of the third move on the same");
+    println!(
+        "% of the unshaped vibration at the tip: median, worst, of the third move on the same"
+    );
     let only = std::env::args().skip_while(|word| word != "--only").nth(1);
     for programme in arms() {
-        if only.as_ref().is_some_and(|word| !programme.name.contains(word.as_str())) {
+        if only
+            .as_ref()
+            .is_some_and(|word| !programme.name.contains(word.as_str()))
+        {
             continue;
         }
         let unshaped = programme.run(Policy::Unshaped);

@@ -111,8 +111,7 @@ impl Plant {
 
     fn slope(&self, state: &[f64], command: [f64; 2]) -> Vec<f64> {
         let (w, z) = SERVO;
-        let acceleration =
-            w * w * (command[0] - state[0]) + 2.0 * z * w * (command[1] - state[1]);
+        let acceleration = w * w * (command[0] - state[0]) + 2.0 * z * w * (command[1] - state[1]);
         let mut slope = vec![state[1], acceleration];
         for (mode, own) in self.modes.iter().zip(state[2..].chunks(2)) {
             let w = mode.frequency(state[0], self.payload);

@@ -3,7 +3,7 @@
 use super::plant::{Faults, Plant, PlantMode};
 use quell::adaptation::AdaptationSettings;
 use quell::controller::{AxisSettings, Controller, RetunePolicy};
-use quell::estimators::{Sample, Settings, estimator};
+use quell::estimators::{Settings, estimator};
 use quell::learning::{Learner, LearnerSettings};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
 use quell_shapers::{Mode, Shaper, shaper_by_name};
@@ -119,8 +119,13 @@ impl Programme {
                     said = format!("{:?} {:?} ", prescribed.hold, prescribed.expected);
                     for mode in &prescribed.modes {
                         let hertz = mode.modes.map(|m| (m.hertz() * 100.0).round() / 100.0);
-                        let std = mode.known.natural_frequency_std / mode.known.mode.natural_frequency();
-                        said += &format!("{hertz:?} +-{:.2} % xi {:.3}; ", 100.0 * std, mode.known.mode.damping_ratio());
+                        let std =
+                            mode.known.natural_frequency_std / mode.known.mode.natural_frequency();
+                        said += &format!(
+                            "{hertz:?} +-{:.2} % xi {:.3}; ",
+                            100.0 * std,
+                            mode.known.mode.damping_ratio()
+                        );
                     }
                     controller.hold(prescribed.hold);
                     if let (Some(train), Some(known)) = (&prescribed.train, &prescribed.known) {
@@ -131,12 +136,11 @@ impl Programme {
                 let delay = controller.axis().next_train().duration();
                 controller.load(plan).expect("a plan");
                 let before = controller.axis().status().retunes;
-                let mut heard = Vec::new();
-                let residual = self.one(&mut controller, &mut plant, &mut inbox, &mut heard, target);
+                let residual = self.one(&mut controller, &mut plant, &mut inbox, target);
                 let retunes = controller.axis().status().retunes - before;
                 let start = std::time::Instant::now();
                 if policy == Policy::Learned {
-                    learner.learn(&heard, payload);
+                    learner.learn(controller.axis().heard(), payload);
                 }
                 said += &format!("{:.0} ms", start.elapsed().as_secs_f64() * 1e3);
                 Left {
@@ -156,29 +160,25 @@ impl Programme {
         controller: &mut Controller,
         plant: &mut Plant,
         inbox: &mut Vec<Measurement>,
-        heard: &mut Vec<Sample>,
         target: f64,
     ) -> f64 {
         let (mut quiet, mut trace) = (0.0, Vec::new());
         while quiet < WATCHED / self.belief_hz && trace.len() < 20_000 {
             let setpoint = controller.tick(inbox);
-            heard.extend(controller.axis().status().deformation.map(|sample| Sample {
-                time: sample.time,
-                motor_position: sample.motor_position,
-                deformation: sample.deformation,
-            }));
             let measured = plant.step(setpoint.position, setpoint.velocity);
             inbox.clear();
             inbox.push(Measurement::MotorPosition {
                 time: measured.time,
                 position: measured.motor,
             });
-            inbox.extend(measured.deformation.map(|deformation| {
-                Measurement::Deformation {
-                    time: measured.time,
-                    deformation,
-                }
-            }));
+            inbox.extend(
+                measured
+                    .deformation
+                    .map(|deformation| Measurement::Deformation {
+                        time: measured.time,
+                        deformation,
+                    }),
+            );
             trace.push((plant.motor(), plant.deformation()));
             quiet = match controller.is_settled() {
                 true => quiet + PERIOD,
@@ -203,7 +203,9 @@ pub fn plan(from: f64, to: f64) -> SampledTrajectory {
 /// Each move's share of what the same move leaves unshaped, %.
 pub fn percent(left: &[Left], unshaped: &[Left]) -> Vec<f64> {
     let pairs = left.iter().zip(unshaped);
-    pairs.map(|(a, b)| 100.0 * a.residual / b.residual).collect()
+    pairs
+        .map(|(a, b)| 100.0 * a.residual / b.residual)
+        .collect()
 }
 
 pub fn median(values: &[f64]) -> f64 {

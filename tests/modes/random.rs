@@ -27,7 +27,13 @@ pub fn programme(seed: u64) -> Programme {
     });
     let modes: Vec<PlantMode> = modes.collect();
     // Each fault is there in one of three.
-    let mut fault = |most: f64| if any(0.0, 1.0) < 0.33 { any(0.0, most) } else { 0.0 };
+    let mut fault = |most: f64| {
+        if any(0.0, 1.0) < 0.33 {
+            any(0.0, most)
+        } else {
+            0.0
+        }
+    };
     let faults = Faults {
         friction: fault(200e-6),
         backlash: fault(100e-6),
@@ -56,7 +62,13 @@ pub fn programme(seed: u64) -> Programme {
     Programme {
         name: format!(
             "seed {seed}: {count} modes, slope {slope:.2} {bend:.2}, {} payload, {faults:?}",
-            if !changes { "no" } else if declared { "declared" } else { "unknown" }
+            if !changes {
+                "no"
+            } else if declared {
+                "declared"
+            } else {
+                "unknown"
+            }
         ),
         modes,
         faults,

@@ -150,7 +150,10 @@ impl<'a> Problem<'a> {
     /// Of finite samples in the order of time.
     pub fn new(samples: &'a [Sample], way: Way, range: (f64, f64)) -> Self {
         let slope = |k: usize| {
-            let (a, b) = (samples[k.saturating_sub(1)], samples[(k + 1).min(samples.len() - 1)]);
+            let (a, b) = (
+                samples[k.saturating_sub(1)],
+                samples[(k + 1).min(samples.len() - 1)],
+            );
             (b.motor_position - a.motor_position) / (b.time - a.time).max(f64::MIN_POSITIVE)
         };
         Self {
@@ -169,7 +172,11 @@ impl<'a> Problem<'a> {
     }
 
     fn columns(&self, point: &Point) -> [Vec<f64>; COLUMNS] {
-        let log_w = |position| self.way.value(&point.log_w, position).clamp(self.range.0, self.range.1);
+        let log_w = |position| {
+            self.way
+                .value(&point.log_w, position)
+                .clamp(self.range.0, self.range.1)
+        };
         columns(self.samples, log_w, point.xi).of
     }
 
@@ -216,7 +223,11 @@ impl<'a> Problem<'a> {
         let unknowns = normal.cholesky()?.solve(&design.tr_mul(&measured));
         let residual = measured - &design * &unknowns;
         let square = residual.norm_squared();
-        let shrunk: f64 = unknowns.iter().zip(&precision).map(|(x, p)| p * x * x).sum();
+        let shrunk: f64 = unknowns
+            .iter()
+            .zip(&precision)
+            .map(|(x, p)| p * x * x)
+            .sum();
         let away: f64 = points
             .iter()
             .zip(priors)
@@ -302,7 +313,9 @@ impl<'a> Problem<'a> {
     /// The variance of a residual: rounding at least.
     fn variance(&self, square: f64, unknowns: usize) -> f64 {
         let spare = (self.count() - unknowns as f64).max(1.0);
-        (square / spare).max(1e-20 * self.largest * self.largest).max(1e-60)
+        (square / spare)
+            .max(1e-20 * self.largest * self.largest)
+            .max(1e-60)
     }
 
     /// From a start down to where no step leaves less; spikes are then left out, and it goes on.
@@ -416,7 +429,9 @@ impl<'a> Problem<'a> {
         let mut modes = Vec::new();
         for (m, (&point, &prior)) in points.iter().zip(priors).enumerate() {
             let at = first + OF_A_MODE * m;
-            let own = inverse.fixed_view::<OF_A_MODE, OF_A_MODE>(at, at).into_owned();
+            let own = inverse
+                .fixed_view::<OF_A_MODE, OF_A_MODE>(at, at)
+                .into_owned();
             modes.push(Fitted {
                 point,
                 share: linear.unknowns[COLUMNS * m],
@@ -450,9 +465,7 @@ impl<'a> Problem<'a> {
 }
 
 /// A symmetric matrix without what rounding makes negative.
-fn not_negative(
-    matrix: SMatrix<f64, OF_A_MODE, OF_A_MODE>,
-) -> SMatrix<f64, OF_A_MODE, OF_A_MODE> {
+fn not_negative(matrix: SMatrix<f64, OF_A_MODE, OF_A_MODE>) -> SMatrix<f64, OF_A_MODE, OF_A_MODE> {
     let mut eigen = (0.5 * (matrix + matrix.transpose())).symmetric_eigen();
     eigen.eigenvalues.apply(|value| *value = value.max(0.0));
     eigen.recompose()

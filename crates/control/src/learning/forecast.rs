@@ -44,7 +44,11 @@ impl Expected {
         let eigen = self.covariance.symmetric_eigen();
         let reach = (OF_A_MODE as f64).sqrt();
         let mut points = vec![self.point];
-        for (value, direction) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        for (value, direction) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+        {
             for sign in [-reach, reach] {
                 let step = sign * value.max(0.0).sqrt();
                 points.push(Point {
@@ -76,16 +80,23 @@ impl<'a> Forecast<'a> {
     /// Of a plan of one axis.
     pub fn new(plan: &'a SampledTrajectory, way: Way, modes: &'a [Expected]) -> Self {
         let speeds = plan.velocities(0).iter().map(|v| v.abs());
-        let turn = speeds.enumerate().fold((0, 0.0), |best, (k, v)| match v > best.1 {
-            true => (k, v),
-            false => best,
-        });
+        let turn = speeds
+            .enumerate()
+            .fold((0, 0.0), |best, (k, v)| match v > best.1 {
+                true => (k, v),
+                false => best,
+            });
         Self {
             plan,
             way,
             modes,
             turn: turn.0,
         }
+    }
+
+    /// The same of the move as a whole, in which halves may cancel each other: what will be measured.
+    pub fn whole(self) -> Self {
+        Self { turn: 0, ..self }
     }
 
     /// What delays up to `longest` ticks leave, in the pose in which a train of that length has the arm.
@@ -125,7 +136,10 @@ impl<'a> Forecast<'a> {
         let mut whole = [[1.0, 0.0], [0.0, 1.0]];
         for tick in (0..=ticks).rev() {
             answers[tick] = amplitude(-whole[0][1], -whole[1][1]);
-            let w = self.way.value(&point.log_w, shaped(tick.saturating_sub(1))).exp();
+            let w = self
+                .way
+                .value(&point.log_w, shaped(tick.saturating_sub(1)))
+                .exp();
             let step = free_step(w, point.xi, period);
             whole = core::array::from_fn(|i| {
                 core::array::from_fn(|j| whole[i][0] * step[0][j] + whole[i][1] * step[1][j])
@@ -162,7 +176,10 @@ impl<'a> Forecast<'a> {
         });
         let sizes: Vec<f64> = each.collect();
         let all = sizes.iter().map(|x| x * x).sum::<f64>().sqrt();
-        sizes.iter().map(|x| x / all.max(f64::MIN_POSITIVE)).collect()
+        sizes
+            .iter()
+            .map(|x| x / all.max(f64::MIN_POSITIVE))
+            .collect()
     }
 }
 
@@ -171,7 +188,9 @@ impl Left {
     pub fn by(&self, train: &GridTrain) -> f64 {
         let mut sum = nalgebra::DVector::zeros(self.rows.nrows());
         for tap in train.taps() {
-            let column = self.rows.column((tap.delay as usize).min(self.rows.ncols() - 1));
+            let column = self
+                .rows
+                .column((tap.delay as usize).min(self.rows.ncols() - 1));
             sum += column * tap.amplitude;
         }
         sum.norm() / self.unshaped.max(f64::MIN_POSITIVE)

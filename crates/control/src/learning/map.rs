@@ -103,8 +103,8 @@ impl Map {
             level, pose, load, ..
         } = self.spread;
         let others = a.others.iter().zip(&b.others);
-        let square: f64 = (a.position - b.position).powi(2)
-            + others.map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+        let square: f64 =
+            (a.position - b.position).powi(2) + others.map(|(x, y)| (x - y).powi(2)).sum::<f64>();
         let near = (-0.5 * square / (LENGTH * LENGTH)).exp();
         level * level
             + pose * pose * near

@@ -70,6 +70,26 @@ pub enum Hold {
     Worse,
 }
 
+impl Hold {
+    /// A short stable name, as in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SeveralModes => "several_modes",
+            Self::Pose => "pose",
+            Self::Worse => "worse",
+        }
+    }
+
+    /// What the train is solved for in place of one mode that stays.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::SeveralModes => "several modes",
+            Self::Pose => "a mode that follows the pose",
+            Self::Worse => "the belief, because what was learned left more",
+        }
+    }
+}
+
 /// A mode on the way of the next move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeOnWay {
@@ -84,7 +104,7 @@ pub struct ModeOnWay {
 }
 
 /// What is in force for a move.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
     /// A train to be set; none keeps that in force.
     pub train: Option<GridTrain>,
@@ -226,7 +246,9 @@ impl Learner {
     fn is_theirs(&self, fit: &Fit) -> bool {
         let theirs = self.modes.iter().zip(&fit.modes);
         (0..fit.modes.len()).all(|k| order::rings(fit, k))
-            && !theirs.into_iter().any(|(map, fitted)| map.is_surprised(fitted))
+            && !theirs
+                .into_iter()
+                .any(|(map, fitted)| map.is_surprised(fitted))
     }
 
     /// Holds what the move left against what it would have left otherwise.
@@ -240,14 +262,20 @@ impl Learner {
                 share: mode.share,
             })
             .collect();
-        let forecast = Forecast::new(&pending.plan, way, &modes);
+        let forecast = Forecast::new(&pending.plan, way, &modes).whole();
         let base = &self.settings.base;
-        let longest = pending.adapted.duration_in_ticks().max(base.duration_in_ticks());
+        let longest = pending
+            .adapted
+            .duration_in_ticks()
+            .max(base.duration_in_ticks());
         let left = forecast.left(longest);
         let unshaped = left.unshaped().max(f64::MIN_POSITIVE);
         let measured = monitor::ringing(samples, fit) / unshaped;
         let unexplained = 2.0 * fit.unexplained() / (unshaped * unshaped);
         self.unexplained = (FORGETS * self.unexplained).max(unexplained).min(1.0);
+        if pending.adapted == *base {
+            return;
+        }
         let outcome = match pending.is_base {
             true => Outcome {
                 base: measured,

@@ -98,7 +98,8 @@ impl ModeMap {
         let information = fitted.information;
         // Where the sum of both is least, what the samples pull is what the prior pulls back.
         let pull = fitted.prior.precision() * (mean - fitted.prior.mean());
-        let coarse = (SMatrix::<f64, OF_A_MODE, OF_A_MODE>::identity() + information * (UNSEEN * UNSEEN))
+        let coarse = (SMatrix::<f64, OF_A_MODE, OF_A_MODE>::identity()
+            + information * (UNSEEN * UNSEEN))
             .try_inverse()
             .unwrap_or_else(SMatrix::zeros);
         let precision = coarse * information;
@@ -106,7 +107,8 @@ impl ModeMap {
         let pull = coarse * pull;
         self.learn_frequency(&mean, &precision, &pull, places);
         let xi = precision[(NODES, NODES)];
-        let only = |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
+        let only =
+            |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
         let vector = only(xi * mean[NODES] + pull[NODES]);
         self.damping
             .add(places.clone(), SMatrix::from_diagonal(&only(xi)), vector);
@@ -139,7 +141,9 @@ impl ModeMap {
         if self.moves() == 0 {
             return false;
         }
-        let view = |m: &SMatrix<f64, OF_A_MODE, OF_A_MODE>| m.fixed_view::<NODES, NODES>(0, 0).into_owned();
+        let view = |m: &SMatrix<f64, OF_A_MODE, OF_A_MODE>| {
+            m.fixed_view::<NODES, NODES>(0, 0).into_owned()
+        };
         let shift = vector(&fitted.point) - fitted.prior.mean();
         let shift = shift.fixed_rows::<NODES>(0).into_owned();
         let slack = SMatrix::<f64, NODES, NODES>::from_diagonal_element(UNSEEN * UNSEEN);

@@ -67,7 +67,10 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
     let nothing = problem.left_by(&[])?;
     let mut grown = accepted.clone();
     for _ in known.len()..MOST {
-        if grown.as_ref().is_some_and(|fit| is_all(fit, negligible(samples))) {
+        if grown
+            .as_ref()
+            .is_some_and(|fit| is_all(fit, negligible(samples)))
+        {
             break;
         }
         let Some(more) = one_more(samples, problem, grown.as_ref()) else {
@@ -103,7 +106,11 @@ fn is_all(fit: &Fit, negligible: f64) -> bool {
 fn negligible(samples: &[Sample]) -> f64 {
     let n = samples.len() as f64;
     let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / n;
-    let square = samples.iter().map(|s| (s.deformation - mean).powi(2)).sum::<f64>() / n;
+    let square = samples
+        .iter()
+        .map(|s| (s.deformation - mean).powi(2))
+        .sum::<f64>()
+        / n;
     WORTH * WORTH * square
 }
 

@@ -81,10 +81,7 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
             let across = |u: f64, rate: f64| [u - second / (w * w), rate];
             let ground = |u: f64, rate: f64| {
                 let bent = (4.0 * xi * xi - 1.0) / (w * w) * second;
-                [
-                    u - 2.0 * xi / w * rate + bent,
-                    rate - 2.0 * xi / w * second,
-                ]
+                [u - 2.0 * xi / w * rate + bent, rate - 2.0 * xi / w * second]
             };
             let ends = [
                 (last.motor_position - origin, chord - curve * h),

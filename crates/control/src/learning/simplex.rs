@@ -15,7 +15,9 @@ const RIDGE: f64 = 1e-8;
 /// Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, ch. 23.
 pub fn least_on_simplex(gram: &DMatrix<f64>) -> DVector<f64> {
     let n = gram.ncols();
-    let weight = (0..n).map(|k| gram[(k, k)]).fold(f64::MIN_POSITIVE, f64::max);
+    let weight = (0..n)
+        .map(|k| gram[(k, k)])
+        .fold(f64::MIN_POSITIVE, f64::max);
     let full = gram.map(|x| x + weight) + DMatrix::from_diagonal_element(n, n, RIDGE * weight);
     let mut x = DVector::zeros(n);
     let mut passive: Vec<usize> = Vec::new();
@@ -31,7 +33,10 @@ pub fn least_on_simplex(gram: &DMatrix<f64>) -> DVector<f64> {
         while let Some(inner) = solve_on(&full, &passive, weight) {
             if inner.iter().all(|value| *value > 0.0) {
                 x.fill(0.0);
-                passive.iter().zip(inner.iter()).for_each(|(&k, v)| x[k] = *v);
+                passive
+                    .iter()
+                    .zip(inner.iter())
+                    .for_each(|(&k, v)| x[k] = *v);
                 break;
             }
             // As far towards it as nothing becomes negative; what is 0 then leaves.
@@ -43,11 +48,17 @@ pub fn least_on_simplex(gram: &DMatrix<f64>) -> DVector<f64> {
                 x[k] += reach * (v - x[k]);
             }
             passive.retain(|&k| x[k] > 1e-12);
-            (0..n).filter(|k| !passive.contains(k)).for_each(|k| x[k] = 0.0);
+            (0..n)
+                .filter(|k| !passive.contains(k))
+                .for_each(|k| x[k] = 0.0);
         }
     }
     let sum = x.sum();
-    if sum > 0.0 { x / sum } else { DVector::from_element(n, 1.0 / n as f64) }
+    if sum > 0.0 {
+        x / sum
+    } else {
+        DVector::from_element(n, 1.0 / n as f64)
+    }
 }
 
 fn solve_on(full: &DMatrix<f64>, passive: &[usize], weight: f64) -> Option<DVector<f64>> {
