@@ -226,19 +226,24 @@ impl Learner {
             [] => None,
             priors => fit(priors).filter(|found| self.is_theirs(found)),
         };
-        // White noise is all that is left: nothing else can explain it better.
-        if let Some(known) = &known
-            && known.inflation <= COLOURED
-        {
-            return Some((known.clone(), true));
+        // White noise is all that is left, and no mode had to be added: nothing else can explain it better.
+        let is_enough = |fit: &Fit| fit.inflation <= COLOURED && fit.modes.len() == priors.len();
+        if known.as_ref().is_some_and(is_enough) {
+            return known.map(|fit| (fit, true));
         }
         let anew = fit(&[]);
         match (known, anew) {
-            (Some(known), Some(anew)) if !order::excludes(&anew, &known, samples) => {
-                Some((known, true))
+            // The map stays unless the samples exclude it, or fewer modes say the same: one that has moved is not another one.
+            (Some(known), Some(anew)) => {
+                let fewer = anew.modes.len() < known.modes.len();
+                let as_good = fewer && !order::excludes(&known, &anew, samples);
+                match as_good || order::excludes(&anew, &known, samples) {
+                    true => Some((anew, false)),
+                    false => Some((known, true)),
+                }
             }
             (Some(known), None) => Some((known, true)),
-            (_, anew) => anew.map(|fit| (fit, false)),
+            (None, anew) => anew.map(|fit| (fit, false)),
         }
     }
 
