@@ -68,6 +68,8 @@ pub enum Hold {
     Pose,
     /// What was learned left more than no adaptation would have.
     Worse,
+    /// The modes leave more of the vibration unexplained than the dead band.
+    Unexplained,
 }
 
 impl Hold {
@@ -77,6 +79,7 @@ impl Hold {
             Self::SeveralModes => "several_modes",
             Self::Pose => "pose",
             Self::Worse => "worse",
+            Self::Unexplained => "unexplained",
         }
     }
 
@@ -86,6 +89,7 @@ impl Hold {
             Self::SeveralModes => "several modes",
             Self::Pose => "a mode that follows the pose",
             Self::Worse => "the belief, because what was learned left more",
+            Self::Unexplained => "what the modes explain, and for the belief in what they do not",
         }
     }
 }
@@ -338,13 +342,16 @@ impl Learner {
             }
             prescription.train = train;
         }
-        if hold == Some(Hold::Worse) {
+        let is_base = hold == Some(Hold::Worse) || (shaped.is_empty() && hold.is_some());
+        if is_base {
             prescription.train = Some(self.settings.base.clone());
+            let believed = UncertainMode::believed(self.settings.belief);
+            prescription.known = Some(believed);
         }
         self.pending = Some(Pending {
             plan: plan.clone(),
             adapted,
-            is_base: hold == Some(Hold::Worse),
+            is_base,
         });
         prescription
     }
@@ -405,8 +412,12 @@ impl Learner {
         if self.monitor.prefers_base(self.settings.dead_band) {
             return Some(Hold::Worse);
         }
+        let unexplained = self.unexplained.sqrt() > self.settings.dead_band;
+        let unexplained = unexplained.then_some(Hold::Unexplained);
         let mut shaped = modes.iter().filter(|mode| mode.shaped);
-        let first = shaped.next()?;
+        let Some(first) = shaped.next() else {
+            return unexplained;
+        };
         if shaped.next().is_some() {
             return Some(Hold::SeveralModes);
         }
@@ -415,7 +426,8 @@ impl Learner {
             - logs.iter().copied().fold(f64::INFINITY, f64::min);
         // A train for the middle is off by half of it, and leaves pi/2 of that at most.
         let left = std::f64::consts::FRAC_PI_4 * range;
-        (left > self.settings.dead_band).then_some(Hold::Pose)
+        let pose = (left > self.settings.dead_band).then_some(Hold::Pose);
+        pose.or(unexplained)
     }
 
     /// A train that is expected to leave less than that in force, or none; and what is left then.

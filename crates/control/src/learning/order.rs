@@ -17,6 +17,8 @@ const STARTS: usize = 2;
 /// Odds against chance: a process of frequencies and dampings goes beyond 30 once in thousands of moves (module
 /// `two_mode_likelihood`).
 const CHANCE: f64 = 30.0;
+/// A sum of squares of which a quarter is left is one of half of the amplitude.
+const MOST_OF: f64 = 0.25;
 /// Unknowns of a mode.
 const UNKNOWNS: f64 = 8.0;
 /// Standard deviation of `ln w` above which a mode is of no use: two of them are the half width of what ZVD holds.
@@ -78,7 +80,9 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
         };
         let without = accepted.as_ref().map_or(nothing, |fit| fit.square);
         let before = accepted.as_ref().map_or(0, |fit| fit.modes.len());
-        if is_evident(&more, before, without, negligible(samples)) {
+        if is_evident(&more, before, without, negligible(samples))
+            || (before == 0 && is_most(&more, without))
+        {
             accepted = Some(more.clone());
         }
         grown = Some(more);
@@ -145,6 +149,12 @@ fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool
     let evidence = independent * ((without + floor) / (found.square + floor)).ln();
     let needed = more as f64 * (CHANCE + UNKNOWNS * independent.max(1.0).ln());
     evidence > needed && (before..found.modes.len()).all(|k| rings(found, k))
+}
+
+/// Whether one mode rings, and explains most of what moves: there is one, then, however coloured what it leaves. What that is
+/// counts when a train is chosen.
+fn is_most(found: &Fit, without: f64) -> bool {
+    found.modes.len() == 1 && found.square < MOST_OF * without && rings(found, 0)
 }
 
 /// Whether a mode is known well enough to be of use, rings, and is none of the others.
