@@ -481,7 +481,7 @@ impl Learner {
         left.by(train)
     }
 
-    /// Whether another train leaves less by more than the half dead band that is aimed at, or as little with less delay.
+    /// Whether that in force leaves more than the dead band and another less, or another as little with less delay.
     fn is_worth(
         &self,
         now: f64,
@@ -492,7 +492,8 @@ impl Learner {
     ) -> bool {
         let goal = GOAL * self.settings.dead_band;
         let shorter = train.duration() + quarter < in_force.duration();
-        (now > goal && expected < 0.9 * now) || (shorter && expected <= goal.max(now))
+        let worse = now > self.settings.dead_band && expected < 0.9 * now;
+        worse || (shorter && expected <= goal.max(now))
     }
 }
 

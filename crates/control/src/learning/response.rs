@@ -107,3 +107,34 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
     }
     columns
 }
+
+#[cfg(test)]
+mod tests {
+    use super::columns;
+    use crate::estimators::Sample;
+
+    /// Of a motor side that accelerates evenly, `u = t^2 / 2`, a mode without damping lags by
+    /// `(cos w t - 1) / w^2`: the particular solution is exact for a parabola.
+    #[test]
+    fn val_response_to_an_even_acceleration() {
+        let sample = |k: usize| Sample {
+            time: 0.002 * k as f64,
+            motor_position: 0.5 * (0.002 * k as f64).powi(2),
+            deformation: 0.0,
+        };
+        let samples: Vec<Sample> = (0..400).map(sample).collect();
+        let w: f64 = 50.0;
+        let found = columns(&samples, |_| w.ln(), 0.0).of;
+        for (k, sample) in samples.iter().enumerate() {
+            // The first interval has no parabola yet: it lacks h^2 / 8 of the input at most.
+            let lag = ((w * sample.time).cos() - 1.0) / (w * w);
+            assert!(
+                (found[0][k] - lag).abs() < 2e-6,
+                "{k}: {} {lag}",
+                found[0][k]
+            );
+            let free = (w * sample.time).cos();
+            assert!((found[3][k] - free).abs() < 1e-9, "{k}");
+        }
+    }
+}

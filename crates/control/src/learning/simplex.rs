@@ -69,3 +69,22 @@ fn solve_on(full: &DMatrix<f64>, passive: &[usize], weight: f64) -> Option<DVect
     let part = DMatrix::from_fn(n, n, |i, j| full[(passive[i], passive[j])]);
     Some(part.cholesky()?.solve(&DVector::from_element(n, weight)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::least_on_simplex;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Of `sum d_k x_k^2` the minimum is at `x_k = (1 / d_k) / sum 1 / d`; a column that only harms is left out.
+    #[test]
+    fn val_weights_of_independent_columns() {
+        let x = least_on_simplex(&DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 3.0])));
+        assert!(
+            (x[0] - 0.75).abs() < 1e-7 && (x[1] - 0.25).abs() < 1e-7,
+            "{x}"
+        );
+        let columns = DMatrix::from_row_slice(2, 3, &[1.0, -1.0, 5.0, 0.0, 0.0, 5.0]);
+        let x = least_on_simplex(&columns.tr_mul(&columns));
+        assert!((x[0] - 0.5).abs() < 1e-6 && x[2] == 0.0, "{x}");
+    }
+}
