@@ -207,7 +207,7 @@ impl Left {
     /// [`ShaperError`] where the period is none.
     pub fn best(&self, period: f64) -> Result<GridTrain, ShaperError> {
         let longest = self.rows.ncols() - 1;
-        let count = longest.min(INSTANTS - 1).max(1);
+        let count = longest.clamp(1, INSTANTS - 1);
         let mut ticks: Vec<usize> = (0..=count).map(|k| k * longest / count).collect();
         ticks.dedup();
         let chosen = DMatrix::from_fn(self.rows.nrows(), ticks.len(), |row, k| {
