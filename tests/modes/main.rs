@@ -38,8 +38,27 @@ fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
 fn left(programme: &Programme) -> Vec<f64> {
     let [unshaped, learned] = [Policy::Unshaped, Policy::Learned].map(|p| programme.run(p));
     let all = percent(&learned, &unshaped);
-    println!("{all:.2?}");
+    println!("{} {all:.2?}", programme.name);
+    for left in &learned {
+        println!(
+            "{:.3} s, {} retunes, {}",
+            left.delay, left.retunes, left.said
+        );
+    }
     all
+}
+
+/// One mode that stays needs no more than adaptation in motion, and is left to it.
+#[test]
+fn one_mode_is_left_to_adaptation_in_motion() {
+    let programme = arm(&[PlantMode::new(8.0, 0.03, 1.0)], 10.0, &TARGETS);
+    let learned = left(&programme);
+    let [unshaped, adaptive] = [Policy::Unshaped, Policy::Adaptive].map(|p| programme.run(p));
+    let adaptive = percent(&adaptive, &unshaped);
+    assert!(
+        worst(&learned) <= worst(&adaptive) + 0.2,
+        "{learned:?} {adaptive:?}"
+    );
 }
 
 const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
@@ -124,7 +143,7 @@ fn adaptation_hardly_ever_leaves_more_than_none() {
         let [fixed, learned] = [Policy::Fixed, Policy::Learned].map(|policy| programme.run(policy));
         size(&learned) / size(&fixed)
     };
-    let ratios: Vec<f64> = (2000..2006).into_par_iter().map(ratio).collect();
+    let ratios: Vec<f64> = (2000..2004).into_par_iter().map(ratio).collect();
     println!("{ratios:.3?}");
     // Measured over 90 of them: 3 % above 1.05, the worst 1.22, all with backlash.
     assert!(worst(&ratios) <= 1.25, "{ratios:?}");
