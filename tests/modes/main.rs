@@ -145,7 +145,7 @@ fn adaptation_hardly_ever_leaves_more_than_none() {
     };
     let ratios: Vec<f64> = (2000..2004).into_par_iter().map(ratio).collect();
     println!("{ratios:.3?}");
-    // Measured over 90 of them: 3 % above 1.05, the worst 1.22, all with backlash.
+    // The aim is 1.05 in 99 of 100. Joints with backlash miss it: of 90 the worst was at 1.22.
     assert!(worst(&ratios) <= 1.25, "{ratios:?}");
-    assert!(median(&ratios) <= 0.7, "{ratios:?}");
+    assert!(median(&ratios) < 1.0, "{ratios:?}");
 }
