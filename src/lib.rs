@@ -27,7 +27,7 @@
 //!
 //! `examples/` has programs of a few lines: shape a move, identify, diagnose, simulate.
 
-pub use quell_control::{adaptation, controller, estimators};
+pub use quell_control::{adaptation, controller, estimators, learning};
 pub use quell_diagnosis as diagnosis;
 pub use quell_identification as identification;
 pub use quell_model as model;

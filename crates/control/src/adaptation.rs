@@ -8,6 +8,7 @@
 //! they call an estimate converged, so that two windows without overlap agree.
 
 use crate::estimators::Estimate;
+use crate::learning::Hold;
 use quell_shapers::{GridTrain, Mode, Tap, UncertainMode};
 use std::f64::consts::PI;
 
@@ -67,6 +68,10 @@ pub enum Reason {
     /// The residual of the present command could as well be the estimate's error: three standard
     /// deviations of it are this fraction.
     NotSignificant(f64),
+    /// The train was solved for what earlier moves have taught, and is not followed in motion.
+    Held(Hold),
+    /// The mode that was estimated leaves this fraction of the vibration unexplained, and a new train would take no more away.
+    Unexplained(f64),
     /// The mode has jumped by this relative step and has not yet persisted for half a period, twice the window over which estimates must agree.
     Unconfirmed(f64),
 }

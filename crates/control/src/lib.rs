@@ -3,3 +3,4 @@
 pub mod adaptation;
 pub mod controller;
 pub mod estimators;
+pub mod learning;

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use crate::cli::shaping;
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
+use crate::learning::{Hold, Prescription};
 use crate::page::{columns, number};
 
 /// Distance from the target within which the tip counts as settled, m.
@@ -68,14 +69,61 @@ pub fn document(comparison: &Comparison) -> Value {
             "periods_to_converge": learned.periods(),
         })
     });
+    let next = comparison.trace(MoveKind::AdaptiveNext);
     json!({
         "moves": moves,
         "estimate": estimate,
+        "modes": next.prescribed.as_ref().map(modes),
         "truth": {
             "frequency_hz": comparison.truth.hertz(),
             "damping_ratio": comparison.truth.damping_ratio(),
         },
     })
+}
+
+/// The modes that the first move taught for the next.
+fn modes(prescribed: &Prescription) -> Value {
+    let each = prescribed.modes.iter().map(|mode| {
+        json!({
+            "frequency_hz": mode.known.mode.hertz(),
+            "frequency_std_hz": mode.known.natural_frequency_std / core::f64::consts::TAU,
+            "frequency_along_way_hz": mode.modes.map(|mode| mode.hertz()),
+            "damping_ratio": mode.known.mode.damping_ratio(),
+            "damping_std": mode.known.damping_ratio_std,
+            "part_of_unshaped": mode.contribution,
+            "shaped": mode.shaped,
+        })
+    });
+    json!({
+        "known": each.collect::<Vec<_>>(),
+        "held": prescribed.hold.map(Hold::name),
+        "expected_percent_of_unshaped": prescribed.expected.map(|share| 100.0 * share),
+    })
+}
+
+/// The same in words, where there is more to tell than one mode that stays.
+fn taught(prescribed: &Prescription) -> String {
+    let Some(hold) = prescribed.hold else {
+        return String::new();
+    };
+    let each = prescribed.modes.iter().map(|mode| {
+        let hertz = mode.modes.map(|mode| mode.hertz());
+        let least = hertz.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = hertz.iter().copied().fold(0.0, f64::max);
+        let along = match most > 1.01 * least {
+            true => format!("{least:.2} to {most:.2} Hz"),
+            false => format!("{:.2} Hz", mode.known.mode.hertz()),
+        };
+        let part = 100.0 * mode.contribution;
+        let unshaped = if mode.shaped { "" } else { ", not shaped for" };
+        format!("{along} ({part:.0} % of what the move excites{unshaped})")
+    });
+    let each: Vec<String> = each.collect();
+    format!(
+        "The next move is shaped for {}: {}.\n",
+        hold.reason(),
+        each.join(", ")
+    )
 }
 
 /// The comparison as text for a terminal.
@@ -159,12 +207,14 @@ pub fn learned(comparison: &Comparison) -> String {
         }
         _ => "not converged".to_string(),
     };
+    let next = comparison.trace(MoveKind::AdaptiveNext).prescribed.as_ref();
     format!(
-        "Estimated {:.3} +- {:.3} Hz, damping {:.4} +- {:.4}; {when}.\n{truth}\n",
+        "Estimated {:.3} +- {:.3} Hz, damping {:.4} +- {:.4}; {when}.\n{truth}\n{}",
         learned.estimate.mode.hertz(),
         learned.frequency_std(),
         learned.estimate.mode.damping_ratio(),
         learned.estimate.damping_ratio_std,
+        next.map(taught).unwrap_or_default(),
     )
 }
 

@@ -129,6 +129,11 @@ fn words(reason: Reason) -> String {
         Reason::NotSignificant(left) => {
             format!("not significant: its error explains {}", percent(left))
         }
+        Reason::Held(hold) => format!("the train is solved for {}", hold.reason()),
+        Reason::Unexplained(left) => format!(
+            "one mode that stays leaves {} of the vibration unexplained",
+            percent(left)
+        ),
         Reason::Unconfirmed(step) => {
             format!("a jump of {}, which has to persist first", percent(step))
         }

@@ -15,6 +15,10 @@ impl Axis {
         else {
             return;
         };
+        if let Some(hold) = self.hold {
+            self.status.decision = Some(Decision::Keep(Reason::Held(hold)));
+            return;
+        }
         // Once the plan has ended there is little more to learn: what is certain enough for the
         // adaptation is used then, settled or not.
         estimate.converged |= self.settings.estimator.states_error
@@ -30,6 +34,10 @@ impl Axis {
             return;
         }
         self.last_considered = self.time;
+        if let Some(unexplained) = self.unexplained(estimate.mode) {
+            self.status.decision = Some(Decision::Keep(Reason::Unexplained(unexplained)));
+            return;
+        }
         let known = self.known(&estimate);
         let next = match self.has_shortest_for(&estimate) {
             true => Ok(self.next_train().clone()),
@@ -40,6 +48,17 @@ impl Axis {
             Ok(next) => self.judge(&estimate, &known, next, ahead),
             Err(_) => Decision::Keep(Reason::Implausible(estimate.mode)),
         });
+    }
+
+    /// The part of the unshaped vibration that one mode leaves unexplained, where that is more than the train in force leaves of
+    /// the mode: a train for it would then take less away than is not understood.
+    fn unexplained(&mut self, mode: Mode) -> Option<f64> {
+        // It decays, and the phases of a move may cancel each other: the largest of the move counts.
+        let unshaped = self.filter.residual(mode)?.unshaped;
+        self.unshaped = self.unshaped.max(unshaped);
+        let unexplained = self.estimator.unexplained() / self.unshaped.max(f64::MIN_POSITIVE);
+        let in_force = residual(self.next_train(), mode);
+        (unexplained > in_force).then_some(unexplained)
     }
 
     /// How well the mode of an estimate is known: where the method states no error, no better than a belief.

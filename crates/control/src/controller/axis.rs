@@ -10,6 +10,7 @@ use super::path::Lane;
 use super::settings::AxisSettings;
 use crate::adaptation::{Adaptation, Decision};
 use crate::estimators::{Estimate, Estimator, Sample};
+use crate::learning::Hold;
 use quell_signal::{DeformationSample, DeformationSensor, Measurement, Motion, RestDetector};
 
 /// The state of an axis: belief, train, counts; plain numbers for logs and displays.
@@ -33,12 +34,15 @@ pub struct AxisStatus {
     pub deformation: Option<DeformationSample>,
 }
 
+/// Samples of a move that are kept, 1.5 MB: as many as the longest window of an estimator.
+const MOST_HEARD: usize = 65_536;
+
 /// The axis of a controller.
 pub struct Axis {
     pub(super) settings: AxisSettings,
     sensor: DeformationSensor,
     rest: RestDetector,
-    estimator: Box<dyn Estimator>,
+    pub(super) estimator: Box<dyn Estimator>,
     pub(super) adaptation: Adaptation,
     /// Changes nothing where there is a lane.
     pub(super) filter: AdaptiveFilter,
@@ -50,6 +54,12 @@ pub struct Axis {
     /// The mode that the last correction was for, and how well it was known.
     pub(super) corrected: UncertainMode,
     pub(super) status: AxisStatus,
+    /// The samples since the last move began; of a longer one those of its beginning.
+    heard: Vec<Sample>,
+    /// Why the train is not followed, if it is not.
+    pub(super) hold: Option<Hold>,
+    /// The largest vibration that the planned input of the move would have left unshaped, rad.
+    pub(super) unshaped: f64,
     fresh: bool,
 }
 
@@ -61,6 +71,8 @@ impl Axis {
     pub fn new(settings: AxisSettings, position: f64) -> Result<Self, ShaperError> {
         let capacity = (settings.longest_train / settings.sample_time).ceil() as usize;
         let horizon = (settings.longest_move / settings.sample_time).ceil() as usize;
+        let heard = settings.longest_move / settings.estimation.sample_time;
+        let heard = (heard as usize).min(MOST_HEARD);
         let mut filter = AdaptiveFilter::new(settings.sample_time, capacity, horizon);
         filter.reset(position);
         let belief = UncertainMode::believed(settings.belief);
@@ -87,6 +99,9 @@ impl Axis {
                 correction: None,
                 deformation: None,
             },
+            heard: Vec::with_capacity(heard),
+            hold: None,
+            unshaped: 0.0,
             fresh: false,
             settings,
         })
@@ -95,6 +110,11 @@ impl Axis {
     /// The state of the axis: its belief, its train, its counts.
     pub fn status(&self) -> &AxisStatus {
         &self.status
+    }
+
+    /// The samples since the last move began, for a [`crate::learning::Learner`]; of a very long one those of its beginning.
+    pub fn heard(&self) -> &[Sample] {
+        &self.heard
     }
 
     /// Whether the command is constant and the train has run out.
@@ -154,6 +174,8 @@ impl Axis {
     pub(super) fn begin_move(&mut self) {
         self.estimator.restart();
         self.status.estimate = None;
+        self.unshaped = 0.0;
+        self.heard.clear();
     }
 
     /// Takes a measurement. No allocation.
@@ -164,12 +186,16 @@ impl Axis {
         self.sensor.observe(measurement);
         while let Some(sample) = self.sensor.next_sample() {
             self.status.deformation = Some(sample);
+            let heard = Sample {
+                time: sample.time,
+                motor_position: sample.motor_position,
+                deformation: sample.deformation,
+            };
+            if self.heard.len() < self.heard.capacity() {
+                self.heard.push(heard);
+            }
             if self.may_use(sample.time) {
-                self.estimator.observe(Sample {
-                    time: sample.time,
-                    motor_position: sample.motor_position,
-                    deformation: sample.deformation,
-                });
+                self.estimator.observe(heard);
                 self.fresh = true;
             }
         }

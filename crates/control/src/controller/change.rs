@@ -3,12 +3,19 @@
 use quell_shapers::{GridTrain, Shaper, ShaperError, UncertainMode};
 
 use super::Controller;
+use crate::learning::Hold;
 use quell_signal::DeformationSensor;
 
 impl Controller {
     /// Whether the train follows the estimate from now on. No allocation.
     pub fn set_adaptive(&mut self, adaptive: bool) {
         self.axis.settings.adaptive = adaptive;
+    }
+
+    /// Why the train is not to follow the estimate from now on, as [`crate::learning::Learner::prescribe`] says; none lets it.
+    /// No allocation.
+    pub fn hold(&mut self, hold: Option<Hold>) {
+        self.axis.hold = hold;
     }
 
     /// Shapes for another mode or by another rule: `train`, designed by `shaper` (none for a plan sent as it

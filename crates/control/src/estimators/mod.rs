@@ -85,6 +85,11 @@ pub trait Estimator: Send {
     fn further(&self) -> Option<Estimate> {
         None
     }
+    /// Amplitude of what the estimate leaves unexplained of the deformation beside white noise, rad; 0 where the method does
+    /// not know it.
+    fn unexplained(&self) -> f64 {
+        0.0
+    }
     /// Forgets every sample, to begin a new window.
     fn restart(&mut self);
 }

@@ -1,7 +1,7 @@
 //! A simulated arm and the controller that commands it, tick by tick.
 
 use quell_shapers::{Mode, Shaper};
-use quell_trajectories::{Limits, Planner};
+use quell_trajectories::{Limits, Planner, SampledTrajectory};
 
 use super::commissioning::commission;
 use super::{ClosedLoopError, MoveTrace, Tick};
@@ -11,6 +11,7 @@ use quell_control::controller::{
     AxisSettings, AxisStatus, Controller, RetunePolicy, Setpoint, SlowedPlan, plan_shaped,
 };
 use quell_control::estimators::{EstimatorEntry, Settings};
+use quell_control::learning::{Learner, LearnerSettings, Prescription};
 use quell_signal::{ArcRegistration, DeformationSensor, Measurement, RestRule};
 
 /// The arm is watched for this many periods of the believed mode after its command has ended.
@@ -87,6 +88,11 @@ pub struct Cell {
     registration: ArcRegistration,
     watch: f64,
     inbox: Vec<Measurement>,
+    /// Learns from move to move, where the train follows the estimate.
+    learner: Option<Learner>,
+    /// What it prescribed for the last move.
+    prescribed: Option<Prescription>,
+    shaper: Option<&'static dyn Shaper>,
 }
 
 impl Cell {
@@ -123,8 +129,23 @@ impl Cell {
             longest_train: 4.0 * belief.damped_period(),
             longest_move: LONGEST_MOVE,
         };
+        let (dead_band, longest_train) = (axis.adaptation.dead_band, axis.longest_train);
+        let learns = axis.adaptive && axis.shaper.is_some();
+        let controller = Controller::new(axis, arm.true_motor_position())?;
+        let learner = || {
+            Learner::new(LearnerSettings {
+                belief,
+                natural_frequency: [low, high],
+                dead_band,
+                longest_train,
+                base: controller.axis().next_train().clone(),
+            })
+        };
         Ok(Self {
-            controller: Controller::new(axis, arm.true_motor_position())?,
+            learner: learns.then(learner),
+            prescribed: None,
+            shaper: settings.shaper,
+            controller,
             planner: Planner::new(1)?,
             limits: settings.limits,
             registration,
@@ -151,13 +172,40 @@ impl Cell {
     /// train with negative impulses exceeds the limits however slow the move.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
         let ends = [self.position(), target];
-        let train = self.controller.axis().next_train();
-        let slowed = plan_shaped(&self.planner, ends, self.limits, train)?;
-        let mut running = self.begin(within_limits(slowed)?, target)?;
+        let mut slowed = self.plan(ends)?;
+        if self.prescribe(&slowed.plan)? {
+            slowed = self.plan(ends)?;
+        }
+        let mut running = self.begin(slowed, target)?;
         while !self.is_over(&running) {
             self.tick(&mut running);
         }
+        if let Some(learner) = &mut self.learner {
+            learner.learn(self.controller.axis().heard(), 0.0);
+        }
         Ok(self.end(running))
+    }
+
+    fn plan(&self, ends: [f64; 2]) -> Result<SlowedPlan, ClosedLoopError> {
+        let train = self.controller.axis().next_train();
+        within_limits(plan_shaped(&self.planner, ends, self.limits, train)?)
+    }
+
+    /// Sets the train that earlier moves have taught for a plan; whether it is another one.
+    fn prescribe(&mut self, plan: &SampledTrajectory) -> Result<bool, ClosedLoopError> {
+        let Some(learner) = &mut self.learner else {
+            return Ok(false);
+        };
+        let in_force = self.controller.axis().next_train();
+        let prescribed = learner.prescribe(plan, 0.0, in_force);
+        self.controller.hold(prescribed.hold);
+        let set = prescribed.train.as_ref().zip(prescribed.known.as_ref());
+        let changes = set.is_some();
+        if let Some((train, known)) = set {
+            self.controller.set_train(self.shaper, known, train)?;
+        }
+        self.prescribed = Some(prescribed);
+        Ok(changes)
     }
 
     /// The controller, for moves that several cells make together.
@@ -234,6 +282,7 @@ impl Cell {
             retunes: after.retunes - before.retunes,
             refused: after.refused - before.refused,
             corrections: after.corrections - before.corrections,
+            prescribed: self.prescribed.clone(),
             ticks,
             recording: running.log.into_recording(&self.arm.robot().name),
         }

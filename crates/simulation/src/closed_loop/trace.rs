@@ -5,6 +5,7 @@ use quell_trajectories::Limits;
 
 use quell_control::controller::motion_limits;
 use quell_control::estimators::Estimate;
+use quell_control::learning::Prescription;
 use quell_recording::Recording;
 use quell_signal::{ArcRegistration, JointArc};
 
@@ -69,6 +70,8 @@ pub struct MoveTrace {
     pub refused: u32,
     /// Corrections sent during the move.
     pub corrections: u32,
+    /// What earlier moves taught for this one, where the train follows the estimate.
+    pub prescribed: Option<Prescription>,
 }
 
 impl MoveTrace {

@@ -302,6 +302,10 @@ impl Estimator for Likelihood {
         self.estimate
     }
 
+    fn unexplained(&self) -> f64 {
+        (2.0 * self.correlation.coloured() * self.noise.variance).sqrt()
+    }
+
     fn restart(&mut self) {
         self.window.clear();
         let sample_time = self.settings.sample_time;

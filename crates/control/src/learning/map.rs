@@ -1,0 +1,157 @@
+//! A quantity over pose and payload: a Gaussian process of what moves have said.
+//!
+//! Of a rigid body on a spring `1 / w^2 = J / k`, and `J` is a trigonometric polynomial of second order in the
+//! joint positions, linear in the mass of a payload. The process is therefore one of `c = w_ref^2 / w^2`, with
+//! ```text
+//! k(x, x') = level^2 + pose^2 g(x, x') + load^2 m m' (1 + g(x, x')) / 2,   g = exp(-|q - q'|^2 / (2 l^2))
+//! ```
+//! What a move says is a block of information, precision `L` and vector `e`, at the nodes of its way:
+//! `mean* = m + K* (1 + L K)^-1 (e - L m)`, `cov* = K** - K* (1 + L K)^-1 L K*'`.
+//!
+//! Source: C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, ch. 2.
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+use super::path::NODES;
+
+/// Moves that are remembered; the oldest goes.
+const REMEMBERED: usize = 40;
+/// Length over which a pose tells of another, rad: a trigonometric polynomial of second order has waves of pi and more.
+const LENGTH: f64 = 1.0;
+
+/// A pose and what is carried there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Position of the joint, rad.
+    pub position: f64,
+    /// Positions of the joints that stand, rad.
+    pub others: Vec<f64>,
+    /// Payload as it was declared, over the largest: 0 to 1.
+    pub payload: f64,
+}
+
+/// Standard deviations of a quantity before any move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Of its level.
+    pub level: f64,
+    /// Over the pose.
+    pub pose: f64,
+    /// By how much a full payload raises it: mean, and standard deviation.
+    pub load: (f64, f64),
+}
+
+/// Values at the nodes of a way, and their covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted {
+    /// Mean.
+    pub mean: SVector<f64, NODES>,
+    /// Covariance.
+    pub covariance: SMatrix<f64, NODES, NODES>,
+}
+
+/// What one move said.
+#[derive(Clone, Debug)]
+struct Block {
+    places: [Place; NODES],
+    precision: SMatrix<f64, NODES, NODES>,
+    vector: SVector<f64, NODES>,
+}
+
+/// The map of one quantity.
+#[derive(Clone, Debug)]
+pub struct Map {
+    spread: Spread,
+    blocks: Vec<Block>,
+}
+
+impl Map {
+    /// A map that knows nothing yet.
+    pub fn new(spread: Spread) -> Self {
+        Self {
+            spread,
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Adds what a move said: precision `L` and vector `e = L x` at three places.
+    pub fn add(
+        &mut self,
+        places: [Place; NODES],
+        precision: SMatrix<f64, NODES, NODES>,
+        vector: SVector<f64, NODES>,
+    ) {
+        if self.blocks.len() == REMEMBERED {
+            self.blocks.remove(0);
+        }
+        self.blocks.push(Block {
+            places,
+            precision,
+            vector,
+        });
+    }
+
+    /// Moves that it remembers.
+    pub fn moves(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn kernel(&self, a: &Place, b: &Place) -> f64 {
+        let Spread {
+            level, pose, load, ..
+        } = self.spread;
+        let others = a.others.iter().zip(&b.others);
+        let square: f64 =
+            (a.position - b.position).powi(2) + others.map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+        let near = (-0.5 * square / (LENGTH * LENGTH)).exp();
+        level * level
+            + pose * pose * near
+            + load.1 * load.1 * a.payload * b.payload * 0.5 * (1.0 + near)
+    }
+
+    /// What is believed before any move.
+    fn mean(&self, places: &[Place; NODES]) -> SVector<f64, NODES> {
+        let Spread { mean, load, .. } = self.spread;
+        SVector::from_fn(|n, _| mean + load.0 * places[n].payload)
+    }
+
+    /// What is known of the quantity at the nodes of a way.
+    pub fn predict(&self, places: &[Place; NODES]) -> Predicted {
+        let own = SMatrix::from_fn(|i, j| self.kernel(&places[i], &places[j]));
+        let mean = self.mean(places);
+        let nowhere = Predicted {
+            mean,
+            covariance: own,
+        };
+        let known: Vec<&Place> = self.blocks.iter().flat_map(|b| &b.places).collect();
+        let n = known.len();
+        if n == 0 {
+            return nowhere;
+        }
+        let among = DMatrix::from_fn(n, n, |i, j| self.kernel(known[i], known[j]));
+        let across = DMatrix::from_fn(NODES, n, |i, j| self.kernel(&places[i], known[j]));
+        let (mut precision, mut vector) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for (k, block) in self.blocks.iter().enumerate() {
+            let at = NODES * k;
+            precision
+                .fixed_view_mut::<NODES, NODES>(at, at)
+                .copy_from(&block.precision);
+            let surprise = block.vector - block.precision * self.mean(&block.places);
+            vector.fixed_rows_mut::<NODES>(at).copy_from(&surprise);
+        }
+        let system = DMatrix::identity(n, n) + &precision * &among;
+        let right = &precision * across.transpose();
+        let factor = system.lu();
+        let (Some(weights), Some(gain)) = (factor.solve(&vector), factor.solve(&right)) else {
+            return nowhere;
+        };
+        let (shift, less) = (&across * weights, &across * gain);
+        let covariance = own - SMatrix::from_fn(|i, j| 0.5 * (less[(i, j)] + less[(j, i)]));
+        Predicted {
+            mean: mean + SVector::from_fn(|i, _| shift[i]),
+            covariance,
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! A mode over pose and payload: its frequency as an inertia, its damping, its share.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::fit::{Fitted, OF_A_MODE, Point, Prior, vector};
+use super::forecast::Expected;
+use super::map::{Map, Place, Predicted, Spread};
+use super::path::NODES;
+
+/// The inertia over that of the first move: its level is known from there on; over a radian an arm folds to half of it, and
+/// a full payload adds something: at two standard deviations nothing, or as much as the arm has.
+const INERTIA: Spread = Spread {
+    mean: 1.0,
+    level: 0.5,
+    pose: 0.4,
+    load: (0.5, 0.25),
+};
+/// Damping ratios: a few hundredths; they follow the frequency, but little.
+const DAMPING: Spread = Spread {
+    mean: 0.05,
+    level: 0.1,
+    pose: 0.01,
+    load: (0.0, 0.01),
+};
+/// What the parabola between the nodes, and a mode that is not quite linear, leave of `ln w` and of `xi`: a train is off by
+/// less than a third of the dead band of 1 % there.
+const UNSEEN: f64 = 0.002;
+/// Chi-squared of four unknowns that chance exceeds once in a thousand times.
+const SURPRISE: f64 = 18.5;
+
+/// A mode that moves have shown.
+#[derive(Clone, Debug)]
+pub struct ModeMap {
+    /// `ln w` of which the inertia is 1.
+    reference: f64,
+    inertia: Map,
+    damping: Map,
+    /// Its share: precision, and precision times mean.
+    share: [f64; 2],
+}
+
+impl ModeMap {
+    /// Of a mode that was found at this `ln w`.
+    pub fn new(reference: f64) -> Self {
+        Self {
+            reference,
+            inertia: Map::new(INERTIA),
+            damping: Map::new(DAMPING),
+            share: [0.0; 2],
+        }
+    }
+
+    /// Moves that tell of it.
+    pub fn moves(&self) -> usize {
+        self.inertia.moves()
+    }
+
+    /// What is known of it on a way.
+    pub fn prior(&self, places: &[Place; NODES]) -> Prior {
+        let c = self.inertia.predict(places);
+        // An inertia is positive.
+        let mean = c.mean.map(|c| c.max(0.05));
+        let slope = SMatrix::from_diagonal(&mean.map(|c| -0.5 / c));
+        let damping = self.damping.predict(places);
+        Prior {
+            log_w: Predicted {
+                mean: mean.map(|c| self.reference - 0.5 * c.ln()),
+                covariance: slope * c.covariance * slope,
+            },
+            xi: (
+                damping.mean[1].clamp(1e-3, 0.4),
+                damping.covariance[(1, 1)].max(1e-8),
+            ),
+        }
+    }
+
+    /// The same for a forecast, with what no map knows.
+    pub fn expected(&self, places: &[Place; NODES]) -> Expected {
+        let prior = self.prior(places);
+        let mut covariance = SMatrix::<f64, OF_A_MODE, OF_A_MODE>::zeros();
+        covariance
+            .fixed_view_mut::<NODES, NODES>(0, 0)
+            .copy_from(&prior.log_w.covariance);
+        covariance[(NODES, NODES)] = prior.xi.1;
+        Expected {
+            point: Point {
+                log_w: prior.log_w.mean.into(),
+                xi: prior.xi.0,
+            },
+            covariance: covariance + SMatrix::from_diagonal_element(UNSEEN * UNSEEN),
+            share: self.share[1] / self.share[0].max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// Takes what a move says.
+    pub fn learn(&mut self, fitted: &Fitted, places: &[Place; NODES]) {
+        let mean = vector(&fitted.point);
+        let information = fitted.information;
+        // Where the sum of both is least, what the samples pull is what the prior pulls back.
+        let pull = fitted.prior.precision() * (mean - fitted.prior.mean());
+        let coarse = (SMatrix::<f64, OF_A_MODE, OF_A_MODE>::identity()
+            + information * (UNSEEN * UNSEEN))
+            .try_inverse()
+            .unwrap_or_else(SMatrix::zeros);
+        let precision = coarse * information;
+        let precision = 0.5 * (precision + precision.transpose());
+        let pull = coarse * pull;
+        self.learn_frequency(&mean, &precision, &pull, places);
+        let xi = precision[(NODES, NODES)];
+        let only =
+            |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
+        let vector = only(xi * mean[NODES] + pull[NODES]);
+        self.damping
+            .add(places.clone(), SMatrix::from_diagonal(&only(xi)), vector);
+        let share = fitted.share_std.powi(-2);
+        if share.is_finite() {
+            // The newest counts as much as all before: the share follows the pose, too.
+            let [sum, weighed] = self.share;
+            let before = sum.min(share);
+            let factor = if sum > 0.0 { before / sum } else { 0.0 };
+            self.share = [before + share, factor * weighed + share * fitted.share];
+        }
+    }
+
+    fn learn_frequency(
+        &mut self,
+        mean: &SVector<f64, OF_A_MODE>,
+        precision: &SMatrix<f64, OF_A_MODE, OF_A_MODE>,
+        pull: &SVector<f64, OF_A_MODE>,
+        places: &[Place; NODES],
+    ) {
+        let c = SVector::<f64, NODES>::from_fn(|n, _| (-2.0 * (mean[n] - self.reference)).exp());
+        let slope = SMatrix::from_diagonal(&c.map(|c| -0.5 / c));
+        let own = slope * precision.fixed_view::<NODES, NODES>(0, 0) * slope;
+        let vector = own * c + slope * pull.fixed_rows::<NODES>(0);
+        self.inertia.add(places.clone(), own, vector);
+    }
+
+    /// Whether a move is nothing that the map could expect: the arm has changed.
+    pub fn is_surprised(&self, fitted: &Fitted) -> bool {
+        if self.moves() == 0 {
+            return false;
+        }
+        let view = |m: &SMatrix<f64, OF_A_MODE, OF_A_MODE>| {
+            m.fixed_view::<NODES, NODES>(0, 0).into_owned()
+        };
+        let shift = vector(&fitted.point) - fitted.prior.mean();
+        let shift = shift.fixed_rows::<NODES>(0).into_owned();
+        let slack = SMatrix::<f64, NODES, NODES>::from_diagonal_element(UNSEEN * UNSEEN);
+        let spread = fitted.prior.log_w.covariance - view(&fitted.covariance) + slack;
+        let inverse = spread.try_inverse();
+        inverse.is_some_and(|inverse| (shift.transpose() * inverse * shift)[0] > SURPRISE)
+    }
+}

