@@ -141,7 +141,8 @@ impl Sequence {
     }
 }
 
-/// The median of the gaps between stamps, the lower one of two; at most [`HALF`] of them.
+/// The median of the gaps between stamps, the lower one of two; at most [`HALF`] of them. The short gaps of a burst
+/// would draw it to the least of the usual ones: it is taken of what is not short beside the median of all.
 fn median(stamps: &[f64]) -> f64 {
     let mut gaps = [0.0; HALF];
     let count = (stamps.len().saturating_sub(1)).min(HALF);
@@ -151,6 +152,9 @@ fn median(stamps: &[f64]) -> f64 {
     if count == 0 {
         return 0.0;
     }
-    let (_, median, _) = gaps[..count].select_nth_unstable_by((count - 1) / 2, f64::total_cmp);
-    *median
+    let gaps = &mut gaps[..count];
+    gaps.sort_unstable_by(f64::total_cmp);
+    let of_all = gaps[(count - 1) / 2];
+    let short = gaps.partition_point(|gap| *gap < SHORT * of_all);
+    gaps[short + (count - short - 1) / 2]
 }
