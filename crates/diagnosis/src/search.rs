@@ -109,11 +109,17 @@ impl Search<'_> {
         let best = ranked[0].0;
         // Nothing masks an effect where only noise is left.
         let beam = if self.leaves_noise(best) { 1 } else { BEAM };
+        // Where no effect is worth it alone, two together may be.
+        let ahead = usize::from(beam > 1 && best.terms() == 0);
         let next = match best.is_learned() && beam == 1 {
             true => None,
-            false => open(pool, &named, beam),
+            false => open(pool, &named, (beam, ahead)),
         };
-        next.or_else(|| best.is_learned().then(|| open(pool, &learned, 1)).flatten())
+        next.or_else(|| {
+            best.is_learned()
+                .then(|| open(pool, &learned, (1, 0)))
+                .flatten()
+        })
     }
 
     /// Drops from the best explanation every term without which the evidence is no less, or puts a simpler law in its
@@ -159,8 +165,12 @@ impl Search<'_> {
 }
 
 /// The best structure of a beam of each number of effects that was not extended, as long as the best of so many is not
-/// worse than one with less.
-fn open(pool: &Pool, ranked: &[(&Explanation, f64)], beam: usize) -> Option<Explanation> {
+/// worse than one with less, or there are no more than those to look ahead from.
+fn open(
+    pool: &Pool,
+    ranked: &[(&Explanation, f64)],
+    (beam, ahead): (usize, usize),
+) -> Option<Explanation> {
     let mut least = f64::NEG_INFINITY;
     for count in 0..MOST_EFFECTS {
         let level = ranked.iter().filter(|own| own.0.terms() == count);
@@ -168,10 +178,10 @@ fn open(pool: &Pool, ranked: &[(&Explanation, f64)], beam: usize) -> Option<Expl
         let Some(best) = level.first() else {
             continue;
         };
-        if best.1 < least {
+        if best.1 < least && count > ahead {
             return None;
         }
-        least = best.1;
+        least = least.max(best.1);
         let open = level
             .iter()
             .find(|own| !pool.is_extended(own.0, Table::Named));
