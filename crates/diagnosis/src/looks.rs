@@ -9,7 +9,7 @@ use super::outcome::{Options, Outcome, Progress};
 use super::run::attempt;
 use super::score::score_in_one_piece;
 use super::stretches::{Stretches, is_whole, stretches};
-use super::thresholds::LOST;
+use super::thresholds::{FLOOR, LOST};
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 
@@ -121,9 +121,13 @@ fn look(
     if explains(&in_one) {
         return Ok(in_one);
     }
-    // What leaves only noise in windows is right as far as it goes, however far small errors carry it in one piece.
-    let found = alone || is_better(&in_windows, &in_one, known);
-    Ok(match found {
+    // What takes a mismatch down to the noise in windows is right as far as it goes, however far small errors carry it
+    // in one piece; unless it takes for noise what another model explains.
+    let fit = &in_windows.diagnosis.fit;
+    let took = fit.before.held_out_over_noise.powi(2) > FLOOR;
+    let is_right =
+        alone && took && fit.after.held_out_rms < in_one.diagnosis.fit.after.held_out_rms;
+    Ok(match is_right || is_better(&in_windows, &in_one, known) {
         true => in_windows,
         false => in_one,
     })

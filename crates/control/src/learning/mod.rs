@@ -37,6 +37,10 @@ const QUARTERS: std::ops::RangeInclusive<usize> = 2..=8;
 /// Part of the dead band that is expected to be left, so that two standard deviations stay within it.
 const GOAL: f64 = 0.5;
 
+/// Dead bands that a train may be expected to leave where adaptation in motion follows: it is expected by two standard
+/// deviations, and adaptation retunes beyond one dead band.
+const FOLLOWED: f64 = 2.0;
+
 /// What a move left unexplained counts by half as much with each move after it.
 const FORGETS: f64 = 0.5;
 /// Inflation by the residual's colour up to which it is as good as white: a correlation of neighbours of 0.2.
@@ -335,7 +339,10 @@ impl Learner {
         if !shaped.is_empty() {
             shaped.push(self.unknown(&shaped));
             let forecast = Forecast::new(plan, way, &shaped);
-            let (train, expected) = self.choose(&forecast, &shaped, in_force, plan.period());
+            // Where nothing holds the train, adaptation in motion makes up for what is little.
+            let band = self.settings.dead_band * if hold.is_none() { FOLLOWED } else { 1.0 };
+            let given = (in_force, band);
+            let (train, expected) = self.choose(&forecast, &shaped, given, plan.period());
             prescription.expected = Some(expected);
             if let Some(train) = &train {
                 adapted = train.clone();
@@ -435,7 +442,7 @@ impl Learner {
         &self,
         forecast: &Forecast<'_>,
         modes: &[Expected],
-        in_force: &GridTrain,
+        (in_force, band): (&GridTrain, f64),
         period: f64,
     ) -> (Option<GridTrain>, f64) {
         let slowest = modes.iter().map(|m| m.point.log_w.map(f64::exp));
@@ -469,7 +476,9 @@ impl Learner {
         }
         let now = self.left_by(forecast, in_force);
         match best {
-            Some((train, expected)) if self.is_worth(now, expected, in_force, &train, quarter) => {
+            Some((train, expected))
+                if self.is_worth([now, expected], (in_force, band), &train, quarter) =>
+            {
                 (Some(train), expected)
             }
             _ => (None, now),
@@ -481,18 +490,17 @@ impl Learner {
         left.by(train)
     }
 
-    /// Whether that in force leaves more than the dead band and another less, or another as little with less delay.
+    /// Whether that in force leaves more than a dead band and another less, or another as little with less delay.
     fn is_worth(
         &self,
-        now: f64,
-        expected: f64,
-        in_force: &GridTrain,
+        [now, expected]: [f64; 2],
+        (in_force, band): (&GridTrain, f64),
         train: &GridTrain,
         quarter: f64,
     ) -> bool {
         let goal = GOAL * self.settings.dead_band;
         let shorter = train.duration() + quarter < in_force.duration();
-        let worse = now > self.settings.dead_band && expected < 0.9 * now;
+        let worse = now > band && expected < 0.9 * now;
         worse || (shorter && expected <= goal.max(now))
     }
 }
