@@ -1,6 +1,8 @@
 //! What disables moves, and that nothing but a request enables them.
 
-use quell::service::contract::{Accepted, EnableState, FaultKind, Phase, Request, ServiceError};
+use quell::service::contract::{
+    Accepted, EnableState, FaultKind, Phase, Request, ServiceError, ShapingChange,
+};
 use quell::service::following::{FOLLOWED, healthy};
 
 use super::world::{LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, beyond_limits, config};
@@ -187,4 +189,42 @@ fn ticks_that_are_missed_for_as_long_as_a_robot_may_be_silent_are_a_fault() {
     world.miss(missed - 4);
     world.steps(600);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(3.0));
+}
+
+/// However many orders wait for a tick that is stuck, what was taken back before it goes on does not begin.
+#[test]
+fn what_was_taken_back_while_the_tick_was_stuck_does_not_begin() {
+    for (orders, taken_back) in (56..72).flat_map(|n| [(n, Request::Stop), (n, Request::Disable)]) {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = World::commanded(config(data.path()), true);
+        world.steps(20);
+        let (at, before) = (world.robot.position, world.sent().len());
+        for order in 0..orders {
+            world.ask(Request::Shaping(ShapingChange {
+                adaptation: Some(order % 2 == 1),
+                ..ShapingChange::default()
+            }));
+            world.work();
+        }
+        world.go(1.0);
+        world.work();
+        world.ask(taken_back.clone());
+        let answered = world.work();
+        assert!(
+            answered
+                .iter()
+                .any(|one| one.request == taken_back && one.answer.is_ok())
+        );
+        world.steps(200);
+        let sent = world.sent().split_off(before);
+        let moved = sent.iter().find(|(_, sent)| sent.position != at);
+        assert_eq!(moved, None, "{taken_back:?} after {orders} orders");
+        assert!(world.waiting().is_empty(), "everybody is answered");
+        // Nothing is left that keeps it from moving.
+        world.enable();
+        world.steps(2);
+        world.go(0.2);
+        world.steps(400);
+        assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.2));
+    }
 }

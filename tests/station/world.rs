@@ -243,6 +243,12 @@ impl World {
         self.answers()
     }
 
+    /// The engine works while the tick is stuck.
+    pub fn work(&mut self) -> Vec<Answered> {
+        self.station.work();
+        self.answers()
+    }
+
     /// Steps, and gives every answer.
     pub fn steps(&mut self, count: usize) -> Vec<Answered> {
         (0..count).flat_map(|_| self.step()).collect()

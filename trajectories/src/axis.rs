@@ -17,6 +17,17 @@ pub struct Limits {
     pub jerk: f64,
 }
 
+impl Limits {
+    /// The limits under which a plan from rest to rest is the same one, `1 / share` as long: `v s`, `a s^2`, `j s^3`.
+    pub fn slowed(self, share: f64) -> Self {
+        Self {
+            velocity: self.velocity * share,
+            acceleration: self.acceleration * share.powi(2),
+            jerk: self.jerk * share.powi(3),
+        }
+    }
+}
+
 /// Position, velocity and acceleration of one axis at one instant (rad, rad/s, rad/s^2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisState {

@@ -56,6 +56,17 @@ pub enum Request {
     },
 }
 
+impl Request {
+    /// Whether it begins nothing: it is heard also where the tick is stuck.
+    pub fn is_heard_always(&self) -> bool {
+        match self {
+            Self::Stop | Self::Disable | Self::Feed { .. } => true,
+            Self::Jog { velocity, .. } => *velocity == 0.0,
+            _ => false,
+        }
+    }
+}
+
 /// Where a joint shall end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {

@@ -24,7 +24,8 @@ impl Engine {
             Ok(controller) => {
                 let start = Setpoint::at_rest(position);
                 let order = ToTick::Begin(index, Box::new(controller));
-                joint.began = self.rings.orders.push(order).is_ok();
+                self.rings.orders.push(order);
+                joint.began = true;
                 (joint.report, joint.hearing) = (None, Hearing::Heard);
                 (joint.position, joint.mode, joint.retunes) = (start.position, mode, 0);
                 tracing::info!(joint = joint.config.name, position, "commanded from here");
@@ -71,8 +72,9 @@ impl Engine {
         if (motor - joint.position).abs() > MOVED {
             tracing::warn!(joint = joint.config.name, "it was moved by something else");
             self.cease(index);
-        } else if self.rings.orders.push(ToTick::Resume(index)).is_ok() {
+        } else {
             joint.hearing = Hearing::Heard;
+            self.rings.orders.push(ToTick::Resume(index));
         }
     }
 
@@ -91,7 +93,8 @@ impl Engine {
                 *before += u64::from(count);
             }
         }
-        joint.began = self.rings.orders.push(ToTick::Cease(index)).is_err();
+        self.rings.orders.push(ToTick::Cease(index));
+        joint.began = false;
         joint.running = None;
         joint.standstill.restart();
     }

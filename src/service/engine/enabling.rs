@@ -16,6 +16,7 @@ use super::joint::Hearing;
 use crate::service::contract::{
     Accepted, EnableState, EnableView, FaultKind, Quantity, ServiceError,
 };
+use crate::service::guard::Fault;
 use crate::service::tick::ToTick;
 use crate::service::tick::gate::{Cause, Trip};
 
@@ -84,9 +85,7 @@ impl Engine {
             let permit = self.enabling.permit + 1;
             let trips = self.enabling.view.faults;
             let order = ToTick::Enable { permit, trips };
-            if self.rings.orders.push(order).is_err() {
-                return Err(ServiceError::Busy);
-            }
+            self.rings.orders.push(order);
             self.enabling.permit = permit;
             let now = self.clock.unix_time();
             let enabled = EnableState::Enabled;
@@ -97,10 +96,9 @@ impl Engine {
 
     /// Stops every joint and lets no move begin. A fault stays one.
     pub(super) fn disable(&mut self) -> Accepted {
-        // Where the ring is full the tick is stuck; the permit is over all the same.
-        let _ = self.rings.orders.push(ToTick::Disable);
-        self.enabling.permit += 1;
         if self.enabling.view.state == EnableState::Enabled {
+            self.rings.orders.push(ToTick::Disable);
+            self.enabling.permit += 1;
             let now = self.clock.unix_time();
             let disabled = EnableState::Disabled;
             self.enabling.turn(disabled, "disabled by a request", now);
@@ -115,8 +113,7 @@ impl Engine {
             let reason = format!("a fault was reset ({})", self.enabling.view.reason);
             let now = self.clock.unix_time();
             self.enabling.turn(EnableState::Disabled, &reason, now);
-            // Where the ring is full the tick is stuck, and trips again.
-            let _ = self.rings.orders.push(ToTick::Forget);
+            self.rings.orders.push(ToTick::Forget);
             for joint in &mut self.joints {
                 if let Some(report) = &mut joint.report {
                     (report.guard, report.following_error) = Default::default();
@@ -160,10 +157,7 @@ impl Engine {
             return Err(not_ready("the tick has not said anything of it yet".into()));
         };
         if let Some(fault) = report.guard.fault_of(Quantity::MotorPosition) {
-            let fault = fault.name().replace('_', " ");
-            return Err(not_ready(format!(
-                "the sensor of its motor side is at fault ({fault})"
-            )));
+            return Err(not_ready(at_fault("its motor side", fault)));
         }
         if report.following_error > joint.config.following_limit {
             return Err(not_ready(following(report.following_error, joint)));
@@ -190,9 +184,7 @@ impl Engine {
                 (FaultKind::FollowingError, format!("{name}: {reason}"))
             }
             Cause::Sensor(fault) => {
-                let fault = fault.name().replace('_', " ");
-                let reason =
-                    format!("the sensor of the motor side of {name} is at fault ({fault})");
+                let reason = at_fault(&format!("the motor side of {name}"), fault);
                 (FaultKind::Sensor, reason)
             }
             Cause::Overrun(seconds) => {
@@ -213,6 +205,11 @@ impl Engine {
         self.stop_all(&ServiceError::Faulted { reason });
         self.publish();
     }
+}
+
+fn at_fault(place: &str, fault: Fault) -> String {
+    let fault = fault.name().replace('_', " ");
+    format!("the sensor of {place} is at fault ({fault})")
 }
 
 fn following(error: f64, joint: &super::Joint) -> String {

@@ -131,10 +131,7 @@ impl Engine {
     /// With `v f`, `a f^2` and `j f^3` the plan from rest to rest is the same one, `1 / f` as long: the path stays.
     /// The train acts on that plan in its own time, which does not change, so that what it cancels it cancels still.
     pub(super) fn fed(&self, limits: Limits, speed: f64) -> Limits {
-        Limits {
-            velocity: limits.velocity.min(speed) * self.feed,
-            acceleration: limits.acceleration * self.feed.powi(2),
-            jerk: limits.jerk * self.feed.powi(3),
-        }
+        let velocity = limits.velocity.min(speed);
+        Limits { velocity, ..limits }.slowed(self.feed)
     }
 }

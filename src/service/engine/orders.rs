@@ -97,9 +97,8 @@ impl Engine {
             why,
             until: self.clock.now() + TRIED,
         });
-        // Where the ring is full the tick is stuck, and takes the plan or this later.
         let order = ToTick::Withdraw(index, ordered.ticket);
-        let _ = self.rings.orders.push(order);
+        self.rings.orders.push(order);
     }
 
     /// Brings a joint to rest, if it moves or is about to. A move that waits hears `why`.
@@ -187,20 +186,18 @@ impl Engine {
             together: asked.together,
             permit: matches!(asked.what, What::Move { .. }).then_some(self.enabling.permit),
         };
+        self.rings.orders.push(ToTick::Plan(Box::new(plan)));
         let joint = &mut self.joints[index];
-        match self.rings.orders.push(ToTick::Plan(Box::new(plan))) {
-            Ok(()) => joint.ordered.push(ordered),
-            // The tick is stuck; what was asked for runs out of time then.
-            Err(_) => asked.again = true,
-        }
+        joint.ordered.push(ordered);
         joint.asked = Some(asked);
     }
 
-    /// Asks for a stop once more, as long as it is due: there is no reason to give it up.
+    /// Asks for a stop once more, as long as it is due: there is no reason to give it up. One that the tick has not
+    /// heard of yet is not asked for twice.
     pub(super) fn insist_on_stop(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         joint.stop_due &= !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty();
-        if joint.stop_due && joint.asked.is_none() {
+        if joint.stop_due && joint.asked.is_none() && !self.rings.orders.is_behind() {
             self.ask(index, What::Stop, None);
         }
     }

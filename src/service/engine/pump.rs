@@ -12,6 +12,7 @@ impl Engine {
     pub(super) fn pump(&mut self) {
         let now = self.clock.now();
         self.hear_all();
+        self.rings.orders.hand_on();
         self.hear_of_recordings();
         let mut round = false;
         while let Ok(report) = self.rings.joints.pop() {

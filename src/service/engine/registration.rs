@@ -133,10 +133,7 @@ impl Engine {
         };
         let sensor = DeformationSensor::new(arc, found.sensor_to_base, found.clock);
         let order = ToTick::Sensor(index, Box::new(sensor.clone()));
-        if self.rings.orders.push(order).is_err() {
-            // The next move tries again.
-            return;
-        }
+        self.rings.orders.push(order);
         (joint.sensor, joint.registrar) = (sensor, None);
         tracing::info!(
             joint = joint.config.name,

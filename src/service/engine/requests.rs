@@ -26,6 +26,10 @@ impl Engine {
         // What the tick has done by now is known before it is told something else.
         self.hear_all();
         let answer = match request {
+            // A stuck tick is not given more to do.
+            request if self.rings.orders.is_behind() && !request.is_heard_always() => {
+                Err(ServiceError::Busy)
+            }
             // A stop goes before what waits, and holds for it.
             Request::Move { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
                 Err(ServiceError::Stopped)
@@ -235,8 +239,7 @@ impl Engine {
         joint.train_due |= kind.is_some() || change.enabled.is_some() || mode.is_some();
         if let Some(adaptation) = change.adaptation {
             joint.adaptation = adaptation;
-            // The ring has room: orders are a few, and the tick empties it each time.
-            let _ = self.rings.orders.push(ToTick::Adaptive(index, adaptation));
+            self.rings.orders.push(ToTick::Adaptive(index, adaptation));
         }
         self.order_train(index);
     }
@@ -255,9 +258,7 @@ impl Engine {
         let load = arm.load(mass).map_err(|error| ServiceError::Train {
             reason: error.to_string(),
         })?;
-        if self.rings.orders.push(ToTick::Carry(load)).is_err() {
-            return Err(ServiceError::Busy);
-        }
+        self.rings.orders.push(ToTick::Carry(load));
         self.payload = Some(mass);
         self.recall(mass);
         tracing::info!(mass, "payload");

@@ -162,12 +162,8 @@ impl Engine {
         };
         let plan = match speed > 0.0 && speed < 1.0 {
             true => {
-                let slowed = Limits {
-                    velocity: limits.velocity * speed,
-                    acceleration: limits.acceleration * speed.powi(2),
-                    jerk: limits.jerk * speed.powi(3),
-                };
-                let plan = self.planner.plan(&ends[..1], &ends[1..], &[slowed]);
+                let slowed = [limits.slowed(speed)];
+                let plan = self.planner.plan(&ends[..1], &ends[1..], &slowed);
                 plan.map_err(refused)?
             }
             false => plan,
@@ -219,9 +215,8 @@ impl Engine {
         for (index, joint) in self.joints.iter_mut().enumerate() {
             let of = |asked: &mut Asked| asked.together.is_some_and(|together| together.id == id);
             if let Some(asked) = joint.asked.take_if(of) {
-                // Where the ring is full the tick is stuck, and takes the plan or this later.
                 let order = ToTick::Withdraw(index, asked.ticket);
-                let _ = self.rings.orders.push(order);
+                self.rings.orders.push(order);
             }
         }
     }

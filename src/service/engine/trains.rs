@@ -17,8 +17,8 @@ impl Engine {
                     joint: index,
                     train,
                 };
-                let ordered = self.rings.orders.push(ToTick::Train(Box::new(order)));
-                self.joints[index].train_due = ordered.is_err();
+                joint.train_due = false;
+                self.rings.orders.push(ToTick::Train(Box::new(order)));
             }
             Err(error) => {
                 tracing::warn!(joint = joint.config.name, "{error}");

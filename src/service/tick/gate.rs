@@ -27,6 +27,17 @@ pub struct Trip {
     pub cause: Cause,
 }
 
+/// What becomes of a plan at the gate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Admission {
+    /// It may begin.
+    Begins,
+    /// It may not begin yet.
+    Waits,
+    /// It does not begin any more.
+    Refused,
+}
+
 /// Whether moves may begin, and under which permit.
 ///
 /// A plan carries the permit under which it was asked for and begins under no other: what was asked for before a
@@ -35,6 +46,8 @@ pub struct Trip {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gate {
     permit: Option<u64>,
+    /// Whether moves wait until the tick knows all that was ordered.
+    held: bool,
     /// Faults so far.
     trips: u64,
     /// A fault that the engine was not told for want of room.
@@ -68,9 +81,19 @@ impl Gate {
         self.permit.is_some()
     }
 
-    /// Whether a move of this permit may begin.
-    pub fn admits(&self, permit: u64) -> bool {
-        self.permit == Some(permit)
+    /// Lets moves wait, or no longer.
+    pub fn hold(&mut self, held: bool) {
+        self.held = held;
+    }
+
+    /// What becomes of a plan of this permit now; one without needs none.
+    pub fn admits(&self, permit: Option<u64>) -> Admission {
+        match permit {
+            None => Admission::Begins,
+            Some(_) if self.held => Admission::Waits,
+            Some(_) if self.permit == permit => Admission::Begins,
+            Some(_) => Admission::Refused,
+        }
     }
 
     /// The fault to be told; once.

@@ -4,7 +4,7 @@ use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
 use super::following::Following;
-use super::gate::{Cause, Gate};
+use super::gate::{Admission, Cause, Gate};
 use super::hearing::{Change, Hearing, Watchdog};
 use super::messages::{
     AxisReport, Event, JointReport, NotTaken, Plan, Taken, Together, TrainOrder,
@@ -215,7 +215,7 @@ impl JointTick {
         let Some(plan) = waits.filter(|plan| plan.together == Some(together)) else {
             return false;
         };
-        let admitted = plan.permit.is_none_or(|permit| gate.admits(permit));
+        let admitted = gate.admits(plan.permit) == Admission::Begins;
         let Some(controller) = self.controller.as_deref_mut().filter(|_| admitted) else {
             return false;
         };
@@ -233,8 +233,13 @@ impl JointTick {
         let Some(controller) = self.controller.as_deref_mut() else {
             return Some(Event::NotTaken(plan, NotTaken::Idle));
         };
-        if !plan.permit.is_none_or(|permit| gate.admits(permit)) {
-            return Some(Event::NotTaken(plan, NotTaken::NotEnabled));
+        match gate.admits(plan.permit) {
+            Admission::Begins => {}
+            Admission::Waits => {
+                self.waiting = Some(plan);
+                return None;
+            }
+            Admission::Refused => return Some(Event::NotTaken(plan, NotTaken::NotEnabled)),
         }
         match ready(&plan, controller, tick) {
             Ok(true) if self.released => {}

@@ -12,6 +12,7 @@ mod hearing;
 mod joint;
 mod lateness;
 mod messages;
+mod orders;
 pub mod pace;
 mod pulse;
 pub mod real_time;
@@ -26,10 +27,12 @@ pub use messages::{
     AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Together, Train,
     TrainOrder, WholeReport,
 };
+pub use orders::Orders;
 pub use pulse::Pulse;
 pub use thread::{TickThread, TickThreadSettings};
 
 use gate::{Cause, Gate, Trip};
+use orders::{Ordered, orders};
 use pace::{Pace, Stride};
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -48,7 +51,7 @@ const ROUNDS: usize = 8;
 /// The engine's end of the tick.
 pub struct EngineRings {
     /// Orders to the tick.
-    pub orders: Producer<ToTick>,
+    pub orders: Orders,
     /// The events.
     pub events: Consumer<Event>,
     /// Commands and measurements.
@@ -60,7 +63,7 @@ pub struct EngineRings {
 }
 
 struct TickRings {
-    orders: Consumer<ToTick>,
+    orders: Ordered,
     events: Producer<Event>,
     records: Producer<Record>,
     joints: Producer<JointReport>,
@@ -91,7 +94,7 @@ impl Tick {
         period: f64,
     ) -> (Self, EngineRings) {
         let records = RECORDED / period * RECORDS * joints.len() as f64;
-        let (orders, tick_orders) = RingBuffer::new(ORDERS * joints.len());
+        let (orders, tick_orders) = orders(ORDERS * joints.len());
         let (tick_events, events) = RingBuffer::new(2 * ORDERS * joints.len());
         let (tick_records, records) = RingBuffer::new(records as usize);
         let (tick_reports, reports) = RingBuffer::new(ROUNDS * joints.len());
@@ -172,7 +175,8 @@ impl Tick {
     }
 
     fn take_orders(&mut self, now: f64) {
-        while let Ok(order) = self.rings.orders.pop() {
+        self.gate.hold(!self.rings.orders.is_whole());
+        while let Some(order) = self.rings.orders.pop() {
             if let Some(event) = self.obey(order, now) {
                 self.tell(event);
             }

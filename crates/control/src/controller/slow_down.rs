@@ -52,14 +52,9 @@ pub fn plan_shaped_by(
     let mut speed: f64 = 1.0;
     let mut attempt = 1;
     loop {
-        let slowed = Limits {
-            velocity: limits.velocity * speed,
-            acceleration: limits.acceleration * speed.powi(2),
-            jerk: limits.jerk * speed.powi(3),
-        };
         let ends = [AxisState::at_rest(from), AxisState::at_rest(to)];
         let plan = planner
-            .plan(&ends[..1], &ends[1..], &[slowed])?
+            .plan(&ends[..1], &ends[1..], &[limits.slowed(speed)])?
             .sample(period)?;
         let peaks = trains
             .iter()
