@@ -8,7 +8,7 @@ use super::document::{
 use super::draw::shown;
 use super::explanation::Explanation;
 use super::found::{Found, is_or_contains};
-use super::law_curve::law_curve;
+use super::law_band::law_curve;
 use super::locate::Located;
 use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};

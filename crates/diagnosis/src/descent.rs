@@ -5,10 +5,11 @@
 //! fails or before the fit ends. Sources: Marquardt, SIAM J. Applied Mathematics 11 (1963); Broyden,
 //! Mathematics of Computation 19 (1965).
 
-use super::fit::{Evaluated, Fitted, KnownSlopes, Linearised, Projector};
+use super::fit::{Evaluated, Fitted, KnownSlopes, Linearised};
 use super::normal::solve;
 use super::point::Point;
 use super::problem::Problem;
+use super::projector::Projector;
 use nalgebra::{DMatrix, DVector};
 
 /// Damping at the start, as a share of the normal matrix' diagonal.
@@ -20,6 +21,12 @@ const TRIES: usize = 8;
 /// Share of the promised fall of the cost below which the Jacobian is taken again (More, Numerical
 /// Analysis, Lecture Notes in Mathematics 630 (1978): below a quarter the step was too long).
 const POOR: f64 = 0.25;
+
+/// Fall of chi-squared, in its units, that decides nothing: a twentieth of odds that are not worth more than a bare
+/// mention (Kass and Raftery, J. American Statistical Association 90 (1995)).
+const LITTLE: f64 = 0.1;
+/// Share of chi-squared that is rounding of the simulation.
+const ROUNDING: f64 = 1e-6;
 
 /// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
 /// many as there are unknowns.
@@ -150,9 +157,9 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Whether a fall of the cost decides nothing: a hundredth of a unit of chi-squared.
+    /// Whether a fall of the cost decides nothing.
     fn is_little(&self, fall: f64) -> bool {
-        fall < 0.01 + 1e-6 * self.linear.cost
+        fall < LITTLE * self.problem.unit + ROUNDING * self.linear.cost
     }
 
     /// One step. With a Jacobian that was learned a step that fails, or does hardly anything, is made

@@ -30,11 +30,12 @@
 
 use super::curves;
 use super::fit::Fitted;
+use super::marginal::{Marginal, inverse};
 use super::point::{Global, Point};
 use super::problem::Problem;
 use super::shape::Corrections;
-use super::views::{Both, Views, joined, local_sizes};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use super::views::{Views, joined, local_sizes};
+use nalgebra::{DMatrix, DVector};
 
 /// Width of the prior of what a recording alone has (a clock's offset, how it starts), in typical sizes.
 const LOCAL: f64 = 10.0;
@@ -65,26 +66,6 @@ pub struct Evidence {
     prior: f64,
     /// Whether what was held out counts: a window of its own has a start of its own, which takes most of an error.
     foresees: bool,
-}
-
-/// A marginal likelihood. The unknowns are in units of the deviations of their priors, corrections of the laws'
-/// shapes the last of them.
-#[derive(Clone, Debug)]
-struct Marginal {
-    /// Sum of squares of the fitted rows, and twice the negative logarithm of the prior density, at the fit.
-    cost: [f64; 2],
-    /// Halves of the gradients of the former by what is not fitted, and of the latter.
-    pulls: [DVector<f64>; 2],
-    /// Share of what these promise that is there, laws being curved.
-    kept: f64,
-    /// `W J'J W`.
-    information: DMatrix<f64>,
-    /// Sum of squares of the fitted rows, beyond what corrections explain.
-    left: f64,
-    /// `q' (I + H S H')^-1 q` and `ln det(I + H S H')`.
-    beyond: (f64, f64),
-    /// Samples of what is left that say as much as one independent one.
-    correlation: f64,
 }
 
 impl Evidence {
@@ -197,75 +178,6 @@ impl Evidence {
     }
 }
 
-impl Marginal {
-    /// From the residuals at the fit, those with corrections, the derivatives of fitted and held-out rows, and half the
-    /// gradient of the prior's cost.
-    fn new(
-        believed: f64,
-        here: &Both,
-        there: &Both,
-        slopes: &[DMatrix<f64>; 2],
-        pull: DVector<f64>,
-    ) -> Self {
-        let information = slopes[0].tr_mul(&slopes[0]);
-        let (_, root) = inverse(&information);
-        let count = information.nrows();
-        Self {
-            cost: [here[0].norm_squared(), believed],
-            pulls: [DVector::zeros(count), pull.resize_vertically(count, 0.0)],
-            kept: 1.0,
-            information,
-            left: there[0].norm_squared(),
-            beyond: beyond(&there[1], &(&slopes[1] * root)),
-            correlation: correlation(&there[0]),
-        }
-    }
-
-    fn log(&self, temperature: f64) -> f64 {
-        self.of_fitted(temperature) + self.of_held_out(temperature)
-    }
-
-    fn of_fitted(&self, temperature: f64) -> f64 {
-        let n = self.information.nrows();
-        let whole = DMatrix::identity(n, n) + &self.information / temperature;
-        let [rows, beliefs] = &self.pulls;
-        let pull = rows / temperature + beliefs * (1.0 - 1.0 / temperature);
-        let Some(root) = Cholesky::new(whole) else {
-            return f64::NEG_INFINITY;
-        };
-        let gained = self.kept * pull.dot(&root.solve(&pull));
-        let [left, believed] = self.cost;
-        -0.5 * (left / temperature + believed - gained + log_determinant(&root))
-    }
-
-    fn of_held_out(&self, temperature: f64) -> f64 {
-        -0.5 * (self.beyond.0 / temperature + self.beyond.1)
-    }
-}
-
-/// Most lags over which a correlation is summed.
-const LAGS: usize = 1000;
-
-/// `sum rho_k^2` over all lags of the correlation of a series, without what chance makes of it, at least 1: by so much
-/// the variance of its mean square is above that of as many independent samples.
-///
-/// Source: Bartlett, J. Royal Statistical Society B 8 (1946).
-fn correlation(series: &DVector<f64>) -> f64 {
-    let values = series.as_slice();
-    let (n, square) = (values.len(), series.norm_squared());
-    let at = |lag: usize| {
-        let product: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
-        (product / square).powi(2) - 1.0 / n as f64
-    };
-    let sum: f64 = (1..LAGS.min(n / 4)).map(at).sum();
-    let whole = 1.0 + 2.0 * sum;
-    if whole.is_finite() {
-        whole.max(1.0)
-    } else {
-        1.0
-    }
-}
-
 /// Columns beside others.
 fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     let (left, right) = (first.ncols(), second.ncols());
@@ -323,30 +235,4 @@ fn scale(problem: &Problem, point: &Point) -> (DMatrix<f64>, f64) {
         }
     }
     (scale, whole)
-}
-
-/// Covariance `(I + information)^-1` of the unknowns, and a root `R R'` of it.
-fn inverse(information: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
-    let n = information.nrows();
-    let eigen = (information + DMatrix::identity(n, n)).symmetric_eigen();
-    let roots = eigen.eigenvalues.map(|value| 1.0 / value.max(1.0).sqrt());
-    let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
-    (&root * root.transpose(), root)
-}
-
-/// `q' (I + B B')^-1 q` and `ln det(I + B B')` of what is left `q` and the errors `B` of the fit.
-fn beyond(left: &DVector<f64>, errors: &DMatrix<f64>) -> (f64, f64) {
-    let n = errors.ncols();
-    let product = errors.tr_mul(left);
-    let Some(root) = Cholesky::new(DMatrix::identity(n, n) + errors.tr_mul(errors)) else {
-        return (f64::INFINITY, 0.0);
-    };
-    let foreseen = product.dot(&root.solve(&product));
-    (left.norm_squared() - foreseen, log_determinant(&root))
-}
-
-/// Log determinant of a matrix by its factor.
-fn log_determinant(root: &Cholesky<f64, Dyn>) -> f64 {
-    let diagonal = root.l_dirty().diagonal();
-    2.0 * diagonal.iter().map(|value| value.ln()).sum::<f64>()
 }

@@ -1,10 +1,11 @@
 //! An explanation: a structure, fitted, and how it does on what was held out.
 
 use super::evidence::Evidence;
-use super::fit::{Fitted, Projector};
+use super::fit::Fitted;
 use super::judge::Judge;
 use super::point::{EffectAt, Point};
 use super::problem::Problem;
+use super::projector::Projector;
 use super::thresholds::FLOOR;
 use super::views::Views;
 

@@ -6,7 +6,9 @@
 //! (2003) on separable least squares.
 
 use super::point::{Global, Point};
-use super::problem::{Problem, Run};
+use super::problem::Problem;
+use super::projector::Projector;
+use super::run_of::Run;
 use nalgebra::{DMatrix, DVector};
 use quell_model::StartComponent;
 use quell_model::effects::ParameterRole;
@@ -26,54 +28,6 @@ pub struct Fitted {
     pub cost: f64,
     /// The shared unknowns.
     pub globals: Vec<Global>,
-}
-
-/// Projects the linear nuisances of every experiment out of residuals.
-pub struct Projector {
-    /// Orthonormal basis of the columns, an experiment each.
-    bases: Vec<DMatrix<f64>>,
-}
-
-impl Projector {
-    /// For the rows of a problem.
-    pub fn new(problem: &Problem) -> Self {
-        let basis = |experiment| orthonormal(problem.linear(experiment));
-        Self {
-            bases: (0..problem.experiments.len()).map(basis).collect(),
-        }
-    }
-
-    /// The part of the rows that no linear nuisance explains.
-    pub fn remove(&self, experiment: usize, rows: &DVector<f64>) -> DVector<f64> {
-        let basis = &self.bases[experiment];
-        if basis.ncols() == 0 {
-            return rows.clone();
-        }
-        rows - basis * basis.tr_mul(rows)
-    }
-}
-
-/// An orthonormal basis of the columns; those that depend on others are left out.
-pub fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
-    let mut basis: Vec<DVector<f64>> = Vec::with_capacity(columns.ncols());
-    for column in columns.column_iter() {
-        let (mut rest, size) = (column.into_owned(), column.norm());
-        // Twice is enough (Kahan, Parlett).
-        for _ in 0..2 {
-            for q in &basis {
-                let share = q.dot(&rest);
-                rest.axpy(-share, q, 1.0);
-            }
-        }
-        let left = rest.norm();
-        if left > 1e-9 * size && left > 0.0 {
-            basis.push(rest / left);
-        }
-    }
-    match basis.is_empty() {
-        true => DMatrix::zeros(columns.nrows(), 0),
-        false => DMatrix::from_columns(&basis),
-    }
 }
 
 /// The residuals at a point.

@@ -1,9 +1,11 @@
 //! What explanations are held against: fitted and held-out rows, and recordings kept apart.
 
-use super::baseline::{self, Data};
-use super::fit::{Fitted, Projector};
+use super::baseline;
+use super::data::Data;
+use super::fit::Fitted;
 use super::point::Point;
 use super::problem::{Problem, Rows};
+use super::projector::Projector;
 use super::rounding::rounding;
 use super::split;
 use super::start::ringing;

@@ -9,12 +9,12 @@
 use super::baseline::first_guess;
 use super::candidate::Known;
 use super::explanation::Explanation;
-use super::fit::{Projector, orthonormal};
 use super::judge::Judge;
 use super::outcome::Progress;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
+use super::projector::{Projector, orthonormal};
 use super::settled::{search, settled};
 use super::thresholds::LONG;
 

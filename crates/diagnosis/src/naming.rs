@@ -2,7 +2,7 @@
 
 use super::curves::ordinates;
 use super::explanation::Explanation;
-use super::law_curve::still;
+use super::law_band::still;
 use super::point::{Global, Point};
 use super::pool::Pool;
 use super::search::Search;

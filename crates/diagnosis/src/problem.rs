@@ -5,13 +5,10 @@ use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
 use quell_model::effects::{Catalogue, Law, ParameterRole, Scales};
-use quell_model::{
-    Departure, Experiment, Kind, Model, Output, Prediction, Simulated, StartComponent, Value,
-    predict_windows, simulate_windows,
-};
+use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Value};
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::AtomicU64;
 
 /// Rows of one output that count, as ranges of samples.
 pub type Rows = Vec<Range<usize>>;
@@ -54,20 +51,13 @@ pub struct Problem<'a> {
     pub scales_of_each: Vec<(usize, Scales)>,
     /// Whether only what each experiment alone has is fitted.
     pub frozen: bool,
+    /// Chi-squared that counts as one unit: the temperature of the evidence that a fit is for, 1 where it is for its
+    /// own sake.
+    pub unit: f64,
     /// Ends the work before its time.
     pub stop: Stop,
     /// Steps that were simulated so far: the work that was done, the same on every machine.
     pub simulated: Arc<AtomicU64>,
-}
-
-/// A simulated experiment, held against what was recorded.
-pub struct Run {
-    /// The motion; none of a frozen problem, which does not look at it again.
-    pub simulated: Option<Simulated>,
-    /// Recorded minus predicted, an output each.
-    pub residuals: Vec<Vec<f64>>,
-    /// Rates of the prediction, an output each; empty where its clock is the input's.
-    pub rates: Vec<Vec<f64>>,
 }
 
 impl Problem<'_> {
@@ -201,46 +191,6 @@ impl Problem<'_> {
         self.kind.loaded(&point.keys, inertia)
     }
 
-    /// One experiment at a point.
-    pub fn run(&self, point: &Point, experiment: usize) -> Run {
-        let (local, keys) = (&point.locals[experiment], self.keys(point, experiment));
-        let (kind, data) = (self.kind, &self.experiments[experiment]);
-        if self.stop.now() {
-            return left_out(data);
-        }
-        self.simulated
-            .fetch_add(data.grid.input.len() as u64, Relaxed);
-        let (terms, starts) = (&point.terms, &local.departures);
-        if self.frozen {
-            let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);
-            return compared(data, shown.into_iter(), None);
-        }
-        let simulated = simulate_windows(kind, &keys, terms, data, starts);
-        self.read(point, experiment, simulated)
-    }
-
-    /// One experiment at a point that differs from that of a run in one effect only. What only reads the
-    /// motion leaves it as it is.
-    pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
-        let own = &point.terms[term];
-        match ((own.effect.law)(&own.values), &run.simulated) {
-            (Law::Sensor(_), Some(motion)) => {
-                self.read(point, experiment, motion.read_by(&point.terms))
-            }
-            _ => self.run(point, experiment),
-        }
-    }
-
-    /// A simulated experiment, held against what was recorded.
-    fn read(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
-        let data = &self.experiments[experiment];
-        let pairs = data.outputs.iter().zip(&point.locals[experiment].clocks);
-        let shown: Vec<_> = pairs
-            .map(|(output, &clock)| simulated.predict(output, clock))
-            .collect();
-        compared(data, shown.into_iter(), Some(simulated))
-    }
-
     /// Weighted, whitened rows of one experiment from one series an output.
     pub fn weigh(&self, experiment: usize, series: &[Vec<f64>]) -> Vec<f64> {
         let mut rows = Vec::new();
@@ -305,46 +255,5 @@ impl Problem<'_> {
             true => DMatrix::zeros(0, 0),
             false => DMatrix::from_columns(&columns),
         }
-    }
-}
-
-/// A run that was not made, as one that ran away.
-fn left_out(data: &Experiment) -> Run {
-    let nothing = |output: &Output| vec![f64::NAN; output.values.len()];
-    let rates = |output: &Output| match output.own_clock {
-        true => nothing(output),
-        false => Vec::new(),
-    };
-    Run {
-        simulated: None,
-        residuals: data.outputs.iter().map(nothing).collect(),
-        rates: data.outputs.iter().map(rates).collect(),
-    }
-}
-
-/// What the outputs show, held against what was recorded.
-fn compared(
-    data: &Experiment,
-    shown: impl Iterator<Item = Prediction>,
-    simulated: Option<Simulated>,
-) -> Run {
-    let against = |(output, mut shown): (&Output, Prediction)| {
-        for (predicted, y) in shown.values.iter_mut().zip(&output.values) {
-            *predicted = y - *predicted;
-        }
-        (
-            shown.values,
-            if output.own_clock {
-                shown.rates
-            } else {
-                Vec::new()
-            },
-        )
-    };
-    let (residuals, rates) = data.outputs.iter().zip(shown).map(against).unzip();
-    Run {
-        simulated,
-        residuals,
-        rates,
     }
 }

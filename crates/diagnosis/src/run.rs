@@ -1,13 +1,14 @@
 //! One investigation, from experiments to a diagnosis.
 
-use super::baseline::{Data, problem, refit};
+use super::baseline::{problem, refit};
 use super::candidate::Known;
 use super::conclude::{Concluded, conclude, reported};
+use super::data::Data;
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::Untold;
 use super::explanation::Explanation;
-use super::fit::{Fitted, Projector};
+use super::fit::Fitted;
 use super::judge::Judge;
 use super::long_steps::searched_in_long_steps;
 use super::next_move::next_move;
@@ -15,6 +16,7 @@ use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
+use super::projector::Projector;
 use super::remarks::recorded;
 use super::scores::Recordings;
 use super::settled::{search, settled};

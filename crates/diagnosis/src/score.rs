@@ -4,7 +4,7 @@ use super::baseline::problem;
 use super::document::Score;
 use super::error::DiagnosisError;
 use super::excitation::{Carried, carried};
-use super::fit::Projector;
+use super::projector::Projector;
 use super::split;
 use super::start::ringing;
 use super::weights::measure_noise;

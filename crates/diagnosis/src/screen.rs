@@ -8,9 +8,11 @@
 //! against it: what is left of a large shift in second order would else hide it.
 
 use super::curves::{ordinates, root, size};
-use super::fit::{Linearised, Projector, orthonormal};
+use super::fit::Linearised;
 use super::point::{EffectAt, Point};
-use super::problem::{Problem, Run};
+use super::problem::Problem;
+use super::projector::{Projector, orthonormal};
+use super::run_of::Run;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use quell_model::Term;
 use quell_model::chain::RESONANCES;

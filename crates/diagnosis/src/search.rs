@@ -3,11 +3,11 @@
 
 use super::candidate::Known;
 use super::explanation::Explanation;
-use super::fit::Projector;
 use super::judge::Judge;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
+use super::projector::Projector;
 use super::screen::Table;
 use super::thresholds::{LONG, MOST_EFFECTS};
 use rayon::prelude::*;

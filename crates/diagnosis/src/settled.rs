@@ -3,11 +3,11 @@
 
 use super::candidate::Known;
 use super::descent::Descent;
-use super::fit::Projector;
 use super::judge::Judge;
 use super::outcome::Progress;
 use super::pool::Pool;
 use super::problem::Problem;
+use super::projector::Projector;
 use super::screen::Table;
 use super::search::Search;
 use super::thresholds::LONG;

@@ -1,7 +1,8 @@
 //! How a recording starts, as far as no sensor says it.
 
-use super::fit::{Fitted, Projector};
+use super::fit::Fitted;
 use super::problem::Problem;
+use super::projector::Projector;
 use super::thresholds::{LONG, STRONG};
 use quell_model::StartComponent::{
     Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity,

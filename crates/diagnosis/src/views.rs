@@ -1,9 +1,9 @@
 //! Fitted and held-out rows of a problem, and their derivatives.
 
-use super::fit::{Projector, orthonormal};
 use super::judge::Judge;
 use super::point::{Global, Point};
 use super::problem::Problem;
+use super::projector::{Projector, orthonormal};
 use nalgebra::{DMatrix, DVector};
 
 /// Step of a derivative in what the residual bends over.

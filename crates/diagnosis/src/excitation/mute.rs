@@ -2,7 +2,7 @@
 
 use super::words::figure;
 use crate::error::DiagnosisError;
-use crate::fit::orthonormal;
+use crate::projector::orthonormal;
 use crate::units::of_values;
 use nalgebra::{DMatrix, DVector};
 use quell_model::{Departure, Experiment, Model, Output, predict_windows};

@@ -10,9 +10,9 @@
 use super::imagined::explained;
 use super::information::Information;
 use super::payload::Payload;
-use crate::fit::Projector;
 use crate::point::{Local, Point};
 use crate::problem::Problem;
+use crate::projector::Projector;
 use crate::split;
 use quell_model::{Departure, Experiment};
 use std::slice::from_ref;

@@ -18,7 +18,7 @@ pub struct Information {
 impl Information {
     /// Of a problem's experiments about a point: the Schur complement of its normal equations.
     pub fn new(problem: &Problem, point: &Point) -> Self {
-        let projector = crate::fit::Projector::new(problem);
+        let projector = crate::projector::Projector::new(problem);
         let linear = problem.linearise(point, &projector);
         let normal = problem.normal(point, &linear);
         let gradient = problem.gradient(point, &linear, &linear.residuals);

@@ -1,0 +1,100 @@
+//! One experiment at a point, held against what was recorded.
+
+use super::point::Point;
+use super::problem::Problem;
+use quell_model::effects::Law;
+use quell_model::{Experiment, Output, Prediction, Simulated, predict_windows, simulate_windows};
+use std::sync::atomic::Ordering::Relaxed;
+
+/// A simulated experiment, held against what was recorded.
+pub struct Run {
+    /// The motion; none of a frozen problem, which does not look at it again.
+    pub simulated: Option<Simulated>,
+    /// Recorded minus predicted, an output each.
+    pub residuals: Vec<Vec<f64>>,
+    /// Rates of the prediction, an output each; empty where its clock is the input's.
+    pub rates: Vec<Vec<f64>>,
+}
+
+impl Problem<'_> {
+    /// One experiment at a point.
+    pub fn run(&self, point: &Point, experiment: usize) -> Run {
+        let (local, keys) = (&point.locals[experiment], self.keys(point, experiment));
+        let (kind, data) = (self.kind, &self.experiments[experiment]);
+        if self.stop.now() {
+            return left_out(data);
+        }
+        self.simulated
+            .fetch_add(data.grid.input.len() as u64, Relaxed);
+        let (terms, starts) = (&point.terms, &local.departures);
+        if self.frozen {
+            let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);
+            return compared(data, shown.into_iter(), None);
+        }
+        let simulated = simulate_windows(kind, &keys, terms, data, starts);
+        self.read(point, experiment, simulated)
+    }
+
+    /// One experiment at a point that differs from that of a run in one effect only. What only reads the
+    /// motion leaves it as it is.
+    pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
+        let own = &point.terms[term];
+        match ((own.effect.law)(&own.values), &run.simulated) {
+            (Law::Sensor(_), Some(motion)) => {
+                self.read(point, experiment, motion.read_by(&point.terms))
+            }
+            _ => self.run(point, experiment),
+        }
+    }
+
+    /// A simulated experiment, held against what was recorded.
+    fn read(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
+        let data = &self.experiments[experiment];
+        let pairs = data.outputs.iter().zip(&point.locals[experiment].clocks);
+        let shown: Vec<_> = pairs
+            .map(|(output, &clock)| simulated.predict(output, clock))
+            .collect();
+        compared(data, shown.into_iter(), Some(simulated))
+    }
+}
+
+/// A run that was not made, as one that ran away.
+fn left_out(data: &Experiment) -> Run {
+    let nothing = |output: &Output| vec![f64::NAN; output.values.len()];
+    let rates = |output: &Output| match output.own_clock {
+        true => nothing(output),
+        false => Vec::new(),
+    };
+    Run {
+        simulated: None,
+        residuals: data.outputs.iter().map(nothing).collect(),
+        rates: data.outputs.iter().map(rates).collect(),
+    }
+}
+
+/// What the outputs show, held against what was recorded.
+fn compared(
+    data: &Experiment,
+    shown: impl Iterator<Item = Prediction>,
+    simulated: Option<Simulated>,
+) -> Run {
+    let against = |(output, mut shown): (&Output, Prediction)| {
+        for (predicted, y) in shown.values.iter_mut().zip(&output.values) {
+            *predicted = y - *predicted;
+        }
+        (
+            shown.values,
+            if output.own_clock {
+                shown.rates
+            } else {
+                Vec::new()
+            },
+        )
+    };
+    let (residuals, rates) = data.outputs.iter().zip(shown).map(against).unzip();
+    Run {
+        simulated,
+        residuals,
+        rates,
+    }
+}
