@@ -17,8 +17,8 @@ use nalgebra::{DMatrix, SMatrix};
 use quell_shapers::{GridTrain, ShaperError, Tap};
 use quell_trajectories::SampledTrajectory;
 
-use super::fit::{OF_A_MODE, Point};
 use super::path::{NODES, Way};
+use super::point::{OF_A_MODE, Point};
 use super::response::free_step;
 use super::simplex::least_on_simplex;
 
@@ -40,7 +40,7 @@ pub struct Expected {
 
 impl Expected {
     /// The mean, and points two standard deviations away in each principal direction: their covariance is that of the mode.
-    fn sigma_points(&self) -> Vec<Point> {
+    pub fn sigma_points(&self) -> Vec<Point> {
         let eigen = self.covariance.symmetric_eigen();
         let reach = (OF_A_MODE as f64).sqrt();
         let mut points = vec![self.point];

@@ -24,7 +24,7 @@ const LENGTH: f64 = 1.0;
 pub struct Place {
     /// Position of the joint, rad.
     pub position: f64,
-    /// Positions of the joints that stand, rad.
+    /// Positions of the other joints, rad.
     pub others: Vec<f64>,
     /// Payload as it was declared, over the largest: 0 to 1.
     pub payload: f64,
