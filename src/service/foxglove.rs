@@ -118,6 +118,7 @@ impl Channels {
             vibration_m: Some(0.0),
             unshaped_vibration_rad: Some(0.0),
             unshaped_vibration_m: Some(0.0),
+            unshaped_std_rad: Some(0.0),
             recording: Some(String::new()),
             ..MoveResult::default()
         };

@@ -8,7 +8,11 @@ mod heard;
 mod jog;
 mod learning;
 mod model;
+mod modes;
 mod oracle;
+#[path = "../modes/plant.rs"]
+#[allow(dead_code)]
+mod plant;
 mod sequence;
 mod stops;
 mod together;

@@ -5,6 +5,7 @@ use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
 use super::hold::Jog;
+use super::learning::Learning;
 use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;
@@ -62,6 +63,8 @@ pub struct Joint {
     pub standstill: Standstill,
     /// Last measured motor position, rad.
     pub motor: Option<f64>,
+    /// What its moves have taught.
+    pub learning: Learning,
     /// Learns where the tip's sensor stands, as long as that is not known.
     pub registrar: Option<Registrar>,
 }

@@ -7,11 +7,13 @@
 //! is expected to leave less; [`monitor`] holds the expectation against what moves have left.
 
 mod account;
+mod chart;
 mod choice;
 mod fit;
 mod forecast;
 mod listening;
 mod map;
+mod memory;
 mod mode_map;
 mod monitor;
 mod order;
@@ -29,6 +31,8 @@ use self::path::NODES;
 use quell_shapers::{GridTrain, Mode};
 
 pub use self::account::{Account, Explained, Seen};
+pub use self::chart::{Charted, ModeChart, Spoken};
+pub use self::memory::{Memory, ModeMemory, MoveMemory};
 pub use self::order::MOST;
 pub use self::path::Way;
 pub use self::prescription::{Hold, ModeOnWay, Prescription};
@@ -108,6 +112,11 @@ impl Learner {
     /// Modes that it knows.
     pub fn modes(&self) -> usize {
         self.modes.len()
+    }
+
+    /// From now on this is the train without any adaptation.
+    pub fn set_base(&mut self, base: GridTrain) {
+        self.settings.base = base;
     }
 
     /// Forgets all that it has learned.

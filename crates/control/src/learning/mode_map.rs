@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::fit::Fitted;
 use super::forecast::Expected;
-use super::map::{Map, Place, Predicted, Spread};
+use super::map::{Block, Map, Place, Predicted, Spread};
 use super::path::NODES;
 use super::point::{OF_A_MODE, Prior};
 
@@ -33,11 +33,11 @@ const SURPRISE: f64 = 18.5;
 #[derive(Clone, Debug)]
 pub struct ModeMap {
     /// `ln w` of which the inertia is 1.
-    reference: f64,
-    inertia: Map,
-    damping: Map,
+    pub(super) reference: f64,
+    pub(super) inertia: Map,
+    pub(super) damping: Map,
     /// Its share: precision, and precision times mean.
-    share: [f64; 2],
+    pub(super) share: [f64; 2],
 }
 
 impl ModeMap {
@@ -108,8 +108,11 @@ impl ModeMap {
         let only =
             |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
         let vector = only(xi * mean[NODES] + pull[NODES]);
-        self.damping
-            .add(places.clone(), SMatrix::from_diagonal(&only(xi)), vector);
+        self.damping.add(Block {
+            places: places.clone(),
+            precision: SMatrix::from_diagonal(&only(xi)),
+            vector,
+        });
         let share = fitted.share_std.powi(-2);
         if share.is_finite() {
             // The newest counts as much as all before: the share follows the pose, too.
@@ -131,7 +134,11 @@ impl ModeMap {
         let slope = SMatrix::from_diagonal(&c.map(|c| -0.5 / c));
         let own = slope * precision.fixed_view::<NODES, NODES>(0, 0) * slope;
         let vector = own * c + slope * pull.fixed_rows::<NODES>(0);
-        self.inertia.add(places.clone(), own, vector);
+        self.inertia.add(Block {
+            places: places.clone(),
+            precision: own,
+            vector,
+        });
     }
 
     /// Whether a move is nothing that the map could expect: the arm has changed.

@@ -25,12 +25,7 @@ impl Learner {
         surroundings: &Surroundings,
         in_force: &GridTrain,
     ) -> Prescription {
-        let positions = plan.positions(0);
-        let (from, to) = (positions.first(), positions.last());
-        let way = Way::new(
-            from.copied().unwrap_or_default(),
-            to.copied().unwrap_or_default(),
-        );
+        let way = Way::of(plan);
         let places = surroundings.places(&way);
         let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
         let known = self.modes_on_way(plan, way, &expected);
@@ -73,6 +68,14 @@ impl Learner {
         }
         self.pending = Some(Pending { adapted, is_base });
         prescription
+    }
+
+    /// The modes that are known on the way of a plan.
+    pub fn on_way(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<ModeOnWay> {
+        let way = Way::of(plan);
+        let places = surroundings.places(&way);
+        let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
+        self.modes_on_way(plan, way, &expected)
     }
 
     /// What the modes leave unexplained: as large as it was, of a mode of which nothing but the belief is known. A train that
