@@ -18,7 +18,7 @@ use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
 
 use super::clock::ServiceClock;
-use super::contract::{Batch, Event, Frame, Handle, ModeValue, MoveResult};
+use super::contract::{Batch, Event, Frame, Handle, KnownMode, ModeValue, MoveResult};
 
 /// Time between two frames of a joint, s: a screen shows every third.
 const INTERVAL: f64 = 0.005;
@@ -119,6 +119,7 @@ impl Channels {
             unshaped_vibration_rad: Some(0.0),
             unshaped_vibration_m: Some(0.0),
             unshaped_std_rad: Some(0.0),
+            modes: vec![KnownMode::default()],
             recording: Some(String::new()),
             ..MoveResult::default()
         };
@@ -143,6 +144,9 @@ fn schema(name: &str, example: &impl Serialize) -> Schema {
                     .map(|(name, value)| (name.clone(), kind(value)));
                 let fields: serde_json::Map<_, _> = fields.collect();
                 json!({ "type": "object", "properties": fields })
+            }
+            Value::Array(items) => {
+                json!({ "type": "array", "items": items.first().map(kind) })
             }
             Value::String(_) => json!({ "type": "string" }),
             Value::Bool(_) => json!({ "type": "boolean" }),

@@ -10,6 +10,7 @@ use quell_shapers::GridTrain;
 use quell_trajectories::SampledTrajectory;
 
 use super::contract::JointMap;
+use super::following::FOLLOWED;
 use crate::estimators::Sample;
 use crate::learning::{
     Account, Learner, LearnerSettings, Memory, ModeOnWay, Prescription, Seen, Surroundings,
@@ -214,6 +215,7 @@ impl Learners {
             period: ended.plan.period(),
             cruise: &ended.cruise,
             after: &ended.after,
+            follows: FOLLOWED,
         };
         let judged = Judged {
             joint: ended.joint,

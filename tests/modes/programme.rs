@@ -117,8 +117,13 @@ impl Programme {
                 let mut said = String::new();
                 if policy == Policy::Learned {
                     let in_force = controller.axis().next_train().clone();
+                    let start = std::time::Instant::now();
                     let prescribed = learner.prescribe(&plan, &around, &in_force);
-                    said = format!("{:?} {:?} ", prescribed.hold, prescribed.expected);
+                    let took = start.elapsed().as_secs_f64() * 1e3;
+                    said = format!(
+                        "{took:.0} ms, {:?} {:?} ",
+                        prescribed.hold, prescribed.expected
+                    );
                     for mode in &prescribed.modes {
                         let hertz = mode.modes.map(|m| (m.hertz() * 100.0).round() / 100.0);
                         let std =

@@ -11,7 +11,6 @@ mod model;
 mod modes;
 mod oracle;
 #[path = "../modes/plant.rs"]
-#[allow(dead_code)]
 mod plant;
 mod sequence;
 mod stops;

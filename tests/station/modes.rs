@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use quell::service::config::Config;
-use quell::service::contract::{Accepted, MoveResult, Phase, Request, ShapingChange};
+use quell::service::contract::{Accepted, JointMap, MoveResult, Phase, Request, ShapingChange};
+use quell::service::following::FOLLOWED;
 use quell_shapers::Mode;
 
 use super::plant::{Faults, Plant, PlantMode};
@@ -21,6 +22,8 @@ const FAULTS: Faults = Faults {
 const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
 /// Ticks that anything here takes at most.
 const PATIENCE: usize = 5_000;
+/// Time, s, true motor position and deformation, rad, and whether the command moves.
+type Traced = (f64, f64, f64, bool);
 /// Ticks for which the arm is watched after a move.
 const WATCHED: usize = 400;
 
@@ -28,6 +31,8 @@ fn settings(data: &Path, belief_hz: f64) -> Config {
     let mut config = config(data);
     let joint = &mut config.joints[0];
     joint.belief = Mode::from_hertz(belief_hz, 0.05).expect("a mode");
+    // A ramp of 5 ms makes 19 Hz ring.
+    joint.limits.jerk = 6000.0;
     joint.sensor_rate = 1.0 / PERIOD;
     joint.encoder_resolution = FAULTS.resolution;
     config
@@ -45,7 +50,7 @@ fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
 fn two() -> [PlantMode; 2] {
     [
         PlantMode::new(8.0, 0.03, 1.0),
-        PlantMode::new(19.0, 0.03, 1.0 / 3.0),
+        PlantMode::new(19.0, 0.03, 1.0),
     ]
 }
 
@@ -59,6 +64,17 @@ fn posed() -> PlantMode {
 
 /// The result of a move, and the peak of the true deformation once the motor side stands, rad.
 fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64) {
+    let (done, trace) = watched(world, target, shaper);
+    let away = |(_, motor, ..): &Traced| (motor - target).abs() > 1e-6;
+    let end = trace.iter().rposition(away).map_or(0, |last| last + 1);
+    let peak = trace[end..]
+        .iter()
+        .fold(0.0, |peak: f64, one| peak.max(one.2.abs()));
+    (done, peak)
+}
+
+/// The result of a move, and the true deformation once the motor side stands, rad.
+fn watched(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, Vec<Traced>) {
     world.ask(Request::Move {
         joint: "joint_1".into(),
         target,
@@ -74,7 +90,9 @@ fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64)
     while quiet < WATCHED {
         world.step();
         let arm = world.robot.arm.as_ref().expect("an arm");
-        trace.push((arm.motor(), arm.deformation()));
+        let (motor, deformation) = (arm.motor(), arm.deformation());
+        let moves = world.last().is_some_and(|sent| sent.1.velocity != 0.0);
+        trace.push((world.robot.time, motor, deformation, moves));
         quiet = if world.joint().phase == Phase::Rest {
             quiet + 1
         } else {
@@ -82,18 +100,13 @@ fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64)
         };
         assert!(trace.len() < PATIENCE, "the move does not end");
     }
-    let away = |(motor, _): &(f64, f64)| (motor - target).abs() > 1e-6;
-    let end = trace.iter().rposition(away).map_or(0, |last| last + 1);
-    let peak = trace[end..]
-        .iter()
-        .fold(0.0, |peak: f64, one| peak.max(one.1.abs()));
     let done = world
         .snapshot()
         .moves
         .iter()
         .find(|done| done.id == id)
         .cloned();
-    (done.expect("a result"), peak)
+    (done.expect("a result"), trace)
 }
 
 /// Each move's share of what it leaves unshaped, %, and what the service said of it.
@@ -127,6 +140,51 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])
 }
 
+/// What is told of moves that are shaped for a wrong mode is what the arm did: amplitudes over a period of the slowest mode.
+#[test]
+fn what_a_move_has_left_is_told_as_the_arm_did_it() {
+    let amplitude = |trace: &[Traced]| {
+        // From when the service listens.
+        let moves = trace.iter().rfind(|one| one.3).expect("a move");
+        let from = moves.0 + FOLLOWED;
+        let inside = trace
+            .iter()
+            .filter(|one| (from..from + 0.125).contains(&one.0));
+        let seen: Vec<f64> = inside.map(|one| one.2).collect();
+        let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+        let square = seen.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / seen.len() as f64;
+        (2.0 * square).sqrt()
+    };
+    for modes in [two().to_vec(), vec![posed()]] {
+        let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        let mut shaped = world(data.path(), 10.0, &modes);
+        let mut unshaped = world(other.path(), 10.0, &modes);
+        shaped.ask(Request::Shaping(ShapingChange {
+            adaptation: Some(false),
+            ..ShapingChange::default()
+        }));
+        shaped.steps(2);
+        for degrees in TARGETS {
+            let target = degrees.to_radians();
+            let (_, all) = watched(&mut unshaped, target, Some("none"));
+            let (told, left) = watched(&mut shaped, target, None);
+            let [left, all] = [left, all].map(|after| amplitude(&after));
+            let (told_left, told_all) = (
+                told.residual_rad.expect("measured"),
+                told.unshaped_rad.expect("known"),
+            );
+            assert!(told.unshaped_std_rad.is_some());
+            let [truth, told] = [left / all, told_left / told_all];
+            println!("left {:.1} %, told {:.1} %", 100.0 * truth, 100.0 * told);
+            // The motor side does not follow quite what is planned: a few parts in a hundred at 19 Hz.
+            assert!(
+                (told - truth).abs() <= 0.3 * truth,
+                "{degrees}: {told} {truth}"
+            );
+        }
+    }
+}
+
 #[test]
 fn two_modes_are_shaped_for_after_a_move() {
     for belief in [8.0, 10.0] {
@@ -157,12 +215,24 @@ fn the_map_survives_a_restart_and_is_forgotten() {
     assert_eq!(before.map.modes.len(), 2);
     drop(first);
 
-    let mut again = World::start(settings(data.path(), 9.0), 1e9, 0.0, true);
+    let stands = arm.as_ref().map_or(0.0, Plant::motor);
+    let mut again = World::start(settings(data.path(), 9.0), 1e9, stands, true);
     again.robot.arm = arm;
     again.steps(100);
     again.enable();
-    again.step();
-    assert_eq!(again.joint().map.modes, before.map.modes);
+    assert!(again.step().iter().all(|one| one.answer.is_ok()));
+    // But for the rounding of sums.
+    let curves = |map: &JointMap| -> Vec<f64> {
+        let points = map.modes.iter().flat_map(|mode| &mode.curve);
+        points
+            .flat_map(|at| [at.frequency_hz, at.frequency_std_hz])
+            .collect()
+    };
+    let [kept, learned] = [again.joint().map, before.map].map(|map| curves(&map));
+    assert_eq!(kept.len(), learned.len());
+    for (kept, learned) in kept.iter().zip(&learned) {
+        assert!((kept / learned - 1.0).abs() < 1e-6, "{kept} {learned}");
+    }
     let unshaped = {
         let other = tempfile::tempdir().expect("a folder");
         let mut other = world(other.path(), 9.0, &two());

@@ -66,6 +66,8 @@ pub struct Robot {
     /// One that rings, and says so.
     pub arm: Option<Plant>,
     deformation: Option<f64>,
+    /// Time of the one that rings, s.
+    pub time: f64,
     pub position: f64,
     pub silent: bool,
     /// Time constant with which it follows, s.
@@ -92,6 +94,7 @@ impl Robot {
         };
         let heard = arm.step(setpoint.position, setpoint.velocity);
         (self.position, self.deformation) = (heard.motor, heard.deformation);
+        self.time = heard.time;
     }
 }
 
@@ -269,8 +272,10 @@ impl World {
             return;
         }
         let now = self.clock.now();
-        let deformation = self.robot.deformation;
-        let deformation = deformation.map(|value| format!(",\"deformation\":{value:e}"));
+        let deformation = self
+            .robot
+            .deformation
+            .map(|value| format!(",\"deformation\":{value:e}"));
         self.robot.held.push(format!(
             "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e}{}}}",
             now + self.robot.ahead,

@@ -3,18 +3,17 @@
 //! A move from rest waits for its train, but no longer than [`PATIENCE`]: it is then made with the one that stands. A train goes
 //! to the tick with the plan that it was solved for.
 
-use std::sync::Arc;
-
 use quell_shapers::UncertainMode;
 
 use super::axis::train;
-use super::joint::{Asked, Joint, What, name_of};
+use super::joint::{Asked, What, name_of};
+use super::learned::CARRIED;
 use super::planning::{Planned, standing_train};
 use super::running::Running;
 use super::{Engine, MOVES};
-use crate::learning::{Account, Hold, Prescription, Surroundings, Way};
+use crate::learning::{Account, Hold, Memory, Prescription, Surroundings, Way};
 use crate::service::contract::{
-    Accepted, Event as Told, JointMap, KnownMode, LearningView, MoveResult, ServiceError,
+    Accepted, Event as Told, KnownMode, LearningView, MoveResult, ServiceError,
 };
 use crate::service::learners::{Ended, Job, Judged, Said, Wanted};
 use crate::service::tick::{Start, Train};
@@ -23,48 +22,6 @@ use crate::service::tick::{Start, Train};
 const PATIENCE: f64 = 0.1;
 /// Time that the result of a move waits to be judged, s.
 const JUDGED: f64 = 2.0;
-/// Payload of an arm's class that the maps take for the whole, kg.
-pub const CARRIED: f64 = 60.0;
-
-/// What was learned of a joint.
-#[derive(Default)]
-pub struct Learning {
-    /// Modes that the learner knows.
-    pub modes: usize,
-    /// What is told of them.
-    pub view: LearningView,
-    /// Their map.
-    pub map: Arc<JointMap>,
-    /// The train that was solved last.
-    solved: Option<Train>,
-    /// Until when the order of this ticket waits for its train, s.
-    waits: Option<(u64, f64)>,
-    /// The last plan that was given the train that was solved for it.
-    prescribed: Option<u64>,
-}
-
-impl Learning {
-    /// The train that was solved last, where it is still the one of this joint.
-    pub fn train(&self, joint: &Joint, shaper: &str) -> Option<&Train> {
-        let stands = |solved: &&Train| {
-            joint.adaptation
-                && joint.wanted_mode.is_none()
-                && name_of(solved.shaper) == shaper
-                && solved.retunes == joint.retunes
-        };
-        self.solved.as_ref().filter(stands)
-    }
-
-    /// Another train than that which was solved is to stand.
-    pub fn give_up(&mut self) {
-        self.solved = None;
-    }
-
-    /// Whether the plan of this ticket has the train that was solved for it.
-    pub fn is_prescribed(&self, ticket: u64) -> bool {
-        self.prescribed == Some(ticket)
-    }
-}
 
 /// A move that has ended and is being judged.
 pub struct Ending {
@@ -161,13 +118,18 @@ impl Engine {
                         joint.learning.view = LearningView::default();
                     }
                     let name = joint.config.name.clone();
-                    let state = self.state.joints.entry(name).or_default();
-                    if state.map.as_ref() != Some(&memory) {
-                        state.map = Some(memory);
-                        self.save();
-                    }
+                    self.remember(name, memory);
                 }
             }
+        }
+    }
+
+    fn remember(&mut self, joint: String, memory: Memory) {
+        let kept = self.state.joints.get(&joint);
+        let kept = kept.and_then(|state| state.map.clone());
+        if kept.unwrap_or_default() != memory {
+            self.state.joints.entry(joint).or_default().map = Some(memory);
+            self.save();
         }
     }
 
@@ -312,7 +274,7 @@ impl Engine {
     pub(super) fn forget(&mut self, name: &str) -> Result<Accepted, ServiceError> {
         let index = self.index_of(name)?;
         let joint = &mut self.joints[index];
-        joint.learning.give_up();
+        joint.learning.solved = None;
         joint.learning.view = LearningView::default();
         joint.wanted_mode = Some(joint.config.belief);
         joint.train_due = true;

@@ -10,6 +10,7 @@ mod enabling;
 mod hold;
 mod jog;
 mod joint;
+mod learned;
 mod learning;
 mod orders;
 mod planning;
@@ -32,7 +33,7 @@ use quell_trajectories::Planner;
 
 pub use axis::{controller, longest_train};
 pub use joint::{Hearing, Joint};
-pub use learning::{CARRIED, Learning};
+pub use learned::{CARRIED, Learning};
 pub use registration::Registrar;
 
 use enabling::Enabling;

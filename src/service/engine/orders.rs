@@ -375,7 +375,7 @@ impl Engine {
             heard: Vec::new(),
             before,
             frozen: false,
-            prescribed: joint.learning.is_prescribed(asked.ticket),
+            prescribed: joint.learning.prescribed == Some(asked.ticket),
         });
         // A number is not given twice, though the service be killed.
         self.save();

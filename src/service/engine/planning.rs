@@ -68,7 +68,7 @@ pub fn standing_train(
     shaper: Option<&'static dyn Shaper>,
     period: f64,
 ) -> Result<Train, ServiceError> {
-    if let Some(solved) = joint.learning.train(joint, super::joint::name_of(shaper)) {
+    if let Some(solved) = joint.solved_train(shaper) {
         return Ok(solved.clone());
     }
     let known = joint.known();

@@ -233,7 +233,7 @@ impl Engine {
         }
         joint.shaping = change.enabled.unwrap_or(joint.shaping);
         joint.wanted_mode = mode.or(joint.wanted_mode);
-        joint.learning.give_up();
+        joint.learning.solved = None;
         joint.train_due |= kind.is_some() || change.enabled.is_some() || mode.is_some();
         if let Some(adaptation) = change.adaptation {
             joint.adaptation = adaptation;
@@ -276,7 +276,7 @@ impl Engine {
                 && joint.adaptation
             {
                 joint.wanted_mode = Some(mode);
-                joint.learning.give_up();
+                joint.learning.solved = None;
                 joint.mode_since = self.clock.unix_time();
                 joint.train_due = true;
                 self.order_train(index);

@@ -29,6 +29,8 @@ pub struct Seen<'a> {
     pub cruise: &'a [Vec<(f64, f64)>],
     /// The same after the command had come to rest and the motor side had followed.
     pub after: &'a [(f64, f64)],
+    /// Time in which the motor side follows, s.
+    pub follows: f64,
 }
 
 /// Amplitudes of the vibration of a move, rad.
@@ -114,7 +116,8 @@ impl Explained {
 
     /// The deformation of a mode of share 1 by the planned motion, and for a period of the slowest mode after it.
     fn response(&self, point: &Point, seen: &Seen<'_>) -> Trace {
-        let rest = (self.slowest_period() / seen.period).ceil() as usize + 2;
+        let followed = (seen.follows / seen.period).ceil() as usize;
+        let rest = followed + (self.slowest_period() / seen.period).ceil() as usize + 2;
         let last = seen.planned.last().copied().unwrap_or_default();
         let positions = seen.planned.iter().copied();
         let samples: Vec<Sample> = positions
@@ -128,7 +131,8 @@ impl Explained {
             .collect();
         let log_w = |position| self.way.value(&point.log_w, position);
         let [across, ..] = columns(&samples, log_w, point.xi).of;
-        let end = seen.planned.len();
+        // What was left is looked at so much later, too.
+        let end = seen.planned.len() + followed;
         let at = |range: core::ops::Range<usize>| -> Vec<(f64, f64)> {
             range.map(|k| (samples[k].time, across[k])).collect()
         };

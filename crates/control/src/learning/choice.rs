@@ -3,7 +3,7 @@
 use quell_shapers::GridTrain;
 
 use super::Learner;
-use super::forecast::{Expected, Forecast, Left};
+use super::forecast::{Expected, Forecast};
 
 /// Lengths of the trains that are tried, quarters of the slowest mode's period.
 const QUARTERS: std::ops::RangeInclusive<usize> = 2..=8;
@@ -60,8 +60,7 @@ impl Learner {
     }
 
     fn left_by(&self, forecast: &Forecast<'_>, train: &GridTrain) -> f64 {
-        let left: Left = forecast.left(train.duration_in_ticks());
-        left.by(train)
+        forecast.left_of(&[train]).by(train)
     }
 
     /// Whether that in force leaves more than a dead band and another less, or another as little with less delay.

@@ -9,7 +9,6 @@ use super::path::{NODES, Way};
 use super::point::Prior;
 use super::{Explained, Learner, Pending, Surroundings, order};
 use crate::estimators::Sample;
-use quell_shapers::GridTrain;
 use quell_trajectories::SampledTrajectory;
 
 /// Samples of a move from which something is learned: more than twice the unknowns of three modes.
@@ -120,9 +119,8 @@ impl Learner {
         let modes: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
         let forecast = Forecast::new(plan, way, &modes).whole();
         let base = &self.settings.base;
-        let adapted = pending.as_ref().map(|pending| &pending.adapted);
-        let longest = adapted.map_or(0, GridTrain::duration_in_ticks);
-        let left = forecast.left(longest.max(base.duration_in_ticks()));
+        let adapted = pending.as_ref().map_or(base, |pending| &pending.adapted);
+        let left = forecast.left_of(&[base, adapted]);
         let unshaped = left.unshaped().max(f64::MIN_POSITIVE);
         let unexplained = 2.0 * fit.unexplained() / (unshaped * unshaped);
         self.unexplained = (FORGETS * self.unexplained).max(unexplained).min(1.0);
