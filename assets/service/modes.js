@@ -3,7 +3,7 @@
 import { ask, command } from "./ask.js";
 import { $, DEG, degrees, element, number } from "./dom.js";
 
-const [WIDTH, HEIGHT, LEFT, BELOW] = [720, 240, 44, 34];
+const [HEIGHT, LEFT, BELOW] = [240, 34, 30];
 const SHOWN = 0.25; // a frequency whose two standard deviations are a larger share of it is none to show
 
 const make = (kind, attributes, text = "") => {
@@ -12,6 +12,9 @@ const make = (kind, attributes, text = "") => {
   made.textContent = text;
   return made;
 };
+
+let map = null;
+new ResizeObserver(() => map && drawMap()).observe($("map"));
 
 /** Shows what is known of a joint; where its modes have changed the map is asked for anew. */
 export function showModes(now) {
@@ -25,7 +28,11 @@ export function showModes(now) {
   const words = [expected === null ? "" : `The last train was expected to leave ${number(expected, 2)} % of the vibration without shaping.`, held ? `No retune in motion: ${held}.` : ""];
   $("modes-note").textContent = words.filter(Boolean).join(" ");
   const path = `/api/v1/joints/${encodeURIComponent(now.name)}/map`;
-  ask(path).then(drawMap, () => {}); // the next change asks again
+  const take = (answer) => {
+    map = answer;
+    drawMap();
+  };
+  ask(path).then(take, () => {}); // the next change asks again
   $("map-json").href = path;
   $("map-csv").href = `${path}.csv`;
 }
@@ -46,19 +53,20 @@ function row(mode, k) {
 }
 
 /** Frequencies over the pose, the band of two standard deviations, and what each move said. */
-function drawMap(map) {
+function drawMap() {
   // What was never near a move is not known.
   const parts = map.modes.map((mode) => mode.curve.filter((at) => 2 * at.frequency_std_hz < SHOWN * at.frequency_hz));
   const points = parts.flat();
+  const width = Math.max($("map").clientWidth, 240);
   if (!points.length) return $("map").replaceChildren();
   const ends = (values) => [Math.min(...values), Math.max(...values)];
   const [from, to] = ends([...points.map((at) => at.position_rad), ...map.modes.flatMap((mode) => mode.moves.flatMap((move) => [move.from_rad, move.to_rad]))]);
   const most = 1.1 * Math.max(...points.map((at) => at.frequency_hz + 2 * at.frequency_std_hz));
-  const x = (position) => LEFT + ((position - from) / Math.max(to - from, 1e-9)) * (WIDTH - LEFT - 14);
+  const x = (position) => LEFT + ((position - from) / Math.max(to - from, 1e-9)) * (width - LEFT - 14);
   const y = (hertz) => (HEIGHT - BELOW) * (1 - hertz / most) + 6;
-  const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `Frequencies of ${map.modes.length} modes from ${degrees(from)} to ${degrees(to)} degrees` });
+  const svg = make("svg", { width, height: HEIGHT, role: "img", "aria-label": `Frequencies of ${map.modes.length} modes from ${degrees(from)} to ${degrees(to)} degrees` });
   for (const hertz of ticks(most)) {
-    svg.append(make("line", { class: "grid", x1: LEFT, x2: WIDTH, y1: y(hertz), y2: y(hertz) }), make("text", { x: LEFT - 8, y: y(hertz) + 4, "text-anchor": "end" }, String(hertz)));
+    svg.append(make("line", { class: "grid", x1: LEFT, x2: width, y1: y(hertz), y2: y(hertz) }), make("text", { x: LEFT - 8, y: y(hertz) + 4, "text-anchor": "end" }, String(hertz)));
   }
   for (let k = 0; k < 5; k++) {
     const position = from + ((to - from) * k) / 4;

@@ -60,7 +60,7 @@ function track(bars, most, unit) {
     const row = element("div", "", { class: "bar" });
     const colour = element("i", "", { class: kind });
     colour.style.width = `${(72 * (value ?? 0)) / most}%`;
-    row.append(colour, element("span", value === null ? "not measured" : `${number(1e3 * value, 2)} ${unit}${words}`));
+    row.append(colour, element("span", value === null ? "not measured" : value === 0 ? `below the noise${words}` : `${number(1e3 * value, 2)} ${unit}${words}`));
     box.append(row);
   }
   return box;

@@ -178,7 +178,7 @@ fn what_a_move_has_left_is_told_as_the_arm_did_it() {
             println!("left {:.1} %, told {:.1} %", 100.0 * truth, 100.0 * told);
             // The motor side does not follow quite what is planned: a few parts in a hundred at 19 Hz.
             assert!(
-                (told - truth).abs() <= 0.3 * truth,
+                (told - truth).abs() <= 0.15 * truth,
                 "{degrees}: {told} {truth}"
             );
         }
