@@ -188,12 +188,10 @@ fn print(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<()> {
         true => instructions(axes, case).map_or("no valgrind".into(), |n| format!("{n:.0}")),
         false => "-".into(),
     };
-    let name = if case.solved {
-        "held, three modes"
-    } else if hears {
-        case.estimator.name
-    } else {
-        "nothing measured"
+    let name = match (hears, case.solved) {
+        (false, _) => "nothing measured",
+        (true, true) => "held, three modes",
+        (true, false) => case.estimator.name,
     };
     println!(
         "{name:22}{:8}{axes:5}{mean:9.0}{:9.0}{:9.0}{:9.0}  {counted:>12}",
@@ -242,10 +240,11 @@ fn main() -> Outcome<()> {
         shaper: "optimal",
         solved: false,
     };
-    for (k, case) in ESTIMATORS
-        .iter()
-        .map(zvd)
-        .chain([solved, three])
+    let singles = ESTIMATORS.iter().map(zvd);
+    for (k, case) in [three]
+        .into_iter()
+        .chain(singles)
+        .chain([solved])
         .enumerate()
     {
         let tape = tape(TICKS, case)?;

@@ -210,7 +210,7 @@ impl View {
             if let Event::MoveEnded(moved) = event {
                 let named = |joint: &&Channels| joint.joint == moved.joint;
                 if let Some(joint) = self.channels.iter().find(named) {
-                    self.log(&joint.moves, moved, self.clock.unix_time());
+                    self.log(&joint.moves, moved.as_ref(), self.clock.unix_time());
                 }
             }
         }

@@ -266,7 +266,7 @@ impl Engine {
         while self.moves.len() > MOVES {
             self.moves.pop_front();
         }
-        self.batch.events.push(Told::MoveEnded(result));
+        self.batch.events.push(Told::MoveEnded(Box::new(result)));
         self.save();
     }
 

@@ -228,6 +228,9 @@ fn sensors(text: &mut Text, joints: &[JointSnapshot]) {
     );
 }
 
+/// Name, what it is, and its value.
+type OfAMode = (&'static str, &'static str, fn(&KnownMode) -> f64);
+
 /// The modes that moves have taught, counted from 1.
 fn modes(text: &mut Text, snapshot: &Snapshot) {
     let each = |of: fn(&KnownMode) -> f64| {
@@ -238,7 +241,7 @@ fn modes(text: &mut Text, snapshot: &Snapshot) {
         });
         all.collect::<Vec<_>>()
     };
-    let metrics: [(&str, &str, fn(&KnownMode) -> f64); 6] = [
+    let metrics: [OfAMode; 6] = [
         (
             "known_mode_frequency_hertz",
             "Natural frequency of a mode in the middle of the last way.",
