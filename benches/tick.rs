@@ -11,9 +11,10 @@ mod embedded;
 use embedded::axis_settings;
 use quell::controller::{AxisSettings, Controller, Setpoint};
 use quell::estimators::{ESTIMATORS, EstimatorEntry};
+use quell::learning::Hold;
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
 use quell::signal::Measurement;
-use quell_shapers::{Mode, shaper_by_name};
+use quell_shapers::{GridTrain, Mode, Tap, UncertainMode, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 use std::error::Error;
 use std::hint::black_box;
@@ -44,6 +45,19 @@ struct Tape {
 struct Case {
     estimator: &'static EstimatorEntry,
     shaper: &'static str,
+    /// Whether the train is one that was solved between moves, for three modes.
+    solved: bool,
+}
+
+/// A train as long as a period of 8 Hz with as many impulses as there may be.
+fn solved() -> Outcome<GridTrain> {
+    let count = (0.125 / PERIOD) as u32;
+    let tap = |delay| Tap {
+        delay,
+        amplitude: 1.0 / f64::from(count),
+    };
+    let taps: Vec<Tap> = (0..count).map(tap).collect();
+    Ok(GridTrain::from_taps(&taps, PERIOD)?)
 }
 
 fn controller(case: Case) -> Outcome<Controller> {
@@ -54,7 +68,14 @@ fn controller(case: Case) -> Outcome<Controller> {
         shaper: shaper_by_name(case.shaper),
         ..axis_settings(belief, PERIOD, 0.003)
     };
-    Ok(Controller::new(settings, 0.0)?)
+    let mut controller = Controller::new(settings, 0.0)?;
+    if case.solved {
+        let known = UncertainMode::believed(belief);
+        controller.set_train(shaper_by_name(case.shaper), &known, &solved()?)?;
+        controller.hold(Some(Hold::SeveralModes));
+        controller.keep_samples(128);
+    }
+    Ok(controller)
 }
 
 fn plan(from: f64, to: f64) -> Outcome<SampledTrajectory> {
@@ -112,6 +133,7 @@ fn replay(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<(Vec<f64
         let start = Instant::now();
         for controller in &mut controllers {
             sum += total(controller.tick(inbox));
+            controller.clear_samples();
         }
         let end = Instant::now();
         let clock = end.elapsed();
@@ -162,14 +184,14 @@ fn print(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<()> {
     let mean = 1e9 * least.iter().sum::<f64>() / TICKS as f64;
     least.sort_by(f64::total_cmp);
     let at = |part: f64| 1e9 * least[((TICKS - 1) as f64 * part) as usize];
-    let counted = match hears && case.estimator.name == ESTIMATORS[0].name {
+    let counted = match hears && !case.solved && case.estimator.name == ESTIMATORS[0].name {
         true => instructions(axes, case).map_or("no valgrind".into(), |n| format!("{n:.0}")),
         false => "-".into(),
     };
-    let name = if hears {
-        case.estimator.name
-    } else {
-        "nothing measured"
+    let name = match (hears, case.solved) {
+        (false, _) => "nothing measured",
+        (true, true) => "held, three modes",
+        (true, false) => case.estimator.name,
     };
     println!(
         "{name:22}{:8}{axes:5}{mean:9.0}{:9.0}{:9.0}{:9.0}  {counted:>12}",
@@ -189,6 +211,7 @@ fn main() -> Outcome<()> {
         let case = Case {
             estimator: quell::estimators::estimator(name).ok_or("no such estimator")?,
             shaper: shaper_by_name(shaper).ok_or("no such shaper")?.name(),
+            solved: false,
         };
         let tape = tape(COUNTED, case)?;
         for _ in 0..rounds.parse()? {
@@ -206,12 +229,24 @@ fn main() -> Outcome<()> {
     let zvd = |estimator| Case {
         estimator,
         shaper: "zvd",
+        solved: false,
+    };
+    let three = Case {
+        solved: true,
+        ..zvd(&ESTIMATORS[0])
     };
     let solved = Case {
         estimator: &ESTIMATORS[0],
         shaper: "optimal",
+        solved: false,
     };
-    for (k, case) in ESTIMATORS.iter().map(zvd).chain([solved]).enumerate() {
+    let singles = ESTIMATORS.iter().map(zvd);
+    for (k, case) in [three]
+        .into_iter()
+        .chain(singles)
+        .chain([solved])
+        .enumerate()
+    {
         let tape = tape(TICKS, case)?;
         if k == 0 {
             print(&tape, 1, case, false)?;

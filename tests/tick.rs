@@ -50,8 +50,10 @@ impl Loop {
         let robot = Robot::rx170();
         let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default());
         let settings = settings(shaper, estimator);
+        let mut controller = Controller::new(settings, 0.0).expect("a controller");
+        controller.keep_samples(64);
         Self {
-            controller: Controller::new(settings, 0.0).expect("a controller"),
+            controller,
             arm: arm.expect("an arm"),
             inbox: Vec::with_capacity(64),
             moves: 0,
@@ -61,6 +63,7 @@ impl Loop {
 
     /// Between ticks: a new move every 600 ticks, and the arm moves on.
     fn between(&mut self, setpoint: Setpoint) {
+        self.controller.clear_samples();
         self.inbox.clear();
         let command = Command {
             position: setpoint.position,

@@ -7,11 +7,25 @@ const BARS = 10; // moves that are shown
 /** The moves of a joint that ran to their end, oldest first: what another one leaves says nothing of its shaping. */
 export const whole = (moves, joint) => moves.filter((move) => move.joint === joint && !move.interrupted);
 
+/**
+ * The share of the vibration without shaping that a move has left, percent, and words on how well it is known: without
+ * shaping it would have been as much as two standard deviations more or less, and where it may have been none there is no share.
+ */
+export function share(move) {
+  const { vibration_rad: left, unshaped_vibration_rad: without, unshaped_std_rad: std } = move;
+  const most = without - 2 * (std ?? 0);
+  if (left === null || !(most > 0)) return { percent: "–", note: "not known: its modes are not known well enough" };
+  const percent = (of) => number((100 * left) / of, 2);
+  const [low, high] = [percent(without + 2 * (std ?? 0)), percent(most)];
+  return { percent: percent(without), note: low === high ? "of the vibration without shaping" : `of the vibration without shaping (${low} to ${high})` };
+}
+
 /** The bars of a move: what is drawn, in which colour, and words behind it. */
 function bars(move, of) {
   const [left, without] = [of(move, "vibration"), of(move, "unshaped_vibration")];
-  const share = move.shaped && without && left !== null ? `, ${number((100 * left) / without, 2)} %` : "";
-  const own = { value: left, kind: move.shaped ? "with" : "without", words: share };
+  const known = move.shaped && left !== null ? share(move).percent : "";
+  const words = { "": "", "–": ", of what without shaping is not known" }[known] ?? `, ${known} %`;
+  const own = { value: left, kind: move.shaped ? "with" : "without", words };
   return move.shaped && without !== null ? [{ value: without, kind: "without", words: "" }, own] : [own];
 }
 
@@ -46,7 +60,7 @@ function track(bars, most, unit) {
     const row = element("div", "", { class: "bar" });
     const colour = element("i", "", { class: kind });
     colour.style.width = `${(72 * (value ?? 0)) / most}%`;
-    row.append(colour, element("span", value === null ? "not measured" : `${number(1e3 * value, 2)} ${unit}${words}`));
+    row.append(colour, element("span", value === null ? "not measured" : value === 0 ? `below the noise${words}` : `${number(1e3 * value, 2)} ${unit}${words}`));
     box.append(row);
   }
   return box;

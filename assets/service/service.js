@@ -4,8 +4,9 @@ import { ask, command, stop, token, withToken } from "./ask.js";
 import { Live, Trace, drawTrain, impulses } from "./charts.js";
 import { $, DEG, announce, degrees, element, number, rounded, say } from "./dom.js";
 import "./keys.js";
-import { showMoves, whole } from "./moves.js";
+import { share, showMoves, whole } from "./moves.js";
 import { jogs } from "./jog.js";
+import { forgets, showModes } from "./modes.js";
 import { lastDiagnosis, listRecordings } from "./recordings.js";
 
 const QUIET = 4000; // ms without a word after which a connection counts as lost
@@ -94,6 +95,7 @@ function showState() {
   showTrouble(now);
   showFigures(now);
   showMoves(state.moves, now.name);
+  showModes(now);
   $("train-words").textContent = now.mode ? `${now.shaper.toUpperCase().replaceAll("_", " ")} for ${number(now.mode.frequency_hz, 4)} Hz, damping ${number(now.mode.damping_ratio)}` : "";
   // Drawn anew only where it has changed, so that it can be selected and read.
   const train = JSON.stringify(now.train);
@@ -171,15 +173,15 @@ function showFigures(now) {
   const { estimate, mode } = now;
   const truth = now.true_mode ? `in truth ${number(now.true_mode.frequency_hz, 4)} Hz` : "";
   const word = !estimate ? "move to learn it" : estimate.refused || (estimate.converged ? "settled" : "not yet settled");
-  const last = whole(state.moves, now.name).filter((move) => move.unshaped_vibration_rad && move.vibration_rad !== null).pop();
-  const share = last && last.shaped ? number((100 * last.vibration_rad) / last.unshaped_vibration_rad, 2) : null;
+  const last = whole(state.moves, now.name).filter((move) => move.vibration_rad !== null).pop();
+  const left = last?.shaped ? share(last) : null;
   $("figures").replaceChildren(
     // Before the robot has said where it stands nothing is commanded.
     now.phase === "waiting" ? figure("position", "–", "deg", "not heard yet") : figure("position", degrees(now.command_rad), "deg", `target ${degrees(now.target_rad)} deg`),
     figure("estimated frequency", estimate ? number(estimate.frequency_hz, 4) : "–", "Hz", [word, truth].filter(Boolean).join("; ")),
     figure("damping ratio", estimate ? number(estimate.damping_ratio) : "–", "", estimate ? `± ${number(estimate.damping_ratio_std, 2)}` : ""),
     figure("shaped for", mode ? number(mode.frequency_hz, 4) : "–", "Hz", `trains learned: ${now.retunes}`),
-    figure("last move left", share ?? "–", "%", "of the vibration without shaping"),
+    figure("last move left", left ? left.percent : "–", "%", left?.note ?? "of the vibration without shaping"),
   );
 }
 
@@ -270,6 +272,7 @@ $("feed").onchange = () => {
 };
 $("demo").onclick = () => command("/api/v1/demo", {}, () => "Unshaped, wrong belief, adapted: some ten seconds.");
 jogs(() => state?.joints[joint]);
+forgets(() => state?.joints[joint]);
 $("joint").onchange = () => {
   drawn = false;
   if (state) showState();

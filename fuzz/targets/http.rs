@@ -154,7 +154,7 @@ fn check(request: Request, body: &[u8]) {
                 }
             }
         }
-        Request::Stop | Request::Enable | Request::Disable | Request::Reset => {}
+        Request::Stop | Request::Forget { .. } | Request::Enable | Request::Disable | Request::Reset => {}
         Request::Jog { velocity, .. } => assert!(velocity.is_finite()),
         Request::Feed { share } => assert!((0.0..=1.0).contains(&share)),
     }

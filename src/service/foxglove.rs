@@ -18,7 +18,7 @@ use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
 
 use super::clock::ServiceClock;
-use super::contract::{Batch, Event, Frame, Handle, ModeValue, MoveResult};
+use super::contract::{Batch, Event, Frame, Handle, KnownMode, ModeValue, MoveResult};
 
 /// Time between two frames of a joint, s: a screen shows every third.
 const INTERVAL: f64 = 0.005;
@@ -118,6 +118,8 @@ impl Channels {
             vibration_m: Some(0.0),
             unshaped_vibration_rad: Some(0.0),
             unshaped_vibration_m: Some(0.0),
+            unshaped_std_rad: Some(0.0),
+            modes: vec![KnownMode::default()],
             recording: Some(String::new()),
             ..MoveResult::default()
         };
@@ -142,6 +144,9 @@ fn schema(name: &str, example: &impl Serialize) -> Schema {
                     .map(|(name, value)| (name.clone(), kind(value)));
                 let fields: serde_json::Map<_, _> = fields.collect();
                 json!({ "type": "object", "properties": fields })
+            }
+            Value::Array(items) => {
+                json!({ "type": "array", "items": items.first().map(kind) })
             }
             Value::String(_) => json!({ "type": "string" }),
             Value::Bool(_) => json!({ "type": "boolean" }),
@@ -205,7 +210,7 @@ impl View {
             if let Event::MoveEnded(moved) = event {
                 let named = |joint: &&Channels| joint.joint == moved.joint;
                 if let Some(joint) = self.channels.iter().find(named) {
-                    self.log(&joint.moves, moved, self.clock.unix_time());
+                    self.log(&joint.moves, moved.as_ref(), self.clock.unix_time());
                 }
             }
         }

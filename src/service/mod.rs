@@ -20,6 +20,7 @@ pub mod http;
 pub mod jobs;
 mod keeper;
 mod kept;
+mod learners;
 pub mod link;
 pub mod recorder;
 pub mod ringing;

@@ -130,6 +130,7 @@ fn run(
         pulse,
         engine,
         keeper,
+        learners,
         ..
     } = station;
     let tick = TickThread::start(pulse, TickThreadSettings { real_time });
@@ -141,6 +142,9 @@ fn run(
         let keeper = std::thread::Builder::new()
             .name("quell-state".into())
             .spawn(move || keeper.run())?;
+        let learners = std::thread::Builder::new()
+            .name("quell-learners".into())
+            .spawn(move || learners.run())?;
         std::thread::Builder::new()
             .name("quell-engine".into())
             .spawn(move || {
@@ -148,6 +152,7 @@ fn run(
                 drop(tick);
                 // The engine is gone, and with it the sender: the keeper has written the last state.
                 let _ = keeper.join();
+                let _ = learners.join();
             })
     };
     begin().map_err(|error| system("the engine's thread", error))

@@ -10,6 +10,7 @@ use tracing::warn;
 
 use super::contract::{DiskPart, ModeValue, MoveResult};
 use super::disk::Disk;
+use crate::learning::Memory;
 
 /// Layout of the file; another one is set aside.
 const VERSION: u32 = 1;
@@ -51,6 +52,9 @@ pub struct JointState {
     pub modes: Vec<LearnedMode>,
     /// Changes of the train by an estimate, since ever.
     pub retunes: u64,
+    /// What moves have taught; none in files of versions before it.
+    #[serde(default)]
+    pub map: Option<Memory>,
 }
 
 /// A mode that was good enough to shape for.

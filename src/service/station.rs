@@ -16,15 +16,20 @@ use super::clock::ServiceClock;
 use super::config::{Config, JointConfig};
 use super::contract::{Handle, Snapshot, channels};
 use super::disk::{Disk, FolderError};
-use super::engine::{Engine, EngineParts, Hearing, Joint, Registrar};
+use super::engine::{
+    CARRIED, Engine, EngineParts, Hearing, Joint, Learning, Registrar, longest_train,
+};
 use super::guard::Bounds;
 use super::keeper::Keeper;
 use super::kept::Kept;
+use super::learners::{Learners, Pupil};
 use super::link::{EmbeddedLink, RobotLink};
 use super::recorder::{Shelf, ShelfError};
 use super::state::State;
 use super::tick::{JointTick, Pulse, Tick, Watchdog};
+use crate::adaptation::AdaptationSettings;
 use crate::closed_loop::{ClosedLoopError, commission};
+use crate::learning::LearnerSettings;
 use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
 use crate::signal::{Clock, DeformationSensor};
 
@@ -117,6 +122,7 @@ pub struct Station {
     pub(super) pulse: Pulse,
     pub(super) engine: Engine,
     pub(super) keeper: Keeper,
+    pub(super) learners: Learners,
     handle: Handle,
     shelf: Option<Arc<Shelf>>,
 }
@@ -154,6 +160,10 @@ impl Station {
             robot: config.robot.name(),
             ..Snapshot::default()
         });
+        let pupils = joints
+            .iter()
+            .map(|joint| pupil(&joint.config, &config, &state));
+        let (learners, lessons) = Learners::new(pupils.collect::<Result<_, _>>()?);
         let (saver, states) = channel();
         Ok(Self {
             pulse: Pulse::new(tick, clock.clone()),
@@ -169,7 +179,9 @@ impl Station {
                 saver,
                 disk,
                 planner: Planner::new(1)?,
+                lessons,
             }),
+            learners,
             handle,
             shelf,
         })
@@ -193,6 +205,7 @@ impl Station {
     /// Has the engine do what is to be done now, and keeps what it has learned.
     pub fn work(&mut self) {
         self.engine.work();
+        self.learners.work();
         self.keeper.work();
     }
 
@@ -254,9 +267,36 @@ fn made(
         jog: None,
         ordered: Vec::new(),
         standstill: Default::default(),
+        learning: Learning::default(),
         motor: None,
         registrar: robot.sensor.is_none().then(Registrar::default),
         config: joint.clone(),
+    })
+}
+
+/// A joint that learns from its moves, and remembers what an earlier life of the service has.
+fn pupil(joint: &JointConfig, config: &Config, state: &State) -> Result<Pupil, StartError> {
+    let known = UncertainMode::believed(joint.belief);
+    let base = joint.shaper.on_grid_for(&known, config.period);
+    let adaptation = AdaptationSettings::around(joint.belief);
+    Ok(Pupil {
+        name: joint.name.clone(),
+        settings: LearnerSettings {
+            belief: joint.belief,
+            natural_frequency: adaptation.natural_frequency,
+            dead_band: adaptation.dead_band,
+            longest_train: longest_train(joint),
+            base: base.map_err(|reason| StartError::Belief {
+                joint: joint.name.clone(),
+                reason,
+            })?,
+        },
+        range: joint.range,
+        carried: CARRIED,
+        memory: state
+            .joints
+            .get(&joint.name)
+            .and_then(|state| state.map.clone()),
     })
 }
 

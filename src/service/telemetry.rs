@@ -18,7 +18,9 @@ use tokio::sync::{oneshot, watch};
 use tokio::time::{sleep, timeout};
 
 use super::config::NatsConfig;
-use super::contract::{EstimateView, Handle, JointSnapshot, ModeValue, Snapshot, TrainView};
+use super::contract::{
+    EstimateView, Handle, JointSnapshot, LearningView, ModeValue, Snapshot, TrainView,
+};
 
 /// Time between two looks at what was learned, s. A mode is that of a machine and drifts within minutes; a
 /// fleet of 10^5 axes that move all the time are 10^5 messages a second.
@@ -94,6 +96,8 @@ struct Told {
     estimate: Option<f64>,
     /// The train in force; empty before there is one.
     train: TrainView,
+    /// What moves have taught.
+    learning: LearningView,
 }
 
 struct Teller {
@@ -107,6 +111,13 @@ struct Estimate<'a> {
     unix_time_s: f64,
     #[serde(flatten)]
     estimate: &'a EstimateView,
+}
+
+#[derive(Serialize)]
+struct Modes<'a> {
+    unix_time_s: f64,
+    #[serde(flatten)]
+    learning: &'a LearningView,
 }
 
 #[derive(Serialize)]
@@ -155,6 +166,14 @@ impl Teller {
                 estimate,
             });
             news.push(("estimate", payload.unwrap_or_default()));
+        }
+        if told.learning != now.learning {
+            told.learning.clone_from(&now.learning);
+            let payload = serde_json::to_vec(&Modes {
+                unix_time_s: time,
+                learning: &now.learning,
+            });
+            news.push(("modes", payload.unwrap_or_default()));
         }
         if told.train != now.train {
             told.train.clone_from(&now.train);

@@ -4,7 +4,7 @@ use super::plant::{Faults, Plant, PlantMode};
 use quell::adaptation::AdaptationSettings;
 use quell::controller::{AxisSettings, Controller, RetunePolicy};
 use quell::estimators::{Settings, estimator};
-use quell::learning::{Learner, LearnerSettings};
+use quell::learning::{Learner, LearnerSettings, Surroundings};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
 use quell_shapers::{Mode, Shaper, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
@@ -104,19 +104,26 @@ impl Programme {
         let mut controller = Controller::new(settings, self.start).expect("a controller");
         let mut plant = Plant::new(&self.modes, self.faults, PERIOD, self.start, self.seed);
         let mut inbox = Vec::new();
+        controller.keep_samples(20_000);
         let mut learner = self.learner(&controller);
         let moves = self.moves.iter();
         moves
             .map(|&(target, payload)| {
                 plant.payload = payload;
-                let payload = if self.declared { payload } else { 0.0 };
+                let carried = if self.declared { payload } else { 0.0 };
+                let around = Surroundings::carrying(carried);
                 let from = controller.planned().position;
                 let plan = plan(from, target);
                 let mut said = String::new();
                 if policy == Policy::Learned {
                     let in_force = controller.axis().next_train().clone();
-                    let prescribed = learner.prescribe(&plan, payload, &in_force);
-                    said = format!("{:?} {:?} ", prescribed.hold, prescribed.expected);
+                    let start = std::time::Instant::now();
+                    let prescribed = learner.prescribe(&plan, &around, &in_force);
+                    let took = start.elapsed().as_secs_f64() * 1e3;
+                    said = format!(
+                        "{took:.0} ms, {:?} {:?} ",
+                        prescribed.hold, prescribed.expected
+                    );
                     for mode in &prescribed.modes {
                         let hertz = mode.modes.map(|m| (m.hertz() * 100.0).round() / 100.0);
                         let std =
@@ -134,13 +141,13 @@ impl Programme {
                     }
                 }
                 let delay = controller.axis().next_train().duration();
-                controller.load(plan).expect("a plan");
+                controller.load(plan.clone()).expect("a plan");
                 let before = controller.axis().status().retunes;
                 let residual = self.one(&mut controller, &mut plant, &mut inbox, target);
                 let retunes = controller.axis().status().retunes - before;
                 let start = std::time::Instant::now();
                 if policy == Policy::Learned {
-                    learner.learn(controller.axis().heard(), payload);
+                    learner.learn(controller.axis().heard(), &plan, &around);
                 }
                 said += &format!("{:.0} ms", start.elapsed().as_secs_f64() * 1e3);
                 Left {

@@ -20,12 +20,14 @@ pub fn a_move(id: u64) -> Vec<Batch> {
         recording: name.clone(),
         ..MoveStart::default()
     }));
-    batches[14].events.push(Event::MoveEnded(MoveResult {
-        id,
-        joint: "joint_1".into(),
-        recording: name,
-        ..MoveResult::default()
-    }));
+    batches[14]
+        .events
+        .push(Event::MoveEnded(Box::new(MoveResult {
+            id,
+            joint: "joint_1".into(),
+            recording: name,
+            ..MoveResult::default()
+        })));
     batches
 }
 

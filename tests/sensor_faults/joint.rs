@@ -251,6 +251,7 @@ impl Joint {
             known: status.shaped_for,
             train,
             retunes: status.retunes,
+            hold: None,
         };
         self.tick.expect(Box::new(Plan {
             joint: 0,

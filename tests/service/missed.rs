@@ -110,6 +110,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
         known: UncertainMode::believed(mode),
         train,
         retunes: 0,
+        hold: None,
     };
     let move_ = Plan {
         joint: 0,

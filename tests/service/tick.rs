@@ -89,6 +89,7 @@ fn twenty_thousand_ticks_with_orders_do_not_allocate() {
                 known: UncertainMode::believed(mode),
                 train: zvd.on_grid(mode, PERIOD).expect("a train"),
                 retunes: 0,
+                hold: None,
             };
             let index = (k / 2000) as usize;
             let order = Box::new(TrainOrder {

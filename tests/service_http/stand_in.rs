@@ -122,7 +122,7 @@ async fn answer(mut ends: EngineEnds) {
                 duration_s: 1.0,
             }),
             Request::Jog { .. } => Ok(Accepted::Jog { held_s: 0.25 }),
-            Request::Feed { .. } => Ok(Accepted::Changed),
+            Request::Feed { .. } | Request::Forget { .. } => Ok(Accepted::Changed),
             Request::Stop => Ok(Accepted::Stop {
                 duration_s: 0.1,
                 joints: vec![Stopping {

@@ -8,7 +8,10 @@ mod heard;
 mod jog;
 mod learning;
 mod model;
+mod modes;
 mod oracle;
+#[path = "../modes/plant.rs"]
+mod plant;
 mod sequence;
 mod stops;
 mod together;

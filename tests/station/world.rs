@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
+use super::plant::Plant;
 use quell::service::clock::{ServiceClock, SimulatedTime};
 use quell::service::config::{Config, Overrides, RobotKind};
 use quell::service::contract::{
@@ -60,8 +61,13 @@ impl RobotLink for Wire {
 }
 
 /// A robot whose motor side follows at once, and what it is doing.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Robot {
+    /// One that rings, and says so.
+    pub arm: Option<Plant>,
+    deformation: Option<f64>,
+    /// Time of the one that rings, s.
+    pub time: f64,
     pub position: f64,
     pub silent: bool,
     /// Time constant with which it follows, s.
@@ -76,6 +82,20 @@ pub struct Robot {
     pub holds: usize,
     /// So many are not believed, its clock having started anew.
     unbelieved: usize,
+}
+
+impl Robot {
+    /// A control period after a setpoint.
+    fn follow(&mut self, setpoint: Setpoint) {
+        let Some(arm) = &mut self.arm else {
+            let share = 1.0 - (-PERIOD / self.lag).exp();
+            self.position += share * (setpoint.position - self.position);
+            return;
+        };
+        let heard = arm.step(setpoint.position, setpoint.velocity);
+        (self.position, self.deformation) = (heard.motor, heard.deformation);
+        self.time = heard.time;
+    }
 }
 
 /// A request, and who waits for its answer.
@@ -233,8 +253,7 @@ impl World {
         if let Some((_, last)) = self.sent.lock().expect("no panic")[before..].last()
             && !self.robot.off
         {
-            let share = 1.0 - (-PERIOD / self.robot.lag).exp();
-            self.robot.position += share * (last.position - self.robot.position);
+            self.robot.follow(*last);
         }
         match self.engine_sleeps {
             0 => self.station.work(),
@@ -259,10 +278,15 @@ impl World {
             return;
         }
         let now = self.clock.now();
+        let deformation = self
+            .robot
+            .deformation
+            .map(|value| format!(",\"deformation\":{value:e}"));
         self.robot.held.push(format!(
-            "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e}}}",
+            "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e}{}}}",
             now + self.robot.ahead,
             self.robot.position,
+            deformation.unwrap_or_default(),
         ));
         if self.robot.holds > 0 {
             self.robot.holds -= 1;

@@ -8,6 +8,7 @@ mod disk;
 mod enabling;
 mod error;
 mod handle;
+mod modes;
 mod recording;
 mod request;
 mod snapshot;
@@ -17,6 +18,7 @@ pub use disk::{DiskFault, DiskPart, DiskState, DiskView};
 pub use enabling::{EnableState, EnableView, FaultKind};
 pub use error::{ErrorKind, ServiceError};
 pub use handle::{EngineEnds, Envelope, Handle, Requests, channels};
+pub use modes::{JointMap, KnownMode, LearningView, MapMove, MapPoint, ModeMap};
 pub use recording::RecordingNews;
 pub use request::{Accepted, Begun, ModeValue, Request, ShapingChange, Stopping, Target};
 pub use snapshot::{

@@ -49,6 +49,11 @@ pub enum Request {
     Reset,
     /// Change how commands are shaped; all of it or, on an error, nothing.
     Shaping(ShapingChange),
+    /// Forget what moves have taught of a joint; the mode of the configuration is believed again.
+    Forget {
+        /// Name of the joint.
+        joint: String,
+    },
     /// Change the payload of the embedded arm, a point mass at the tip, kg.
     Payload {
         /// Mass, kg, 0 or more.

@@ -1,11 +1,12 @@
 //! The state of everything now, for `GET /api/state`, `GET /api/estimates` and `GET /metrics`.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{DiskView, EnableView, ModeValue};
+use super::{DiskView, EnableView, JointMap, KnownMode, LearningView, ModeValue};
 
 /// The state of everything now. Published some 20 times a second.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -101,6 +102,11 @@ pub struct JointSnapshot {
     pub watchdog: WatchdogState,
     /// The joint's sensors.
     pub sensors: Vec<SensorView>,
+    /// What its moves have taught.
+    pub learning: LearningView,
+    /// Its modes over the pose, which is asked for by itself.
+    #[serde(skip)]
+    pub map: Arc<JointMap>,
 }
 
 /// The phase of a joint.
@@ -289,6 +295,12 @@ pub struct MoveResult {
     pub unshaped_vibration_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub unshaped_vibration_m: Option<f64>,
+    /// One standard deviation of `unshaped_rad` and `unshaped_vibration_rad` of a shaped move, rad. Where two of them are as much
+    /// as the value, nothing is known of that. Absent where the modes do not explain the move.
+    pub unshaped_std_rad: Option<f64>,
+    /// The modes known on its way when it had ended.
+    #[serde(default)]
+    pub modes: Vec<KnownMode>,
     /// Name of its recording, which is on the disk, whole or growing. Absent where none is, or not yet.
     pub recording: Option<String>,
 }

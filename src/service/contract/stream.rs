@@ -105,7 +105,7 @@ pub enum Event {
     /// A move began.
     MoveStarted(MoveStart),
     /// A move has ended and rung out; nothing more of it will come.
-    MoveEnded(MoveResult),
+    MoveEnded(Box<MoveResult>),
 }
 
 /// A move that begins.

@@ -6,6 +6,7 @@ use crate::adaptation::AdaptationSettings;
 use crate::controller::{AxisSettings, Controller, RetunePolicy};
 use crate::estimators::Settings;
 use crate::service::config::JointConfig;
+use crate::service::link::INBOX;
 use crate::signal::{DeformationSensor, RestRule};
 
 /// No correction is made in a move longer than this, s; sizes the memory of what was sent.
@@ -40,10 +41,18 @@ pub fn controller(
         adaptation,
         rest: RestRule::new(0.0, joint.encoder_resolution),
         sensor,
-        longest_train: LONGEST_TRAIN * joint.belief.damped_period(),
+        longest_train: longest_train(joint),
         longest_move: LONGEST_MOVE,
     };
-    Controller::new(settings, position)
+    let mut controller = Controller::new(settings, position)?;
+    // Those of a tick: it hands them on.
+    controller.keep_samples(INBOX);
+    Ok(controller)
+}
+
+/// The longest train of a joint, s.
+pub fn longest_train(joint: &JointConfig) -> f64 {
+    LONGEST_TRAIN * joint.belief.damped_period()
 }
 
 /// The train of a shaper for a mode that is known so well; none sends the plan as it is.

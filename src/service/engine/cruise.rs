@@ -45,6 +45,11 @@ impl Cruise {
         }
     }
 
+    /// Stamps and deformations in each stretch.
+    pub fn into_stretches(self) -> Vec<Vec<(f64, f64)>> {
+        self.stretches
+    }
+
     fn end_stretch(&mut self) {
         if self.stretches.last().is_none_or(|last| !last.is_empty()) {
             self.stretches.push(Vec::new());

@@ -5,12 +5,13 @@ use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
 use super::hold::Jog;
+use super::learned::Learning;
 use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;
 use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
-use crate::service::tick::{AxisReport, JointReport, Together};
+use crate::service::tick::{AxisReport, JointReport, Together, Train};
 use crate::signal::DeformationSensor;
 
 /// Where the answer to a request goes, if anybody waits for it.
@@ -62,6 +63,8 @@ pub struct Joint {
     pub standstill: Standstill,
     /// Last measured motor position, rad.
     pub motor: Option<f64>,
+    /// What its moves have taught.
+    pub learning: Learning,
     /// Learns where the tip's sensor stands, as long as that is not known.
     pub registrar: Option<Registrar>,
 }
@@ -155,6 +158,13 @@ impl Joint {
         let shaped_for = self.axis().map(|axis| axis.status.shaped_for);
         let learned = shaped_for.filter(|known| known.mode == mode);
         learned.unwrap_or_else(|| UncertainMode::believed(mode))
+    }
+
+    /// The train that its moves have taught last, where that is still the one by this rule.
+    pub fn solved_train(&self, shaper: Option<&'static dyn Shaper>) -> Option<&Train> {
+        let solved = self.learning.solved.as_ref()?;
+        let same = name_of(solved.shaper) == name_of(shaper) && solved.retunes == self.retunes;
+        (same && self.adaptation && self.wanted_mode.is_none()).then_some(solved)
     }
 
     /// Its controller, as last reported.

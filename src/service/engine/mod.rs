@@ -10,6 +10,8 @@ mod enabling;
 mod hold;
 mod jog;
 mod joint;
+mod learned;
+mod learning;
 mod orders;
 mod planning;
 mod publish;
@@ -29,17 +31,20 @@ use std::time::Duration;
 
 use quell_trajectories::Planner;
 
-pub use axis::controller;
+pub use axis::{controller, longest_train};
 pub use joint::{Hearing, Joint};
+pub use learned::{CARRIED, Learning};
 pub use registration::Registrar;
 
 use enabling::Enabling;
+use learning::Ending;
 use together::Group;
 
 use super::clock::ServiceClock;
 use super::config::Config;
 use super::contract::{Batch, EngineEnds, MoveResult, ServiceError, Stopping};
 use super::disk::Disk;
+use super::learners::Lessons;
 use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
@@ -83,6 +88,9 @@ pub struct Engine {
     groups: Vec<Group>,
     /// Share of full speed at which moves are planned, 0 to 1.
     feed: f64,
+    lessons: Lessons,
+    /// Moves that have ended and are being judged.
+    endings: Vec<Ending>,
 }
 
 /// The parts of an engine.
@@ -107,6 +115,8 @@ pub struct EngineParts {
     pub disk: Disk,
     /// The planner, of one axis.
     pub planner: Planner,
+    /// Its end of the learners.
+    pub lessons: Lessons,
 }
 
 impl Engine {
@@ -134,6 +144,8 @@ impl Engine {
             stopping: None,
             groups: Vec::new(),
             feed: 1.0,
+            lessons: parts.lessons,
+            endings: Vec::new(),
         };
         engine.begin_embedded();
         engine
@@ -198,7 +210,7 @@ impl Engine {
                 .is_none_or(|running| running.settled.is_some_and(|settled| now - settled > REST));
             settled && joint.asked.is_none() && joint.ordered.is_empty()
         };
-        self.joints.iter().all(rests)
+        self.joints.iter().all(rests) && self.has_told_all()
     }
 
     /// Stops every joint that moves, and names them. A move that waits hears `why`.

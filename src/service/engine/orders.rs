@@ -54,7 +54,7 @@ impl Engine {
             again: false,
             reply,
         };
-        self.order(index, asked, planned);
+        self.go(index, asked, planned);
     }
 
     /// Number of the move that runs or ran last; 0 before the first.
@@ -136,7 +136,7 @@ impl Engine {
         (ordered.samples.samples() - 1) as f64 * self.config.period
     }
 
-    fn planned(
+    pub(super) fn planned(
         &self,
         index: usize,
         what: What,
@@ -219,7 +219,7 @@ impl Engine {
                 continue;
             }
             match self.planned(index, asked.what, asked.ahead, asked.effort) {
-                Ok(planned) => self.order(index, asked, planned),
+                Ok(planned) => self.go(index, asked, planned),
                 Err(error) => answer(asked.reply, Err(error)),
             }
         }
@@ -333,6 +333,8 @@ impl Engine {
 
     fn begin_move(&mut self, index: usize, asked: &Ordered, taken: &Taken, from: f64) {
         self.finish(index);
+        self.tell_endings(|ending| ending.is_of(index));
+        let before = self.joints.iter().map(|joint| joint.position).collect();
         let recording = self.recording_name(asked.id);
         let joint = &mut self.joints[index];
         let start = MoveStart {
@@ -367,6 +369,10 @@ impl Engine {
             planned: Vec::new(),
             after: Vec::new(),
             cruise: Cruise::new(longest),
+            heard: Vec::new(),
+            before,
+            frozen: false,
+            prescribed: joint.learning.prescribed == Some(asked.ticket),
         });
         // A number is not given twice, though the service be killed.
         self.save();

@@ -68,6 +68,9 @@ pub fn standing_train(
     shaper: Option<&'static dyn Shaper>,
     period: f64,
 ) -> Result<Train, ServiceError> {
+    if let Some(solved) = joint.solved_train(shaper) {
+        return Ok(solved.clone());
+    }
     let known = joint.known();
     let designed = train(shaper, &known, period).map_err(|error| ServiceError::Train {
         reason: error.to_string(),
@@ -77,6 +80,7 @@ pub fn standing_train(
         known,
         train: designed,
         retunes: joint.retunes,
+        hold: None,
     })
 }
 

@@ -83,6 +83,8 @@ impl Engine {
             corrections_refused: joint.before[2] + status.map_or(0, |s| u64::from(s.refused)),
             watchdog: joint.watchdog(),
             sensors: sensors(joint, whole.time),
+            learning: joint.learning.view.clone(),
+            map: Arc::clone(&joint.learning.map),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{BATCH, Engine, MOVES};
-use crate::service::contract::{Batch, Event as Told, Measured, Quantity};
+use super::{BATCH, Engine};
+use crate::service::contract::{Batch, Measured, Quantity};
 use crate::service::state::LearnedMode;
 use crate::service::tick::{Event, JointReport, Record};
 
@@ -13,6 +13,8 @@ impl Engine {
         let now = self.clock.now();
         self.hear_all();
         self.rings.orders.hand_on();
+        self.hear_learners();
+        self.wait_no_longer(now);
         self.hear_of_recordings();
         let mut round = false;
         while let Ok(report) = self.rings.joints.pop() {
@@ -55,6 +57,12 @@ impl Engine {
                     running.take(&row);
                 }
                 self.batch.ticks.push(row);
+            }
+            Record::Heard(index, id, sample) => {
+                let running = self.joints[index].running.as_mut();
+                if let Some(running) = running.filter(|running| running.start.id == id) {
+                    running.hear(sample);
+                }
             }
             Record::Measured(measured) => {
                 self.measure(&measured);
@@ -105,6 +113,9 @@ impl Engine {
         let index = report.joint;
         let joint = &mut self.joints[index];
         if let Some(axis) = &report.axis {
+            if let Some(running) = joint.running.as_mut() {
+                running.frozen |= axis.frozen;
+            }
             let status = &axis.status;
             if status.retunes > joint.retunes {
                 joint.mode = status.shaped_for.mode;
@@ -180,20 +191,14 @@ impl Engine {
         };
         let radius = joint.sensor.arc().map(|arc| arc.radius());
         let result = running.result(mode, sure, self.config.period, radius);
-        let told = self.moves.back().is_some_and(|last| last.id == result.id);
-        if settled {
-            // What runs on is a command at rest, not a move.
-            joint.running = None;
+        // What runs on is a command at rest, not a move.
+        let ended = joint.running.take_if(|_| settled);
+        if !self.is_judged(result.id) {
+            match ended {
+                Some(running) => self.have_judged(index, running, result),
+                None => self.tell(result),
+            }
         }
-        if told {
-            return;
-        }
-        self.moves.push_back(result.clone());
-        while self.moves.len() > MOVES {
-            self.moves.pop_front();
-        }
-        self.batch.events.push(Told::MoveEnded(result));
-        self.save();
         self.begin_registration(index);
     }
 

@@ -81,6 +81,7 @@ impl Engine {
                 Ok(self.disable())
             }
             Request::Reset => Ok(self.reset()),
+            Request::Forget { joint } => self.forget(&joint),
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };
@@ -236,6 +237,7 @@ impl Engine {
         }
         joint.shaping = change.enabled.unwrap_or(joint.shaping);
         joint.wanted_mode = mode.or(joint.wanted_mode);
+        joint.learning.solved = None;
         joint.train_due |= kind.is_some() || change.enabled.is_some() || mode.is_some();
         if let Some(adaptation) = change.adaptation {
             joint.adaptation = adaptation;
@@ -275,6 +277,7 @@ impl Engine {
                 && joint.adaptation
             {
                 joint.wanted_mode = Some(mode);
+                joint.learning.solved = None;
                 joint.mode_since = self.clock.unix_time();
                 joint.train_due = true;
                 self.order_train(index);

@@ -4,6 +4,7 @@ use quell_shapers::Mode;
 use quell_trajectories::{AxisState, SampledTrajectory};
 
 use super::cruise::Cruise;
+use crate::estimators::Sample;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
 use crate::service::ringing;
@@ -44,7 +45,18 @@ pub struct Running {
     pub after: Vec<(f64, f64, f64)>,
     /// Deformation in cruise.
     pub cruise: Cruise,
+    /// Samples since its start.
+    pub heard: Vec<Sample>,
+    /// Where the joints were at its start, rad.
+    pub before: Vec<f64>,
+    /// Whether its sensors were at fault meanwhile.
+    pub frozen: bool,
+    /// Whether its train was solved for it.
+    pub prescribed: bool,
 }
+
+/// Samples of a move that are kept: as many as the longest window of an estimator.
+const MOST_HEARD: usize = 65_536;
 
 impl Running {
     /// Where the plan is at the tick before `tick`, at which another one begins.
@@ -73,6 +85,13 @@ impl Running {
         }
     }
 
+    /// Takes a sample of the deformation.
+    pub fn hear(&mut self, sample: Sample) {
+        if self.heard.len() < MOST_HEARD {
+            self.heard.push(sample);
+        }
+    }
+
     fn listen(&mut self, row: &TickRow) {
         let newer = self
             .after
@@ -91,7 +110,7 @@ impl Running {
     }
 
     /// Planned positions up to the end of the plan: what comes after it is the train's.
-    fn planned_motion(&self) -> &[f64] {
+    pub fn planned_motion(&self) -> &[f64] {
         let end = self.planned.windows(2).rposition(|pair| pair[0] != pair[1]);
         &self.planned[..end.map_or(0, |last| last + 2)]
     }
@@ -143,6 +162,8 @@ impl Running {
             vibration_m: along_arc(vibration),
             unshaped_vibration_rad: unshaped_vibration,
             unshaped_vibration_m: along_arc(unshaped_vibration),
+            unshaped_std_rad: None,
+            modes: Vec::new(),
             recording: self.recording.clone(),
         }
     }

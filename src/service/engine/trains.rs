@@ -8,7 +8,8 @@ impl Engine {
     /// Orders the train that should be in force, if another one is.
     pub(super) fn order_train(&mut self, index: usize) {
         let joint = &mut self.joints[index];
-        if !joint.train_due || !joint.began {
+        // The train of an order that waits is that of its way.
+        if !joint.train_due || !joint.began || joint.asked.is_some() {
             return;
         }
         match standing_train(joint, joint.standing_shaper(), self.config.period) {

@@ -74,7 +74,7 @@ pub struct Payload {
     mass_kg: f64,
 }
 
-type Answered = Result<Answer<Accepted>, Refused>;
+pub type Answered = Result<Answer<Accepted>, Refused>;
 
 /// `POST /api/v1/move`.
 pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> Answered {
@@ -247,7 +247,7 @@ fn shown(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-async fn ask(app: &App, request: Request) -> Answered {
+pub async fn ask(app: &App, request: Request) -> Answered {
     match tokio::time::timeout(PATIENCE, app.handle.ask(request)).await {
         Ok(answer) => Ok(Answer(answer?)),
         Err(_) => {

@@ -16,7 +16,7 @@ use axum::response::{IntoResponse, Response};
 use super::App;
 use super::counters::Counters;
 use crate::service::contract::{
-    DiskPart, DiskView, EnableState, EnableView, JointSnapshot, LinkHealth, Snapshot,
+    DiskPart, DiskView, EnableState, EnableView, JointSnapshot, KnownMode, LinkHealth, Snapshot,
     TickStatistics,
 };
 use joint::{JOINT, flag};
@@ -34,6 +34,7 @@ pub async fn metrics(State(app): State<Arc<App>>) -> Response {
     }
     sensors(&mut text, &snapshot.joints);
     moves(&mut text, &snapshot);
+    modes(&mut text, &snapshot);
     http(&mut text, &app.counters);
     let kind = (CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8");
     ([kind, (CACHE_CONTROL, "no-store")], text.0).into_response()
@@ -225,6 +226,61 @@ fn sensors(text: &mut Text, joints: &[JointSnapshot]) {
         "Whether something is wrong with the sensor.",
         faults,
     );
+}
+
+/// Name, what it is, and its value.
+type OfAMode = (&'static str, &'static str, fn(&KnownMode) -> f64);
+
+/// The modes that moves have taught, counted from 1.
+fn modes(text: &mut Text, snapshot: &Snapshot) {
+    let each = |of: fn(&KnownMode) -> f64| {
+        let joints = snapshot.joints.iter();
+        let all = joints.flat_map(move |joint| {
+            let modes = joint.learning.modes.iter().enumerate();
+            modes.map(move |(k, mode)| (joint.name.clone(), (k + 1).to_string(), of(mode)))
+        });
+        all.collect::<Vec<_>>()
+    };
+    let metrics: [OfAMode; 6] = [
+        (
+            "known_mode_frequency_hertz",
+            "Natural frequency of a mode in the middle of the last way.",
+            |m| m.frequency_hz,
+        ),
+        (
+            "known_mode_frequency_std_hertz",
+            "One standard deviation of it.",
+            |m| m.frequency_std_hz,
+        ),
+        (
+            "known_mode_damping_ratio",
+            "Damping ratio of a mode.",
+            |m| m.damping_ratio,
+        ),
+        (
+            "known_mode_damping_ratio_std",
+            "One standard deviation of it.",
+            |m| m.damping_ratio_std,
+        ),
+        (
+            "known_mode_contribution_ratio",
+            "Part of a mode in what the last move leaves unshaped.",
+            |m| m.contribution_percent / 100.0,
+        ),
+        ("known_mode_shaped", "Whether a mode is shaped for.", |m| {
+            flag(m.shaped)
+        }),
+    ];
+    for (name, help, of) in metrics {
+        let values = each(of);
+        let samples = values.iter().map(|(joint, mode, value)| {
+            (
+                [("joint", joint.as_str()), ("mode", mode.as_str())],
+                Some(*value),
+            )
+        });
+        text.metric(name, help, samples);
+    }
 }
 
 /// The residual vibration of each joint's last move.

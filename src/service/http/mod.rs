@@ -16,6 +16,7 @@ mod diagnose;
 mod download;
 mod guard;
 mod metrics;
+mod modes;
 mod openapi;
 mod pace;
 mod page;

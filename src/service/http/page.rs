@@ -26,13 +26,14 @@ const ASK: &str = include_str!("../../../assets/service/ask.js");
 const DOM: &str = include_str!("../../../assets/service/dom.js");
 const JOG: &str = include_str!("../../../assets/service/jog.js");
 const KEYS: &str = include_str!("../../../assets/service/keys.js");
+const MODES: &str = include_str!("../../../assets/service/modes.js");
 const MOVES: &str = include_str!("../../../assets/service/moves.js");
 const CHARTS: &str = include_str!("../../../assets/service/charts.js");
 const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
 const ICON: &str = include_str!("../../../assets/service/icon.svg");
 
 /// Path, type and text of each file.
-const FILES: [(&str, &str, &str); 14] = [
+const FILES: [(&str, &str, &str); 15] = [
     ("/", HTML, PAGE),
     ("/service.css", CSS, STYLE),
     ("/service.js", JS, SCRIPT),
@@ -41,6 +42,7 @@ const FILES: [(&str, &str, &str); 14] = [
     ("/dom.js", JS, DOM),
     ("/jog.js", JS, JOG),
     ("/keys.js", JS, KEYS),
+    ("/modes.js", JS, MODES),
     ("/moves.js", JS, MOVES),
     ("/recordings.js", JS, RECORDINGS),
     ("/icon.svg", SVG, ICON),

@@ -15,8 +15,10 @@ use super::diagnose::Wanted;
 use super::recordings::{Record, Recorded};
 use super::route::{Answer, Route, Shape};
 use super::views::Estimate;
-use super::{App, commands, diagnose, download, metrics, openapi, recordings, stream, views};
-use crate::service::contract::{Accepted, ShapingChange, Snapshot};
+use super::{
+    App, commands, diagnose, download, metrics, modes, openapi, recordings, stream, views,
+};
+use crate::service::contract::{Accepted, JointMap, ShapingChange, Snapshot};
 use crate::service::jobs::Job;
 use crate::service::recorder::Entry;
 
@@ -155,6 +157,25 @@ pub const ROUTES: &[Route] = &[
         Some(shape::<Payload>),
         ACCEPTED,
         || post(commands::payload),
+    ),
+    read(
+        "/joints/{name}/map",
+        "The modes that moves have taught of a joint, over its pose, as well as they are known.",
+        Answer::Json(shape::<JointMap>),
+        || get(modes::map),
+    ),
+    read(
+        "/joints/{name}/map.csv",
+        "The curves of the same.",
+        Answer::Other("text/csv", "A line a mode and position."),
+        || get(modes::csv),
+    ),
+    command(
+        "/joints/{name}/forget",
+        "Forgets what moves have taught of a joint. The mode of the configuration is believed again.",
+        None,
+        ACCEPTED,
+        || post(modes::forget),
     ),
     read(
         "/recordings",

@@ -12,7 +12,7 @@ use super::messages::{
 use super::pace::Stride;
 use super::taking::{put_in_force, ready};
 use crate::controller::{AxisStatus, Controller, ringing_time};
-use crate::estimators::Estimate;
+use crate::estimators::{Estimate, Sample};
 use crate::service::between::within_limits;
 use crate::service::contract::{Measured, Quantity, TickRow, WatchdogState};
 use crate::service::following::FOLLOWED;
@@ -294,6 +294,24 @@ impl JointTick {
         controller.set_adaptive(self.adaptive && !frozen && !self.quiet);
         controller.observe(&self.inbox);
         self.inbox.clear();
+    }
+
+    /// The samples of its deformation since they were handed on.
+    pub fn heard(&self) -> &[Sample] {
+        let controller = self.controller.as_deref();
+        controller.map_or(&[], |controller| controller.axis().heard())
+    }
+
+    /// They were handed on.
+    pub fn clear_heard(&mut self) {
+        if let Some(controller) = self.controller.as_deref_mut() {
+            controller.clear_samples();
+        }
+    }
+
+    /// Number of the move that runs or ran last.
+    pub fn move_id(&self) -> u64 {
+        self.move_id
     }
 
     /// The command goes on by one control period.

@@ -5,6 +5,8 @@ use quell_trajectories::SampledTrajectory;
 
 use super::gate::Trip;
 use crate::controller::{AxisStatus, Controller, LoadError};
+use crate::estimators::Sample;
+use crate::learning::Hold;
 use crate::plant::Load;
 use crate::service::contract::{LinkHealth, Measured, TickRow, TickStatistics, WatchdogState};
 use crate::service::guard::GuardReport;
@@ -97,6 +99,8 @@ pub struct Train {
     pub train: GridTrain,
     /// Changes of the train by an estimate when it was designed: with more by now it is out of date.
     pub retunes: u32,
+    /// Why it is not to be followed in motion, if it is not.
+    pub hold: Option<Hold>,
 }
 
 /// Why a plan was not taken.
@@ -127,6 +131,8 @@ pub enum Record {
     Tick(TickRow),
     /// A measurement.
     Measured(Measured),
+    /// A sample of a joint's deformation, in or after the move of this number.
+    Heard(usize, u64, Sample),
 }
 
 /// Tick to engine: what happened.

@@ -43,8 +43,8 @@ use super::link::{INBOX, RobotLink};
 const ORDERS: usize = 64;
 /// Seconds of records that may wait for the engine.
 const RECORDED: f64 = 2.0;
-/// Records a tick and joint that the ring of records is made for: a row, and three sensors.
-const RECORDS: f64 = 4.0;
+/// Records a tick and joint that the ring of records is made for: a row, three sensors, and a deformation.
+const RECORDS: f64 = 5.0;
 /// Rounds of reports that may wait.
 const ROUNDS: usize = 8;
 
@@ -147,6 +147,7 @@ impl Tick {
         self.release();
         for index in 0..self.joints.len() {
             self.joints[index].listen(now);
+            self.hand_on(index);
             self.advance(index, now, &stride);
             self.command(index, now, &stride);
         }
@@ -356,6 +357,16 @@ impl Tick {
             self.link.send(now, index, &setpoint);
         }
         self.record_row(index, now);
+    }
+
+    /// Hands the samples of a joint on to who learns.
+    fn hand_on(&mut self, index: usize) {
+        for k in 0..self.joints[index].heard().len() {
+            let joint = &self.joints[index];
+            let heard = Record::Heard(index, joint.move_id(), joint.heard()[k]);
+            self.record(heard);
+        }
+        self.joints[index].clear_heard();
     }
 
     fn record_row(&mut self, index: usize, time: f64) {

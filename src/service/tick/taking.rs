@@ -20,10 +20,11 @@ pub fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool
 
 /// Has a train take over once the joint rests, unless it is the next one already.
 pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTaken> {
-    let axis = controller.axis();
-    if axis.status().retunes != train.retunes {
+    if controller.axis().status().retunes != train.retunes {
         return Err(NotTaken::Outdated);
     }
+    controller.hold(train.hold);
+    let axis = controller.axis();
     if *axis.next_train() == train.train && axis.status().shaped_for == train.known {
         return Ok(());
     }

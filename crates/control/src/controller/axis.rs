@@ -34,9 +34,6 @@ pub struct AxisStatus {
     pub deformation: Option<DeformationSample>,
 }
 
-/// Samples of a move that are kept, 1.5 MB: as many as the longest window of an estimator.
-const MOST_HEARD: usize = 65_536;
-
 /// The axis of a controller.
 pub struct Axis {
     pub(super) settings: AxisSettings,
@@ -54,7 +51,7 @@ pub struct Axis {
     /// The mode that the last correction was for, and how well it was known.
     pub(super) corrected: UncertainMode,
     pub(super) status: AxisStatus,
-    /// The samples since the last move began; of a longer one those of its beginning.
+    /// The samples since the last move began, or since they were taken; no more than there is room for.
     heard: Vec<Sample>,
     /// Why the train is not followed, if it is not.
     pub(super) hold: Option<Hold>,
@@ -71,8 +68,6 @@ impl Axis {
     pub fn new(settings: AxisSettings, position: f64) -> Result<Self, ShaperError> {
         let capacity = (settings.longest_train / settings.sample_time).ceil() as usize;
         let horizon = (settings.longest_move / settings.sample_time).ceil() as usize;
-        let heard = settings.longest_move / settings.estimation.sample_time;
-        let heard = (heard as usize).min(MOST_HEARD);
         let mut filter = AdaptiveFilter::new(settings.sample_time, capacity, horizon);
         filter.reset(position);
         let belief = UncertainMode::believed(settings.belief);
@@ -99,7 +94,7 @@ impl Axis {
                 correction: None,
                 deformation: None,
             },
-            heard: Vec::with_capacity(heard),
+            heard: Vec::new(),
             hold: None,
             unshaped: 0.0,
             fresh: false,
@@ -112,9 +107,14 @@ impl Axis {
         &self.status
     }
 
-    /// The samples since the last move began, for a [`crate::learning::Learner`]; of a very long one those of its beginning.
+    /// The samples since the last move began, for a [`crate::learning::Learner`]; of more than there is room for the first.
     pub fn heard(&self) -> &[Sample] {
         &self.heard
+    }
+
+    /// Makes room for so many samples.
+    pub(super) fn keep_samples(&mut self, count: usize) {
+        self.heard = Vec::with_capacity(count);
     }
 
     /// Whether the command is constant and the train has run out.
@@ -155,6 +155,11 @@ impl Axis {
     pub(super) fn is_train_waiting(&self) -> bool {
         let lane = self.lane.as_ref().is_some_and(Lane::is_train_waiting);
         lane || self.filter.pending().is_some()
+    }
+
+    /// Makes room for the next samples, those that there are having been taken.
+    pub(super) fn clear_samples(&mut self) {
+        self.heard.clear();
     }
 
     /// Forgets what the sensors have said.

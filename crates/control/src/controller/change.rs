@@ -12,6 +12,16 @@ impl Controller {
         self.axis.settings.adaptive = adaptive;
     }
 
+    /// Keeps up to so many samples of a move, for a [`crate::learning::Learner`]. Allocates.
+    pub fn keep_samples(&mut self, count: usize) {
+        self.axis.keep_samples(count);
+    }
+
+    /// Makes room for the next samples, where somebody else keeps them. No allocation.
+    pub fn clear_samples(&mut self) {
+        self.axis.clear_samples();
+    }
+
     /// Why the train is not to follow the estimate from now on, as [`crate::learning::Learner::prescribe`] says; none lets it.
     /// No allocation.
     pub fn hold(&mut self, hold: Option<Hold>) {

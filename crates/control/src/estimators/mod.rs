@@ -15,6 +15,7 @@ use quell_shapers::Mode;
 
 mod algebraic;
 mod convergence;
+pub(crate) mod correlation;
 mod cramer_rao;
 mod least_squares;
 mod likelihood;

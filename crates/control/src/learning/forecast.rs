@@ -17,8 +17,8 @@ use nalgebra::{DMatrix, SMatrix};
 use quell_shapers::{GridTrain, ShaperError, Tap};
 use quell_trajectories::SampledTrajectory;
 
-use super::fit::{OF_A_MODE, Point};
 use super::path::{NODES, Way};
+use super::point::{OF_A_MODE, Point};
 use super::response::free_step;
 use super::simplex::least_on_simplex;
 
@@ -40,7 +40,7 @@ pub struct Expected {
 
 impl Expected {
     /// The mean, and points two standard deviations away in each principal direction: their covariance is that of the mode.
-    fn sigma_points(&self) -> Vec<Point> {
+    pub fn sigma_points(&self) -> Vec<Point> {
         let eigen = self.covariance.symmetric_eigen();
         let reach = (OF_A_MODE as f64).sqrt();
         let mut points = vec![self.point];
@@ -70,9 +70,11 @@ pub struct Forecast<'a> {
     turn: usize,
 }
 
-/// What delays of so many ticks leave: one row for each part, one column for each delay.
+/// What some delays leave: one row for each part, one column for each delay.
 pub struct Left {
     rows: DMatrix<f64>,
+    /// The delays, ticks, from 0 upwards.
+    delays: Vec<usize>,
     unshaped: f64,
 }
 
@@ -99,8 +101,25 @@ impl<'a> Forecast<'a> {
         Self { turn: 0, ..self }
     }
 
-    /// What delays up to `longest` ticks leave, in the pose in which a train of that length has the arm.
+    /// What trains as long as `longest` ticks may be made of leaves.
     pub fn left(&self, longest: usize) -> Left {
+        let count = longest.clamp(1, INSTANTS - 1);
+        let mut delays: Vec<usize> = (0..=count).map(|k| k * longest / count).collect();
+        delays.dedup();
+        self.left_at(delays)
+    }
+
+    /// What the impulses of trains leave.
+    pub fn left_of(&self, trains: &[&GridTrain]) -> Left {
+        let taps = trains.iter().flat_map(|train| train.taps());
+        let mut delays: Vec<usize> = taps.map(|tap| tap.delay as usize).chain([0]).collect();
+        delays.sort_unstable();
+        delays.dedup();
+        self.left_at(delays)
+    }
+
+    /// What delays leave, the last of which is the longest, in the pose in which a train of that length has the arm.
+    fn left_at(&self, delays: Vec<usize>) -> Left {
         let parts: Vec<Vec<[f64; 2]>> = self
             .modes
             .iter()
@@ -109,18 +128,24 @@ impl<'a> Forecast<'a> {
                 let weight = mode.share.abs() / (points.len() as f64).sqrt();
                 points
                     .into_iter()
-                    .flat_map(move |point| self.of_a_point(&point, weight, longest))
+                    .flat_map(|point| self.of_a_point(&point, weight, &delays))
+                    .collect::<Vec<_>>()
             })
             .collect();
-        let rows = DMatrix::from_fn(2 * parts.len(), longest + 1, |row, delay| {
+        let rows = DMatrix::from_fn(2 * parts.len(), delays.len(), |row, delay| {
             parts[row / 2][delay][row % 2]
         });
         let unshaped = rows.column(0).norm();
-        Left { rows, unshaped }
+        Left {
+            rows,
+            delays,
+            unshaped,
+        }
     }
 
     /// For each half of the move, the state that each delay leaves, weighed.
-    fn of_a_point(&self, point: &Point, weight: f64, longest: usize) -> [Vec<[f64; 2]>; 2] {
+    fn of_a_point(&self, point: &Point, weight: f64, delays: &[usize]) -> [Vec<[f64; 2]>; 2] {
+        let longest = delays.last().copied().unwrap_or(0);
         let period = self.plan.period();
         let positions = self.plan.positions(0);
         let ticks = positions.len() + longest;
@@ -160,7 +185,7 @@ impl<'a> Forecast<'a> {
                 }
                 sum.map(|value| value * scale)
             };
-            (0..=longest).map(of_delay).collect()
+            delays.iter().copied().map(of_delay).collect()
         })
     }
 
@@ -184,14 +209,13 @@ impl<'a> Forecast<'a> {
 }
 
 impl Left {
-    /// The share of the unshaped vibration that a train leaves, expected.
+    /// The share of the unshaped vibration that a train of these delays leaves, expected.
     pub fn by(&self, train: &GridTrain) -> f64 {
         let mut sum = nalgebra::DVector::zeros(self.rows.nrows());
         for tap in train.taps() {
-            let column = self
-                .rows
-                .column((tap.delay as usize).min(self.rows.ncols() - 1));
-            sum += column * tap.amplitude;
+            let at = self.delays.binary_search(&(tap.delay as usize));
+            let column = at.unwrap_or_else(|next| next.min(self.delays.len() - 1));
+            sum += self.rows.column(column) * tap.amplitude;
         }
         sum.norm() / self.unshaped.max(f64::MIN_POSITIVE)
     }
@@ -201,21 +225,14 @@ impl Left {
         self.unshaped
     }
 
-    /// The train of positive impulses, as long as the longest delay, that leaves least.
+    /// The train of positive impulses at these delays that leaves least.
     ///
     /// # Errors
     /// [`ShaperError`] where the period is none.
     pub fn best(&self, period: f64) -> Result<GridTrain, ShaperError> {
-        let longest = self.rows.ncols() - 1;
-        let count = longest.clamp(1, INSTANTS - 1);
-        let mut ticks: Vec<usize> = (0..=count).map(|k| k * longest / count).collect();
-        ticks.dedup();
-        let chosen = DMatrix::from_fn(self.rows.nrows(), ticks.len(), |row, k| {
-            self.rows[(row, ticks[k])]
-        });
-        let amplitudes = least_on_simplex(&chosen.tr_mul(&chosen));
+        let amplitudes = least_on_simplex(&self.rows.tr_mul(&self.rows));
+        let ticks = self.delays.iter().copied();
         let kept: Vec<(usize, f64)> = ticks
-            .into_iter()
             .zip(amplitudes.iter().copied())
             .filter(|(tick, amplitude)| *amplitude > NEGLIGIBLE || *tick == 0)
             .collect();

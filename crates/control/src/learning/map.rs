@@ -24,7 +24,7 @@ const LENGTH: f64 = 1.0;
 pub struct Place {
     /// Position of the joint, rad.
     pub position: f64,
-    /// Positions of the joints that stand, rad.
+    /// Positions of the other joints, rad.
     pub others: Vec<f64>,
     /// Payload as it was declared, over the largest: 0 to 1.
     pub payload: f64,
@@ -54,10 +54,13 @@ pub struct Predicted {
 
 /// What one move said.
 #[derive(Clone, Debug)]
-struct Block {
-    places: [Place; NODES],
-    precision: SMatrix<f64, NODES, NODES>,
-    vector: SVector<f64, NODES>,
+pub struct Block {
+    /// The nodes of its way.
+    pub places: [Place; NODES],
+    /// Precision `L`.
+    pub precision: SMatrix<f64, NODES, NODES>,
+    /// `e = L x`.
+    pub vector: SVector<f64, NODES>,
 }
 
 /// The map of one quantity.
@@ -76,21 +79,17 @@ impl Map {
         }
     }
 
-    /// Adds what a move said: precision `L` and vector `e = L x` at three places.
-    pub fn add(
-        &mut self,
-        places: [Place; NODES],
-        precision: SMatrix<f64, NODES, NODES>,
-        vector: SVector<f64, NODES>,
-    ) {
+    /// Adds what a move said.
+    pub fn add(&mut self, block: Block) {
         if self.blocks.len() == REMEMBERED {
             self.blocks.remove(0);
         }
-        self.blocks.push(Block {
-            places,
-            precision,
-            vector,
-        });
+        self.blocks.push(block);
+    }
+
+    /// What moves said, the oldest first.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
     }
 
     /// Moves that it remembers.

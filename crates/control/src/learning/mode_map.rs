@@ -2,10 +2,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::fit::{Fitted, OF_A_MODE, Point, Prior, vector};
+use super::fit::Fitted;
 use super::forecast::Expected;
-use super::map::{Map, Place, Predicted, Spread};
+use super::map::{Block, Map, Place, Predicted, Spread};
 use super::path::NODES;
+use super::point::{OF_A_MODE, Prior};
 
 /// The inertia over that of the first move: its level is known from there on; over a radian an arm folds to half of it, and
 /// a full payload adds something: at two standard deviations nothing, or as much as the arm has.
@@ -32,11 +33,11 @@ const SURPRISE: f64 = 18.5;
 #[derive(Clone, Debug)]
 pub struct ModeMap {
     /// `ln w` of which the inertia is 1.
-    reference: f64,
-    inertia: Map,
-    damping: Map,
+    pub(super) reference: f64,
+    pub(super) inertia: Map,
+    pub(super) damping: Map,
     /// Its share: precision, and precision times mean.
-    share: [f64; 2],
+    pub(super) share: [f64; 2],
 }
 
 impl ModeMap {
@@ -83,10 +84,7 @@ impl ModeMap {
             .copy_from(&prior.log_w.covariance);
         covariance[(NODES, NODES)] = prior.xi.1;
         Expected {
-            point: Point {
-                log_w: prior.log_w.mean.into(),
-                xi: prior.xi.0,
-            },
+            point: prior.point(),
             covariance: covariance + SMatrix::from_diagonal_element(UNSEEN * UNSEEN),
             share: self.share[1] / self.share[0].max(f64::MIN_POSITIVE),
         }
@@ -94,7 +92,7 @@ impl ModeMap {
 
     /// Takes what a move says.
     pub fn learn(&mut self, fitted: &Fitted, places: &[Place; NODES]) {
-        let mean = vector(&fitted.point);
+        let mean = fitted.point.vector();
         let information = fitted.information;
         // Where the sum of both is least, what the samples pull is what the prior pulls back.
         let pull = fitted.prior.precision() * (mean - fitted.prior.mean());
@@ -110,8 +108,11 @@ impl ModeMap {
         let only =
             |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
         let vector = only(xi * mean[NODES] + pull[NODES]);
-        self.damping
-            .add(places.clone(), SMatrix::from_diagonal(&only(xi)), vector);
+        self.damping.add(Block {
+            places: places.clone(),
+            precision: SMatrix::from_diagonal(&only(xi)),
+            vector,
+        });
         let share = fitted.share_std.powi(-2);
         if share.is_finite() {
             // The newest counts as much as all before: the share follows the pose, too.
@@ -133,7 +134,11 @@ impl ModeMap {
         let slope = SMatrix::from_diagonal(&c.map(|c| -0.5 / c));
         let own = slope * precision.fixed_view::<NODES, NODES>(0, 0) * slope;
         let vector = own * c + slope * pull.fixed_rows::<NODES>(0);
-        self.inertia.add(places.clone(), own, vector);
+        self.inertia.add(Block {
+            places: places.clone(),
+            precision: own,
+            vector,
+        });
     }
 
     /// Whether a move is nothing that the map could expect: the arm has changed.
@@ -144,7 +149,7 @@ impl ModeMap {
         let view = |m: &SMatrix<f64, OF_A_MODE, OF_A_MODE>| {
             m.fixed_view::<NODES, NODES>(0, 0).into_owned()
         };
-        let shift = vector(&fitted.point) - fitted.prior.mean();
+        let shift = fitted.point.vector() - fitted.prior.mean();
         let shift = shift.fixed_rows::<NODES>(0).into_owned();
         let slack = SMatrix::<f64, NODES, NODES>::from_diagonal_element(UNSEEN * UNSEEN);
         let spread = fitted.prior.log_w.covariance - view(&fitted.covariance) + slack;

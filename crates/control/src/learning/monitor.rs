@@ -26,9 +26,9 @@ pub struct Outcome {
 /// Sums over moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Monitor {
-    base: f64,
-    adapted: f64,
-    weight: f64,
+    pub(super) base: f64,
+    pub(super) adapted: f64,
+    pub(super) weight: f64,
 }
 
 impl Monitor {

@@ -1,8 +1,9 @@
 //! How many modes a move shows: one more as long as the likelihood ratio excludes that there is none.
 
-use super::fit::{Fit, Point, Prior, Problem};
+use super::fit::{Fit, Problem};
 use super::map::Predicted;
 use super::path::NODES;
+use super::point::{Point, Prior};
 use crate::estimators::Sample;
 use nalgebra::{SMatrix, SVector};
 
@@ -47,13 +48,6 @@ pub fn open_prior(log_w: f64, way: &[f64; NODES], damping: f64) -> Prior {
     }
 }
 
-fn at(prior: &Prior) -> Point {
-    Point {
-        log_w: prior.log_w.mean.into(),
-        xi: prior.xi.0,
-    }
-}
-
 /// Fits the modes that are known, and as many more as there is evidence for.
 ///
 /// Of two strong modes the one that is left out colours what the other leaves, so that one alone is no evidence: two are looked
@@ -62,7 +56,7 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
     let mut accepted = match known {
         [] => None,
         known => {
-            let start: Vec<Point> = known.iter().map(at).collect();
+            let start: Vec<Point> = known.iter().map(Prior::point).collect();
             Some(problem.fit(&start, known)?)
         }
     };
@@ -92,11 +86,20 @@ pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -
 
 /// Whether one fit excludes another of as many samples and `more` modes fewer.
 pub fn excludes(better: &Fit, worse: &Fit, samples: &[Sample]) -> bool {
-    let floor = negligible(samples) * better.samples;
-    let independent = better.samples / better.inflation;
-    let evidence = independent * ((worse.square + floor) / (better.square + floor)).ln();
     let more = better.modes.len().saturating_sub(worse.modes.len()) as f64;
-    evidence > CHANCE + more * UNKNOWNS * independent.max(1.0).ln()
+    let evidence = log_likelihood_ratio(better, worse.square, negligible(samples));
+    evidence > CHANCE + more * UNKNOWNS * independent(better).max(1.0).ln()
+}
+
+/// Samples of a fit that are as good as independent.
+fn independent(fit: &Fit) -> f64 {
+    fit.samples / fit.inflation
+}
+
+/// Of a fit to what leaves `square` of the same samples. What is not worth a train is as good as noise.
+fn log_likelihood_ratio(fit: &Fit, square: f64, negligible: f64) -> f64 {
+    let floor = negligible * fit.samples;
+    independent(fit) * ((square + floor) / (fit.square + floor)).ln()
 }
 
 /// Whether no further mode could be evident: it leaves the white part of the residual at least.
@@ -129,7 +132,7 @@ fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) ->
         let mut priors = priors.clone();
         priors.push(prior);
         let mut start = present.clone();
-        start.push(at(&prior));
+        start.push(prior.point());
         let Some(found) = problem.fit(&start, &priors) else {
             continue;
         };
@@ -143,12 +146,9 @@ fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) ->
 /// Whether a fit excludes that its modes after the first `before` are none, and they ring.
 fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool {
     let more = found.modes.len() - before;
-    let independent = found.samples / found.inflation;
-    // What is not worth a train is as good as noise.
-    let floor = negligible * found.samples;
-    let evidence = independent * ((without + floor) / (found.square + floor)).ln();
-    let needed = more as f64 * (CHANCE + UNKNOWNS * independent.max(1.0).ln());
-    evidence > needed && (before..found.modes.len()).all(|k| rings(found, k))
+    let needed = more as f64 * (CHANCE + UNKNOWNS * independent(found).max(1.0).ln());
+    log_likelihood_ratio(found, without, negligible) > needed
+        && (before..found.modes.len()).all(|k| rings(found, k))
 }
 
 /// Whether one mode rings, and explains most of what moves: there is one, then, however coloured what it leaves. What that is

@@ -1,5 +1,7 @@
 //! The way of a move in joint space, and a quantity along it.
 
+use quell_trajectories::SampledTrajectory;
+
 /// Points of a way at which the map is asked: a cubic goes through them.
 pub const NODES: usize = 4;
 /// Below this length the pose is one and the same, rad.
@@ -16,6 +18,13 @@ impl Way {
     /// The way of a joint between two positions, rad.
     pub fn new(from: f64, to: f64) -> Self {
         Self { from, to }
+    }
+
+    /// The way of a plan of one joint.
+    pub fn of(plan: &SampledTrajectory) -> Self {
+        let positions = plan.positions(0);
+        let end = |position: Option<&f64>| position.copied().unwrap_or_default();
+        Self::new(end(positions.first()), end(positions.last()))
     }
 
     /// From start to end, evenly, rad.

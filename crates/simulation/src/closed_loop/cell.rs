@@ -11,7 +11,7 @@ use quell_control::controller::{
     AxisSettings, AxisStatus, Controller, RetunePolicy, Setpoint, SlowedPlan, plan_shaped,
 };
 use quell_control::estimators::{EstimatorEntry, Settings};
-use quell_control::learning::{Learner, LearnerSettings, Prescription};
+use quell_control::learning::{Learner, LearnerSettings, Prescription, Surroundings};
 use quell_signal::{ArcRegistration, DeformationSensor, Measurement, RestRule};
 
 /// The arm is watched for this many periods of the believed mode after its command has ended.
@@ -131,7 +131,11 @@ impl Cell {
         };
         let (dead_band, longest_train) = (axis.adaptation.dead_band, axis.longest_train);
         let learns = axis.adaptive && axis.shaper.is_some();
-        let controller = Controller::new(axis, arm.true_motor_position())?;
+        let samples = (LONGEST_MOVE * robot.tracker.rate) as usize;
+        let mut controller = Controller::new(axis, arm.true_motor_position())?;
+        if learns {
+            controller.keep_samples(samples);
+        }
         let learner = || {
             Learner::new(LearnerSettings {
                 belief,
@@ -176,12 +180,17 @@ impl Cell {
         if self.prescribe(&slowed.plan)? {
             slowed = self.plan(ends)?;
         }
+        let plan = slowed.plan.clone();
         let mut running = self.begin(slowed, target)?;
         while !self.is_over(&running) {
             self.tick(&mut running);
         }
         if let Some(learner) = &mut self.learner {
-            learner.learn(self.controller.axis().heard(), 0.0);
+            learner.learn(
+                self.controller.axis().heard(),
+                &plan,
+                &Surroundings::default(),
+            );
         }
         Ok(self.end(running))
     }
@@ -197,7 +206,7 @@ impl Cell {
             return Ok(false);
         };
         let in_force = self.controller.axis().next_train();
-        let prescribed = learner.prescribe(plan, 0.0, in_force);
+        let prescribed = learner.prescribe(plan, &Surroundings::default(), in_force);
         self.controller.hold(prescribed.hold);
         let set = prescribed.train.as_ref().zip(prescribed.known.as_ref());
         let changes = set.is_some();

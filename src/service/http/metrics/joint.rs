@@ -10,7 +10,7 @@ type Metric = (
 );
 
 /// All metrics of a joint that have one value.
-pub const JOINT: [Metric; 14] = [
+pub const JOINT: [Metric; 17] = [
     ("command_radians", "Commanded position.", |j| {
         Some(j.command_rad)
     }),
@@ -61,6 +61,19 @@ pub const JOINT: [Metric; 14] = [
         "corrections_refused_total",
         "Corrections refused since none kept the limits.",
         |j| Some(j.corrections_refused as f64),
+    ),
+    ("known_modes", "Modes that moves have taught.", |j| {
+        Some(j.learning.modes.len() as f64)
+    }),
+    (
+        "held",
+        "Whether the train is not followed in motion, being solved for what moves have taught.",
+        |j| Some(flag(j.learning.held.is_some())),
+    ),
+    (
+        "expected_ratio",
+        "Share of the unshaped vibration that the last train was expected to leave.",
+        |j| Some(j.learning.expected_percent? / 100.0),
     ),
     (
         "watchdog",

@@ -13,7 +13,7 @@ use super::messages::{self, FLOAT64_MULTI_ARRAY, JOINT_TRAJECTORY};
 use super::node::{Node, Publisher, Subscription};
 use crate::recording::Encoder;
 use crate::service::config::Config;
-use crate::service::contract::{Handle, JointSnapshot, Request};
+use crate::service::contract::{Handle, JointSnapshot, KnownMode, Request};
 
 /// Trajectories that may wait to become moves.
 const WAITING: usize = 16;
@@ -22,6 +22,9 @@ const TOLD: Duration = Duration::from_millis(100);
 /// The fields of a mode's message.
 const MODE: &str = "frequency_hz,damping_ratio,estimated_frequency_hz,estimated_frequency_std_hz,\
                     estimated_damping_ratio,estimated_damping_ratio_std,converged";
+/// The numbers of a mode that moves have taught.
+const KNOWN: &str =
+    "frequency_hz,frequency_std_hz,damping_ratio,damping_ratio_std,contribution_percent,shaped";
 
 /// The messages to the bridge's thread.
 enum Word {
@@ -41,6 +44,7 @@ pub struct ZenohBridge {
 struct Told {
     mode: Publisher,
     impulses: Publisher,
+    modes: Publisher,
 }
 
 impl ZenohBridge {
@@ -90,6 +94,7 @@ fn told(node: &Node, joint: &str) -> io::Result<Told> {
     Ok(Told {
         mode: publisher("mode")?,
         impulses: publisher("impulses")?,
+        modes: publisher("modes")?,
     })
 }
 
@@ -165,4 +170,19 @@ fn tell(joint: &JointSnapshot, told: &mut Told, body: &mut Encoder) {
     let dimensions = [("impulse", impulses.len() / 2), ("time_s,amplitude", 2)];
     messages::float64_multi_array(&dimensions, &impulses, body);
     told.impulses.put(body.bytes());
+    let modes = &joint.learning.modes;
+    let values: Vec<_> = modes.iter().flat_map(known).collect();
+    messages::float64_multi_array(&[("mode", modes.len()), (KNOWN, 6)], &values, body);
+    told.modes.put(body.bytes());
+}
+
+fn known(mode: &KnownMode) -> [f64; 6] {
+    [
+        mode.frequency_hz,
+        mode.frequency_std_hz,
+        mode.damping_ratio,
+        mode.damping_ratio_std,
+        mode.contribution_percent,
+        f64::from(mode.shaped),
+    ]
 }

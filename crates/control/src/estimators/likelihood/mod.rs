@@ -24,7 +24,6 @@
 
 mod absorb;
 pub(super) mod cholesky;
-pub(super) mod correlation;
 mod fit;
 mod gate;
 mod moments;
@@ -45,11 +44,11 @@ pub(super) use self::priors::{Priors, inverse_square};
 pub(super) use self::track::Track;
 pub(super) use self::window::Window;
 
-use self::correlation::Correlation;
 use self::fit::Fit;
 use self::noise::{Noise, SPARE};
 use self::region::{DAMPING_RANGE, Region, TRUST, log_point, trusted};
 use super::convergence::{Convergence, SETTLED};
+use super::correlation::Correlation;
 use super::{Estimate, Estimator, Sample, Settings};
 
 /// Ratio of neighbouring frequencies of the grid: half of it is within the trusted step.

@@ -3,8 +3,8 @@
 use quell_shapers::Mode;
 
 use crate::estimators::Sample;
+use crate::estimators::correlation::Correlation;
 use crate::estimators::likelihood::Window;
-use crate::estimators::likelihood::correlation::Correlation;
 use crate::estimators::likelihood::region::log_point;
 use crate::estimators::likelihood::walk::{Step, Walk};
 use crate::estimators::modal_response::{

@@ -1,0 +1,153 @@
+//! From the samples of a move to what it says of the modes.
+
+use super::fit::{Fit, Problem};
+use super::forecast::{Expected, Forecast};
+use super::map::Place;
+use super::mode_map::ModeMap;
+use super::monitor::{self, Outcome};
+use super::path::{NODES, Way};
+use super::point::Prior;
+use super::{Explained, Learner, Pending, Surroundings, order};
+use crate::estimators::Sample;
+use quell_trajectories::SampledTrajectory;
+
+/// Samples of a move from which something is learned: more than twice the unknowns of three modes.
+const FEWEST: usize = 64;
+/// What a move left unexplained counts by half as much with each move after it.
+const FORGETS: f64 = 0.5;
+/// Inflation by the residual's colour up to which it is as good as white: a correlation of neighbours of 0.2.
+const COLOURED: f64 = 1.5;
+
+impl Learner {
+    /// Takes the samples of a move, from its start until it has rung out, and its plan. Says nothing where too little vibrates.
+    pub fn learn(
+        &mut self,
+        heard: &[Sample],
+        plan: &SampledTrajectory,
+        surroundings: &Surroundings,
+    ) -> Option<Explained> {
+        let pending = self.pending.take();
+        let samples = in_order(heard);
+        let way = Way::new(
+            samples.first()?.motor_position,
+            samples.last()?.motor_position,
+        );
+        if samples.len() < FEWEST {
+            return None;
+        }
+        let places = surroundings.places(&way);
+        let Some((fit, are_theirs)) = self.explain(&samples, way, &places) else {
+            self.modes.clear();
+            self.unexplained = 1.0;
+            return None;
+        };
+        if !are_theirs {
+            // The arm is another one than the map's, or was never one of modes: what was learned is of no use.
+            self.modes.clear();
+        }
+        for (k, fitted) in fit.modes.iter().enumerate() {
+            if k == self.modes.len() {
+                self.modes.push(ModeMap::new(fitted.point.log_w[1]));
+            }
+            self.modes[k].learn(fitted, &places);
+        }
+        self.watch(pending, &fit, way, (plan, &samples));
+        Some(Explained { fit, way })
+    }
+
+    /// The move that was prescribed for is not made, or is another one.
+    pub fn withdraw(&mut self) {
+        self.pending = None;
+    }
+
+    /// The fit of a move, and whether it is one of the modes that are known.
+    fn explain(
+        &self,
+        samples: &[Sample],
+        way: Way,
+        places: &[Place; NODES],
+    ) -> Option<(Fit, bool)> {
+        let range = self.settings.natural_frequency.map(f64::ln);
+        let range = (range[0], range[1]);
+        let priors: Vec<Prior> = self.modes.iter().map(|mode| mode.prior(places)).collect();
+        let fit = |priors: &[Prior]| {
+            let mut problem = Problem::new(samples, way, range);
+            order::explain(samples, &mut problem, priors)
+        };
+        let known = match priors.as_slice() {
+            [] => None,
+            priors => fit(priors).filter(|found| self.is_theirs(found)),
+        };
+        // White noise is all that is left, and no mode had to be added: nothing else can explain it better.
+        let is_enough = |fit: &Fit| fit.inflation <= COLOURED && fit.modes.len() == priors.len();
+        if known.as_ref().is_some_and(is_enough) {
+            return known.map(|fit| (fit, true));
+        }
+        let anew = fit(&[]);
+        match (known, anew) {
+            // The map stays unless the samples exclude it, or fewer modes say the same: one that has moved is not another one.
+            (Some(known), Some(anew)) => {
+                let fewer = anew.modes.len() < known.modes.len();
+                let as_good = fewer && !order::excludes(&known, &anew, samples);
+                match as_good || order::excludes(&anew, &known, samples) {
+                    true => Some((anew, false)),
+                    false => Some((known, true)),
+                }
+            }
+            (Some(known), None) => Some((known, true)),
+            (None, anew) => anew.map(|fit| (fit, false)),
+        }
+    }
+
+    /// Whether the modes of a fit are those of the map, and still modes.
+    fn is_theirs(&self, fit: &Fit) -> bool {
+        let theirs = self.modes.iter().zip(&fit.modes);
+        (0..fit.modes.len()).all(|k| order::rings(fit, k))
+            && !theirs
+                .into_iter()
+                .any(|(map, fitted)| map.is_surprised(fitted))
+    }
+
+    /// Holds what the move left against what it would have left otherwise.
+    fn watch(
+        &mut self,
+        pending: Option<Pending>,
+        fit: &Fit,
+        way: Way,
+        (plan, samples): (&SampledTrajectory, &[Sample]),
+    ) {
+        let modes: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
+        let forecast = Forecast::new(plan, way, &modes).whole();
+        let base = &self.settings.base;
+        let adapted = pending.as_ref().map_or(base, |pending| &pending.adapted);
+        let left = forecast.left_of(&[base, adapted]);
+        let unshaped = left.unshaped().max(f64::MIN_POSITIVE);
+        let unexplained = 2.0 * fit.unexplained() / (unshaped * unshaped);
+        self.unexplained = (FORGETS * self.unexplained).max(unexplained).min(1.0);
+        let Some(Pending { adapted, is_base }) = pending.filter(|one| one.adapted != *base) else {
+            return;
+        };
+        let measured = monitor::ringing(samples, fit) / unshaped;
+        self.monitor.take(match is_base {
+            true => Outcome {
+                base: measured,
+                adapted: left.by(&adapted),
+            },
+            false => Outcome {
+                base: left.by(base),
+                adapted: measured,
+            },
+        });
+    }
+}
+
+/// The finite samples that advance in time.
+fn in_order(heard: &[Sample]) -> Vec<Sample> {
+    let mut samples: Vec<Sample> = Vec::with_capacity(heard.len());
+    for sample in heard.iter().filter(|sample| sample.is_finite()) {
+        if samples.last().is_none_or(|last| sample.time > last.time) {
+            samples.push(*sample);
+        }
+    }
+    samples
+}

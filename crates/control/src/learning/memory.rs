@@ -1,0 +1,173 @@
+//! The knowledge of a learner as plain numbers, to be kept.
+
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+use super::Learner;
+use super::map::{Block, Place};
+use super::mode_map::ModeMap;
+use super::monitor::Monitor;
+use super::order::MOST;
+use super::path::{NODES, Way};
+
+/// All that a learner knows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// The modes, in the order in which they were found.
+    pub modes: Vec<ModeMemory>,
+    /// Sums over moves of what was left without adaptation and with it, and their weight.
+    pub outcomes: [f64; 3],
+    /// Part of the unshaped vibration that the modes leave unexplained, squared.
+    pub unexplained: f64,
+}
+
+/// A mode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModeMemory {
+    /// Natural frequency at which the inertia is 1, rad/s.
+    pub natural_frequency: f64,
+    /// Its share of the deformation: precision, and precision times mean.
+    pub share: [f64; 2],
+    /// What moves said of it, the oldest first.
+    pub moves: Vec<MoveMemory>,
+}
+
+/// What a move said of a mode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MoveMemory {
+    /// From where to where, rad.
+    pub way: [f64; 2],
+    /// Those of the other joints meanwhile, rad.
+    pub others: Vec<[f64; 2]>,
+    /// Payload over the largest.
+    pub payload: f64,
+    /// Precision of the inertia at the nodes of the way, its upper triangle row by row.
+    pub precision: Vec<f64>,
+    /// Precision times inertia at the nodes.
+    pub vector: [f64; NODES],
+    /// Precision of the damping ratio, and precision times damping ratio.
+    pub damping: [f64; 2],
+}
+
+impl Learner {
+    /// All that it knows.
+    pub fn memory(&self) -> Memory {
+        let Monitor {
+            base,
+            adapted,
+            weight,
+        } = self.monitor;
+        Memory {
+            modes: self.modes.iter().map(ModeMemory::of).collect(),
+            outcomes: [base, adapted, weight],
+            unexplained: self.unexplained,
+        }
+    }
+
+    /// Takes what was kept in the place of what it knows. Takes nothing, and says so, of what is no such knowledge.
+    pub fn remember(&mut self, memory: &Memory) -> bool {
+        let modes: Option<Vec<ModeMap>> = memory.modes.iter().map(ModeMemory::map).collect();
+        let numbers = memory.outcomes.iter().chain([&memory.unexplained]);
+        let sound = numbers.clone().all(|x| x.is_finite() && *x >= 0.0);
+        let Some(modes) = modes.filter(|modes| sound && modes.len() <= MOST) else {
+            return false;
+        };
+        self.forget();
+        self.modes = modes;
+        let [base, adapted, weight] = memory.outcomes;
+        self.monitor = Monitor {
+            base,
+            adapted,
+            weight,
+        };
+        self.unexplained = memory.unexplained;
+        true
+    }
+}
+
+impl ModeMemory {
+    fn of(mode: &ModeMap) -> Self {
+        let pairs = mode.inertia.blocks().iter().zip(mode.damping.blocks());
+        Self {
+            natural_frequency: mode.reference.exp(),
+            share: mode.share,
+            moves: pairs
+                .map(|(inertia, damping)| MoveMemory::of(inertia, damping))
+                .collect(),
+        }
+    }
+
+    fn map(&self) -> Option<ModeMap> {
+        let sound = self.natural_frequency > 0.0 && self.share.iter().all(|x| x.is_finite());
+        let mut map = sound.then(|| ModeMap::new(self.natural_frequency.ln()))?;
+        map.share = self.share;
+        for said in &self.moves {
+            let (inertia, damping) = said.blocks()?;
+            map.inertia.add(inertia);
+            map.damping.add(damping);
+        }
+        Some(map)
+    }
+}
+
+impl MoveMemory {
+    fn of(inertia: &Block, damping: &Block) -> Self {
+        let [first, .., last] = &inertia.places;
+        let others = first.others.iter().zip(&last.others);
+        let upper = (0..NODES).flat_map(|i| (i..NODES).map(move |j| (i, j)));
+        Self {
+            way: [first.position, last.position],
+            others: others.map(|(from, to)| [*from, *to]).collect(),
+            payload: first.payload,
+            precision: upper.map(|at| inertia.precision[at]).collect(),
+            vector: inertia.vector.into(),
+            damping: [damping.precision[(1, 1)], damping.vector[1]],
+        }
+    }
+
+    /// Blocks of inertia and damping; none where a number is none, or a precision is negative.
+    fn blocks(&self) -> Option<(Block, Block)> {
+        let numbers = self
+            .precision
+            .iter()
+            .chain(&self.vector)
+            .chain(&self.damping);
+        let positions = self.others.iter().flatten().chain(&self.way);
+        let finite = numbers
+            .chain(positions)
+            .chain([&self.payload])
+            .all(|x| x.is_finite());
+        if !finite || self.precision.len() != NODES * (NODES + 1) / 2 {
+            return None;
+        }
+        let at = |i: usize, j: usize| i * NODES - i * (i + 1) / 2 + j;
+        let precision: SMatrix<f64, NODES, NODES> =
+            SMatrix::from_fn(|i, j| self.precision[at(i.min(j), i.max(j))]);
+        let rounding = 1e-9 * precision.norm();
+        let least = precision.symmetric_eigenvalues().min();
+        if least < -rounding || self.damping[0] < 0.0 {
+            return None;
+        }
+        let nodes = |way: [f64; 2]| Way::new(way[0], way[1]).nodes();
+        let places = core::array::from_fn(|n| Place {
+            position: nodes(self.way)[n],
+            others: self.others.iter().map(|way| nodes(*way)[n]).collect(),
+            payload: self.payload,
+        });
+        let only =
+            |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });
+        let [damping, pulled] = self.damping;
+        Some((
+            Block {
+                places: places.clone(),
+                precision,
+                vector: self.vector.into(),
+            },
+            Block {
+                places,
+                precision: SMatrix::from_diagonal(&only(damping)),
+                vector: only(pulled),
+            },
+        ))
+    }
+}

@@ -1,0 +1,154 @@
+//! The train for the next way, of what is known of the modes there.
+
+use nalgebra::{SMatrix, SVector};
+use quell_shapers::{GridTrain, Mode, UncertainMode};
+use quell_trajectories::SampledTrajectory;
+
+use super::forecast::{Expected, Forecast};
+use super::path::{NODES, Way};
+use super::point::{OF_A_MODE, Point};
+use super::prescription::{Hold, ModeOnWay, Prescription};
+use super::{Learner, Pending, Surroundings};
+
+/// Dead bands that a train may be expected to leave where adaptation in motion follows: it is expected by two standard
+/// deviations, and adaptation retunes beyond one dead band.
+const FOLLOWED: f64 = 2.0;
+
+/// Two standard deviations of a belief: a quarter of the frequency, the whole of the damping ratio.
+const BELIEF: (f64, f64) = (0.125, 0.5);
+
+impl Learner {
+    /// The train for a plan of the joint, beside that in force.
+    pub fn prescribe(
+        &mut self,
+        plan: &SampledTrajectory,
+        surroundings: &Surroundings,
+        in_force: &GridTrain,
+    ) -> Prescription {
+        let way = Way::of(plan);
+        let places = surroundings.places(&way);
+        let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
+        let known = self.modes_on_way(plan, way, &expected);
+        let mut shaped: Vec<Expected> = expected
+            .iter()
+            .zip(&known)
+            .filter(|(_, on_way)| on_way.shaped)
+            .map(|(mode, _)| *mode)
+            .collect();
+        let hold = self.hold(&known);
+        let mut prescription = Prescription {
+            train: None,
+            known: known
+                .iter()
+                .max_by(|a, b| a.contribution.total_cmp(&b.contribution))
+                .map(|mode| mode.known),
+            modes: known,
+            expected: None,
+            hold,
+        };
+        let mut adapted = in_force.clone();
+        if !shaped.is_empty() {
+            shaped.push(self.unknown(&shaped));
+            let forecast = Forecast::new(plan, way, &shaped);
+            // Where nothing holds the train, adaptation in motion makes up for what is little.
+            let band = self.settings.dead_band * if hold.is_none() { FOLLOWED } else { 1.0 };
+            let given = (in_force, band);
+            let (train, expected) = self.choose(&forecast, &shaped, given, plan.period());
+            prescription.expected = Some(expected);
+            if let Some(train) = &train {
+                adapted = train.clone();
+            }
+            prescription.train = train;
+        }
+        let is_base = hold == Some(Hold::Worse) || (shaped.is_empty() && hold.is_some());
+        if is_base {
+            prescription.train = Some(self.settings.base.clone());
+            let believed = UncertainMode::believed(self.settings.belief);
+            prescription.known = Some(believed);
+        }
+        self.pending = Some(Pending { adapted, is_base });
+        prescription
+    }
+
+    /// The modes that are known on the way of a plan.
+    pub fn on_way(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<ModeOnWay> {
+        let way = Way::of(plan);
+        let places = surroundings.places(&way);
+        let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
+        self.modes_on_way(plan, way, &expected)
+    }
+
+    /// What the modes leave unexplained: as large as it was, of a mode of which nothing but the belief is known. A train that
+    /// does well for the modes, but gives up the belief, is taken only for what they do explain.
+    fn unknown(&self, modes: &[Expected]) -> Expected {
+        let belief = self.settings.belief;
+        let (xi, square) = (belief.damping_ratio(), |x: f64| x * x);
+        let spread = SVector::<f64, OF_A_MODE>::from_fn(|n, _| match n {
+            NODES => square(BELIEF.1 * xi.max(0.01)),
+            _ => 0.0,
+        });
+        let mut covariance = SMatrix::from_diagonal(&spread);
+        covariance
+            .fixed_view_mut::<NODES, NODES>(0, 0)
+            .fill(square(BELIEF.0));
+        let shares: f64 = modes.iter().map(|mode| square(mode.share)).sum();
+        Expected {
+            point: Point {
+                log_w: [belief.natural_frequency().ln(); NODES],
+                xi,
+            },
+            covariance,
+            share: (self.unexplained * shares).sqrt(),
+        }
+    }
+
+    fn modes_on_way(
+        &self,
+        plan: &SampledTrajectory,
+        way: Way,
+        expected: &[Expected],
+    ) -> Vec<ModeOnWay> {
+        let contributions = Forecast::new(plan, way, expected).contributions();
+        let on_way = expected.iter().zip(contributions);
+        on_way
+            .filter_map(|(mode, contribution)| {
+                let at = |n: usize| Mode::new(mode.point.log_w[n].exp(), mode.point.xi).ok();
+                let at: Option<Vec<Mode>> = (0..NODES).map(at).collect();
+                let modes: [Mode; NODES] = at?.try_into().ok()?;
+                let std = |n: usize| mode.covariance[(n, n)].sqrt();
+                Some(ModeOnWay {
+                    modes,
+                    known: UncertainMode {
+                        mode: modes[1],
+                        natural_frequency_std: std(1) * modes[1].natural_frequency(),
+                        damping_ratio_std: std(NODES),
+                    },
+                    contribution,
+                    shaped: contribution > self.settings.dead_band,
+                })
+            })
+            .collect()
+    }
+
+    fn hold(&self, modes: &[ModeOnWay]) -> Option<Hold> {
+        if self.monitor.prefers_base(self.settings.dead_band) {
+            return Some(Hold::Worse);
+        }
+        let unexplained = self.unexplained.sqrt() > self.settings.dead_band;
+        let unexplained = unexplained.then_some(Hold::Unexplained);
+        let mut shaped = modes.iter().filter(|mode| mode.shaped);
+        let Some(first) = shaped.next() else {
+            return unexplained;
+        };
+        if shaped.next().is_some() {
+            return Some(Hold::SeveralModes);
+        }
+        let logs = first.modes.map(|mode| mode.natural_frequency().ln());
+        let range = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            - logs.iter().copied().fold(f64::INFINITY, f64::min);
+        // A train for the middle is off by half of it, and leaves pi/2 of that at most.
+        let left = std::f64::consts::FRAC_PI_4 * range;
+        let pose = (left > self.settings.dead_band).then_some(Hold::Pose);
+        pose.or(unexplained)
+    }
+}

@@ -1,0 +1,68 @@
+//! What is in force for a move, and why.
+
+use quell_shapers::{GridTrain, Mode, UncertainMode};
+
+use super::path::NODES;
+
+/// Why the train is not followed in motion as that of one mode that stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// The joint has several modes.
+    SeveralModes,
+    /// The mode changes along the way by more than the dead band.
+    Pose,
+    /// What was learned left more than no adaptation would have.
+    Worse,
+    /// The modes leave more of the vibration unexplained than the dead band.
+    Unexplained,
+}
+
+impl Hold {
+    /// A short stable name, as in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SeveralModes => "several_modes",
+            Self::Pose => "pose",
+            Self::Worse => "worse",
+            Self::Unexplained => "unexplained",
+        }
+    }
+
+    /// What the train is solved for in place of one mode that stays.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::SeveralModes => "several modes",
+            Self::Pose => "a mode that follows the pose",
+            Self::Worse => "the belief, because what was learned left more",
+            Self::Unexplained => "what the modes explain, and for the belief in what they do not",
+        }
+    }
+}
+
+/// A mode on the way of the next move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeOnWay {
+    /// From start to end, evenly.
+    pub modes: [Mode; NODES],
+    /// How well the one in the middle is known.
+    pub known: UncertainMode,
+    /// Its part of what the move leaves unshaped.
+    pub contribution: f64,
+    /// Whether it is shaped for: not where shaping excites less of it than is worth a change.
+    pub shaped: bool,
+}
+
+/// What is in force for a move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prescription {
+    /// A train to be set; none keeps that in force.
+    pub train: Option<GridTrain>,
+    /// The mode that contributes most.
+    pub known: Option<UncertainMode>,
+    /// All modes.
+    pub modes: Vec<ModeOnWay>,
+    /// Share of the unshaped vibration that is expected to be left; none where nothing is known.
+    pub expected: Option<f64>,
+    /// Why the train is not followed in motion.
+    pub hold: Option<Hold>,
+}

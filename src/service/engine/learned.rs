@@ -1,0 +1,26 @@
+//! What was learned of a joint, as the engine knows it.
+
+use std::sync::Arc;
+
+use crate::service::contract::{JointMap, LearningView};
+use crate::service::tick::Train;
+
+/// Payload of an arm's class that the maps take for the whole, kg.
+pub const CARRIED: f64 = 60.0;
+
+/// What was learned of a joint.
+#[derive(Default)]
+pub struct Learning {
+    /// Modes that the learner knows.
+    pub modes: usize,
+    /// What is told of them.
+    pub view: LearningView,
+    /// Their map.
+    pub map: Arc<JointMap>,
+    /// The train that was solved last; none where another one is to stand.
+    pub solved: Option<Train>,
+    /// Until when the order of this ticket waits for its train, s.
+    pub waits: Option<(u64, f64)>,
+    /// The last plan that was given the train that was solved for it.
+    pub prescribed: Option<u64>,
+}

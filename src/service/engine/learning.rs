@@ -1,0 +1,323 @@
+//! Between the moves: what the learners are told of a move, and the train that they solve for the next one.
+//!
+//! A move from rest waits for its train, but no longer than [`PATIENCE`]: it is then made with the one that stands. A train goes
+//! to the tick with the plan that it was solved for.
+
+use quell_shapers::UncertainMode;
+
+use super::axis::train;
+use super::joint::{Asked, What, name_of};
+use super::learned::CARRIED;
+use super::planning::{Planned, standing_train};
+use super::running::Running;
+use super::{Engine, MOVES};
+use crate::learning::{Account, Hold, Memory, Prescription, Surroundings, Way};
+use crate::service::contract::{
+    Accepted, Event as Told, KnownMode, LearningView, MoveResult, ServiceError,
+};
+use crate::service::learners::{Ended, Job, Judged, Said, Wanted};
+use crate::service::tick::{Start, Train};
+
+/// Time that a move waits for its train, s: a person notices no less.
+const PATIENCE: f64 = 0.1;
+/// Time that the result of a move waits to be judged, s.
+const JUDGED: f64 = 2.0;
+
+/// A move that has ended and is being judged.
+pub struct Ending {
+    result: MoveResult,
+    joint: usize,
+    /// Of the tip's arc, m.
+    radius: Option<f64>,
+    /// Until when it waits, s.
+    until: f64,
+}
+
+impl Ending {
+    /// Whether it is one of this joint.
+    pub fn is_of(&self, joint: usize) -> bool {
+        self.joint == joint
+    }
+}
+
+impl Engine {
+    /// Orders what was planned; where the joint's modes are known, once the train for it has been solved.
+    pub(super) fn go(&mut self, index: usize, mut asked: Asked, planned: Planned) {
+        let Some(wanted) = self.wanted_train(index, &asked, &planned) else {
+            return self.order(index, asked, planned);
+        };
+        self.tickets += 1;
+        (asked.ticket, asked.again) = (self.tickets, false);
+        let wanted = Wanted {
+            ticket: asked.ticket,
+            ..wanted
+        };
+        let joint = &mut self.joints[index];
+        joint.learning.waits = Some((asked.ticket, self.clock.now() + PATIENCE));
+        joint.asked = Some(asked);
+        // It lives as long as the engine.
+        let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
+    }
+
+    /// The plan as the learner wants it; none where its train is not to be solved.
+    fn wanted_train(&self, index: usize, asked: &Asked, planned: &Planned) -> Option<Wanted> {
+        let joint = &self.joints[index];
+        let is_whole = matches!(asked.what, What::Move { speed, .. } if speed.is_infinite());
+        let own = name_of(planned.shaper) == name_of(joint.standing_shaper());
+        let learns = joint.adaptation && joint.learning.modes > 0 && planned.shaper.is_some();
+        let Start::Rest(in_force) = &planned.start else {
+            return None;
+        };
+        if !(is_whole && own && learns) {
+            return None;
+        }
+        let believed = UncertainMode::believed(joint.config.belief);
+        Some(Wanted {
+            joint: index,
+            ticket: asked.ticket,
+            surroundings: self.surroundings(index, None),
+            in_force: in_force.train.clone(),
+            base: train(planned.shaper, &believed, self.config.period).ok()?,
+            plan: planned.samples.clone(),
+        })
+    }
+
+    /// What there is along the way of a joint: the other joints, from where they were (rad) to where they are, and the payload.
+    fn surroundings(&self, index: usize, before: Option<&[f64]>) -> Surroundings {
+        let others = (0..self.joints.len()).filter(|other| *other != index);
+        let way = |other: usize| {
+            let now = self.joints[other].position;
+            let from = before.and_then(|before| before.get(other).copied());
+            Way::new(from.unwrap_or(now), now)
+        };
+        Surroundings {
+            others: others.map(way).collect(),
+            payload: self.payload.unwrap_or(0.0) / CARRIED,
+        }
+    }
+
+    /// Takes what the learners have said.
+    pub(super) fn hear_learners(&mut self) {
+        while let Ok(said) = self.lessons.said.try_recv() {
+            match said {
+                Said::Prescribed {
+                    joint,
+                    ticket,
+                    prescription,
+                } => self.prescribed(joint, ticket, *prescription),
+                Said::Judged(judged) => self.judged(*judged),
+                Said::Known {
+                    joint,
+                    modes,
+                    memory,
+                    map,
+                } => {
+                    let joint = &mut self.joints[joint];
+                    (joint.learning.modes, joint.learning.map) = (modes, map);
+                    if modes == 0 {
+                        joint.learning.view = LearningView::default();
+                    }
+                    let name = joint.config.name.clone();
+                    self.remember(name, memory);
+                }
+            }
+        }
+    }
+
+    fn remember(&mut self, joint: String, memory: Memory) {
+        let kept = self.state.joints.get(&joint);
+        let kept = kept.and_then(|state| state.map.clone());
+        if kept.unwrap_or_default() != memory {
+            self.state.joints.entry(joint).or_default().map = Some(memory);
+            self.save();
+        }
+    }
+
+    /// The train for a plan is solved. What is not waited for any more would be the train of another way.
+    fn prescribed(&mut self, index: usize, ticket: u64, prescription: Prescription) {
+        let joint = &mut self.joints[index];
+        let waits = joint.learning.waits.take_if(|waits| waits.0 == ticket);
+        let asked = joint.asked.take_if(|asked| asked.ticket == ticket);
+        let (Some(_), Some(asked)) = (waits, asked) else {
+            return;
+        };
+        joint.learning.view = view(&prescription);
+        match standing_train(joint, joint.standing_shaper(), self.config.period) {
+            Ok(standing) => {
+                let solved = prescription.train.zip(prescription.known);
+                let (train, known) = solved.unwrap_or((standing.train, standing.known));
+                joint.learning.solved = Some(Train {
+                    train,
+                    known,
+                    hold: prescription.hold,
+                    ..standing
+                });
+            }
+            Err(error) => tracing::warn!(joint = joint.config.name, "{error}"),
+        }
+        self.order_waiting(index, asked);
+        let asked = self.joints[index].asked.as_ref();
+        self.joints[index].learning.prescribed = asked.map(|asked| asked.ticket);
+    }
+
+    /// Orders what has waited for its train.
+    fn order_waiting(&mut self, index: usize, asked: Asked) {
+        match self.planned(index, asked.what, asked.ahead, asked.effort) {
+            Ok(planned) => self.order(index, asked, planned),
+            Err(error) => super::orders::answer(asked.reply, Err(error)),
+        }
+    }
+
+    /// Has what has waited for its train for too long go with the one that stands.
+    pub(super) fn wait_no_longer(&mut self, now: f64) {
+        self.tell_endings(|ending| now > ending.until);
+        for index in 0..self.joints.len() {
+            let joint = &mut self.joints[index];
+            let Some((ticket, _)) = joint.learning.waits.take_if(|waits| now > waits.1) else {
+                continue;
+            };
+            if let Some(asked) = joint.asked.take_if(|asked| asked.ticket == ticket) {
+                self.order_waiting(index, asked);
+            }
+        }
+    }
+
+    /// Has a move that has ended judged, and learned from; its result is told then. What there is nothing to be heard of is told
+    /// at once.
+    pub(super) fn have_judged(&mut self, index: usize, running: Running, result: MoveResult) {
+        if running.interrupted || running.frozen || running.heard.is_empty() {
+            return self.tell(result);
+        }
+        let joint = &self.joints[index];
+        let ended = Ended {
+            joint: index,
+            id: result.id,
+            surroundings: self.surroundings(index, Some(&running.before)),
+            planned: running.planned_motion().to_vec(),
+            after: running
+                .after
+                .iter()
+                .map(|&(time, value, _)| (time, value))
+                .collect(),
+            teaches: joint.adaptation && running.payload == self.payload,
+            prescribed: running.prescribed,
+            cruise: running.cruise.into_stretches(),
+            heard: running.heard,
+            plan: running.plan,
+        };
+        self.endings.push(Ending {
+            joint: index,
+            radius: joint.sensor.arc().map(|arc| arc.radius()),
+            until: self.clock.now() + JUDGED,
+            result,
+        });
+        if self.lessons.jobs.send(Job::Ended(Box::new(ended))).is_err() {
+            self.tell_endings(|ending| ending.is_of(index));
+        }
+    }
+
+    /// Whether the result of a move was told, or will be.
+    pub(super) fn is_judged(&self, id: u64) -> bool {
+        let told = self.moves.iter().any(|result| result.id == id);
+        told || self.endings.iter().any(|ending| ending.result.id == id)
+    }
+
+    /// Tells results that cannot wait to be judged: of what they would have left unshaped nothing is known yet.
+    pub(super) fn tell_endings(&mut self, which: impl Fn(&Ending) -> bool) {
+        while let Some(at) = self.endings.iter().position(&which) {
+            let mut result = self.endings.remove(at).result;
+            put_account(&mut result, None, None);
+            self.tell(result);
+        }
+    }
+
+    /// Whether every move that has ended was told.
+    pub(super) fn has_told_all(&self) -> bool {
+        self.endings.is_empty()
+    }
+
+    fn judged(&mut self, judged: Judged) {
+        let modes: Vec<KnownMode> = judged.modes.iter().map(KnownMode::from).collect();
+        let joint = &mut self.joints[judged.joint];
+        joint.learning.view.modes.clone_from(&modes);
+        let waits = self
+            .endings
+            .iter()
+            .position(|ending| ending.result.id == judged.id);
+        if let Some(at) = waits {
+            let Ending {
+                mut result, radius, ..
+            } = self.endings.remove(at);
+            put_account(&mut result, judged.account, radius);
+            result.modes = modes;
+            return self.tell(result);
+        }
+        let radius = joint.sensor.arc().map(|arc| arc.radius());
+        let told = self.moves.iter_mut().find(|result| result.id == judged.id);
+        if let Some(result) = told {
+            put_account(result, judged.account, radius);
+            result.modes = modes;
+            self.save();
+        }
+    }
+
+    pub(super) fn tell(&mut self, result: MoveResult) {
+        self.moves.push_back(result.clone());
+        while self.moves.len() > MOVES {
+            self.moves.pop_front();
+        }
+        self.batch.events.push(Told::MoveEnded(Box::new(result)));
+        self.save();
+    }
+
+    /// Forgets what was learned of a joint. The mode of the configuration is believed again.
+    pub(super) fn forget(&mut self, name: &str) -> Result<Accepted, ServiceError> {
+        let index = self.index_of(name)?;
+        let joint = &mut self.joints[index];
+        joint.learning.solved = None;
+        joint.learning.view = LearningView::default();
+        joint.wanted_mode = Some(joint.config.belief);
+        joint.train_due = true;
+        if let Some(state) = self.state.joints.get_mut(name) {
+            (state.map, state.modes) = (None, Vec::new());
+        }
+        // It lives as long as the engine.
+        let _ = self.lessons.jobs.send(Job::Forget(index));
+        self.save();
+        self.order_train(index);
+        Ok(Accepted::Changed)
+    }
+}
+
+fn view(prescription: &Prescription) -> LearningView {
+    let hold: Option<Hold> = prescription.hold;
+    LearningView {
+        modes: prescription.modes.iter().map(KnownMode::from).collect(),
+        expected_percent: prescription.expected.map(|share| 100.0 * share),
+        held: hold.map(|hold| hold.name().to_owned()),
+        held_reason: hold.map(|hold| format!("the train is solved for {}", hold.reason())),
+    }
+}
+
+/// Puts an account into the result of a move; without one, nothing is known of what a shaped move would have left unshaped.
+fn put_account(result: &mut MoveResult, account: Option<Account>, radius: Option<f64>) {
+    let along_arc = |angle: Option<f64>| Some(angle? * radius?);
+    if let Some(Account {
+        left, vibration, ..
+    }) = account
+    {
+        (result.residual_rad, result.vibration_rad) = (left, vibration);
+        (result.residual_m, result.vibration_m) = (along_arc(left), along_arc(vibration));
+    }
+    let [unshaped, all] = match result.shaped {
+        true => [
+            account.map(|a| a.unshaped),
+            account.map(|a| a.unshaped_vibration),
+        ],
+        false => [result.residual_rad, result.vibration_rad],
+    };
+    (result.unshaped_rad, result.unshaped_vibration_rad) = (unshaped, all);
+    (result.unshaped_m, result.unshaped_vibration_m) = (along_arc(unshaped), along_arc(all));
+    let shaped = account.filter(|_| result.shaped);
+    result.unshaped_std_rad = shaped.map(|account| account.unshaped_std);
+}

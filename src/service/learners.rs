@@ -1,0 +1,247 @@
+//! Learns the modes of the joints from their moves, and solves trains for the next ones.
+//!
+//! It runs beside the engine, which does not wait for it: a fit takes from a few milliseconds to some tenths of a second. Nothing
+//! here is reached by the tick.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use quell_shapers::GridTrain;
+use quell_trajectories::SampledTrajectory;
+
+use super::contract::JointMap;
+use super::following::FOLLOWED;
+use crate::estimators::Sample;
+use crate::learning::{
+    Account, Learner, LearnerSettings, Memory, ModeOnWay, Prescription, Seen, Surroundings,
+};
+
+/// Positions at which a map is drawn.
+const DRAWN: usize = 64;
+
+/// Engine to learner. Joints are counted from 0.
+pub enum Job {
+    /// Solve the train for a plan.
+    Prescribe(Box<Wanted>),
+    /// A move has rung out.
+    Ended(Box<Ended>),
+    /// Forget a joint.
+    Forget(usize),
+}
+
+/// A plan that wants a train.
+pub struct Wanted {
+    /// The joint.
+    pub joint: usize,
+    /// Number of the plan.
+    pub ticket: u64,
+    /// The plan.
+    pub plan: SampledTrajectory,
+    /// The rest of what there is along its way.
+    pub surroundings: Surroundings,
+    /// The train that it meets where none is prescribed.
+    pub in_force: GridTrain,
+    /// The train without any adaptation.
+    pub base: GridTrain,
+}
+
+/// A move that has ended.
+pub struct Ended {
+    /// The joint.
+    pub joint: usize,
+    /// Number of the move.
+    pub id: u64,
+    /// Its samples, from its start until it has rung out.
+    pub heard: Vec<Sample>,
+    /// Its plan.
+    pub plan: SampledTrajectory,
+    /// The rest of what there was along its way.
+    pub surroundings: Surroundings,
+    /// Planned positions, one each control period, rad.
+    pub planned: Vec<f64>,
+    /// Stamps and deformations in each stretch in which the command did not accelerate.
+    pub cruise: Vec<Vec<(f64, f64)>>,
+    /// The same after the command had come to rest and the motor side had followed.
+    pub after: Vec<(f64, f64)>,
+    /// Whether something is learned from it; else it is only judged.
+    pub teaches: bool,
+    /// Whether it was made with the train that was prescribed last.
+    pub prescribed: bool,
+}
+
+/// Learner to engine.
+pub enum Said {
+    /// The train for a plan.
+    Prescribed {
+        /// The joint.
+        joint: usize,
+        /// Number of the plan.
+        ticket: u64,
+        /// What is in force for it.
+        prescription: Box<Prescription>,
+    },
+    /// A move was judged.
+    Judged(Box<Judged>),
+    /// What is known of a joint now.
+    Known {
+        /// The joint.
+        joint: usize,
+        /// Its modes.
+        modes: usize,
+        /// To be kept.
+        memory: Memory,
+        /// To be shown.
+        map: Arc<JointMap>,
+    },
+}
+
+/// A move that was judged.
+pub struct Judged {
+    /// The joint.
+    pub joint: usize,
+    /// Number of the move.
+    pub id: u64,
+    /// Its account, where its modes explain it.
+    pub account: Option<Account>,
+    /// The modes that are known on its way.
+    pub modes: Vec<ModeOnWay>,
+}
+
+/// A joint before it has learned anything.
+pub struct Pupil {
+    /// Name.
+    pub name: String,
+    /// How it learns.
+    pub settings: LearnerSettings,
+    /// Lowest and highest target, rad.
+    pub range: [f64; 2],
+    /// The largest payload, kg.
+    pub carried: f64,
+    /// What was kept of it.
+    pub memory: Option<Memory>,
+}
+
+/// The learners of all joints.
+pub struct Learners {
+    joints: Vec<(Learner, Pupil)>,
+    jobs: Receiver<Job>,
+    said: Sender<Said>,
+}
+
+/// The engine's end of the learners.
+pub struct Lessons {
+    /// To the learners.
+    pub jobs: Sender<Job>,
+    /// From them.
+    pub said: Receiver<Said>,
+}
+
+impl Learners {
+    /// Learners that know what was kept, and the engine's end of them.
+    pub fn new(pupils: Vec<Pupil>) -> (Self, Lessons) {
+        let ((jobs, taken), (told, said)) = (channel(), channel());
+        let joints = pupils.into_iter().map(|mut pupil| {
+            let mut learner = Learner::new(pupil.settings.clone());
+            if let Some(memory) = pupil.memory.take()
+                && !learner.remember(&memory)
+            {
+                tracing::warn!(joint = pupil.name, "the map that was kept is none");
+            }
+            (learner, pupil)
+        });
+        let learners = Self {
+            joints: joints.collect(),
+            jobs: taken,
+            said: told,
+        };
+        let all = 0..learners.joints.len();
+        all.for_each(|joint| learners.tell(joint, &Surroundings::default()));
+        (learners, Lessons { jobs, said })
+    }
+
+    /// Learns until the engine is gone.
+    pub fn run(mut self) {
+        while let Ok(job) = self.jobs.recv() {
+            self.do_one(job);
+        }
+    }
+
+    /// Does what is to be done now: what [`Learners::run`] does, without waiting.
+    pub fn work(&mut self) {
+        while let Ok(job) = self.jobs.try_recv() {
+            self.do_one(job);
+        }
+    }
+
+    fn do_one(&mut self, job: Job) {
+        match job {
+            Job::Prescribe(wanted) => {
+                let (learner, _) = &mut self.joints[wanted.joint];
+                learner.set_base(wanted.base);
+                let prescription =
+                    learner.prescribe(&wanted.plan, &wanted.surroundings, &wanted.in_force);
+                // The engine may have gone, here and below.
+                let _ = self.said.send(Said::Prescribed {
+                    joint: wanted.joint,
+                    ticket: wanted.ticket,
+                    prescription: Box::new(prescription),
+                });
+            }
+            Job::Ended(ended) => self.hear(&ended),
+            Job::Forget(joint) => {
+                self.joints[joint].0.forget();
+                self.tell(joint, &Surroundings::default());
+            }
+        }
+    }
+
+    fn hear(&mut self, ended: &Ended) {
+        let (learner, pupil) = &mut self.joints[ended.joint];
+        if !ended.prescribed {
+            learner.withdraw();
+        }
+        let mut aside;
+        // Who only judges goes on knowing what was known.
+        let learner = match ended.teaches {
+            true => learner,
+            false => {
+                aside = learner.clone();
+                &mut aside
+            }
+        };
+        let explained = learner.learn(&ended.heard, &ended.plan, &ended.surroundings);
+        let seen = Seen {
+            planned: &ended.planned,
+            period: ended.plan.period(),
+            cruise: &ended.cruise,
+            after: &ended.after,
+            follows: FOLLOWED,
+        };
+        let judged = Judged {
+            joint: ended.joint,
+            id: ended.id,
+            account: explained.map(|explained| explained.account(&seen)),
+            modes: learner.on_way(&ended.plan, &ended.surroundings),
+        };
+        tracing::debug!(joint = pupil.name, modes = judged.modes.len(), account = ?judged.account, "judged");
+        let _ = self.said.send(Said::Judged(Box::new(judged)));
+        if ended.teaches {
+            self.tell(ended.joint, &ended.surroundings);
+        }
+    }
+
+    fn tell(&self, joint: usize, surroundings: &Surroundings) {
+        let (learner, pupil) = &self.joints[joint];
+        let [low, high] = pupil.range;
+        let step = (high - low) / (DRAWN - 1) as f64;
+        let positions: Vec<f64> = (0..DRAWN).map(|k| low + step * k as f64).collect();
+        let chart = learner.chart(&positions, surroundings);
+        let map = JointMap::new(&pupil.name, surroundings.payload, pupil.carried, &chart);
+        let _ = self.said.send(Said::Known {
+            joint,
+            modes: learner.modes(),
+            memory: learner.memory(),
+            map: Arc::new(map),
+        });
+    }
+}

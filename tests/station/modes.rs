@@ -1,0 +1,292 @@
+//! Several modes, and modes that follow the pose: the service learns them between the moves, keeps them, and forgets them.
+
+use std::path::Path;
+
+use quell::service::config::Config;
+use quell::service::contract::{Accepted, JointMap, MoveResult, Phase, Request, ShapingChange};
+use quell::service::following::FOLLOWED;
+use quell_shapers::Mode;
+
+use super::plant::{Faults, Plant, PlantMode};
+use super::world::{PERIOD, World, config};
+
+const FAULTS: Faults = Faults {
+    noise: 10e-6,
+    resolution: 1e-6,
+    spikes: 0.0,
+    lost: 0.0,
+    lag: 0.0,
+    friction: 0.0,
+    backlash: 0.0,
+};
+const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
+/// Ticks that anything here takes at most.
+const PATIENCE: usize = 5_000;
+/// Time, s, true motor position and deformation, rad, and whether the command moves.
+type Traced = (f64, f64, f64, bool);
+/// Ticks for which the arm is watched after a move.
+const WATCHED: usize = 400;
+
+fn settings(data: &Path, belief_hz: f64) -> Config {
+    let mut config = config(data);
+    let joint = &mut config.joints[0];
+    joint.belief = Mode::from_hertz(belief_hz, 0.05).expect("a mode");
+    // A ramp of 5 ms makes 19 Hz ring.
+    joint.limits.jerk = 6000.0;
+    joint.sensor_rate = 1.0 / PERIOD;
+    joint.encoder_resolution = FAULTS.resolution;
+    config
+}
+
+fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
+    let mut world = World::start(settings(data, belief_hz), 1e9, 0.0, true);
+    world.robot.arm = Some(Plant::new(modes, FAULTS, PERIOD, 0.0, 1));
+    world.steps(100);
+    world.enable();
+    assert!(world.step().iter().all(|one| one.answer.is_ok()));
+    world
+}
+
+fn two() -> [PlantMode; 2] {
+    [
+        PlantMode::new(8.0, 0.03, 1.0),
+        PlantMode::new(19.0, 0.03, 1.0),
+    ]
+}
+
+/// 8 Hz at 0 degrees, 11 Hz at 60.
+fn posed() -> PlantMode {
+    PlantMode {
+        slope: 3.0 / 8.0 / 60f64.to_radians(),
+        ..PlantMode::new(8.0, 0.03, 1.0)
+    }
+}
+
+/// The result of a move, and the peak of the true deformation once the motor side stands, rad.
+fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64) {
+    let (done, trace) = watched(world, target, shaper);
+    let away = |(_, motor, ..): &Traced| (motor - target).abs() > 1e-6;
+    let end = trace.iter().rposition(away).map_or(0, |last| last + 1);
+    let peak = trace[end..]
+        .iter()
+        .fold(0.0, |peak: f64, one| peak.max(one.2.abs()));
+    (done, peak)
+}
+
+/// The result of a move, and the true deformation once the motor side stands, rad.
+fn watched(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, Vec<Traced>) {
+    world.ask(Request::Move {
+        joint: "joint_1".into(),
+        target,
+        shaper: shaper.map(Into::into),
+    });
+    let begun = (0..PATIENCE)
+        .find_map(|_| world.step().pop())
+        .expect("an answer");
+    let Ok(Accepted::Move { id, .. }) = begun.answer else {
+        panic!("{:?}", begun.answer);
+    };
+    let (mut trace, mut quiet) = (Vec::new(), 0);
+    while quiet < WATCHED {
+        world.step();
+        let arm = world.robot.arm.as_ref().expect("an arm");
+        let (motor, deformation) = (arm.motor(), arm.deformation());
+        let moves = world.last().is_some_and(|sent| sent.1.velocity != 0.0);
+        trace.push((world.robot.time, motor, deformation, moves));
+        quiet = if world.joint().phase == Phase::Rest {
+            quiet + 1
+        } else {
+            0
+        };
+        assert!(trace.len() < PATIENCE, "the move does not end");
+    }
+    let done = world
+        .snapshot()
+        .moves
+        .iter()
+        .find(|done| done.id == id)
+        .cloned();
+    (done.expect("a result"), trace)
+}
+
+/// Each move's share of what it leaves unshaped, %, and what the service said of it.
+fn left(modes: &[PlantMode], belief_hz: f64) -> Vec<(f64, Option<f64>)> {
+    let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    let mut shaped = world(data.path(), belief_hz, modes);
+    let mut unshaped = world(other.path(), belief_hz, modes);
+    TARGETS
+        .iter()
+        .map(|degrees| {
+            let target = degrees.to_radians();
+            let (_, all) = go(&mut unshaped, target, Some("none"));
+            let (told, left) = go(&mut shaped, target, None);
+            let said = told.vibration_rad.zip(told.unshaped_vibration_rad);
+            let said = said.map(|(left, all)| 100.0 * left / all);
+            let learning = shaped.joint().learning;
+            println!(
+                "{:.2} % of {all:e}, told {said:.1?}, {:?}, {learning:?}",
+                100.0 * left / all,
+                told.unshaped_std_rad
+            );
+            (100.0 * left / all, said)
+        })
+        .collect()
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])
+}
+
+/// What is told of moves that are shaped for a wrong mode is what the arm did: amplitudes over a period of the slowest mode.
+#[test]
+fn what_a_move_has_left_is_told_as_the_arm_did_it() {
+    let amplitude = |trace: &[Traced]| {
+        // From when the service listens.
+        let moves = trace.iter().rfind(|one| one.3).expect("a move");
+        let from = moves.0 + FOLLOWED;
+        let inside = trace
+            .iter()
+            .filter(|one| (from..from + 0.125).contains(&one.0));
+        let seen: Vec<f64> = inside.map(|one| one.2).collect();
+        let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+        let square = seen.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / seen.len() as f64;
+        (2.0 * square).sqrt()
+    };
+    for modes in [two().to_vec(), vec![posed()]] {
+        let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        let mut shaped = world(data.path(), 10.0, &modes);
+        let mut unshaped = world(other.path(), 10.0, &modes);
+        shaped.ask(Request::Shaping(ShapingChange {
+            adaptation: Some(false),
+            ..ShapingChange::default()
+        }));
+        shaped.steps(2);
+        for degrees in TARGETS {
+            let target = degrees.to_radians();
+            let (_, all) = watched(&mut unshaped, target, Some("none"));
+            let (told, left) = watched(&mut shaped, target, None);
+            let [left, all] = [left, all].map(|after| amplitude(&after));
+            let (told_left, told_all) = (
+                told.residual_rad.expect("measured"),
+                told.unshaped_rad.expect("known"),
+            );
+            assert!(told.unshaped_std_rad.is_some());
+            let [truth, told] = [left / all, told_left / told_all];
+            println!("left {:.1} %, told {:.1} %", 100.0 * truth, 100.0 * told);
+            // The motor side does not follow quite what is planned: a few parts in a hundred at 19 Hz.
+            assert!(
+                (told - truth).abs() <= 0.15 * truth,
+                "{degrees}: {told} {truth}"
+            );
+        }
+    }
+}
+
+#[test]
+fn two_modes_are_shaped_for_after_a_move() {
+    for belief in [8.0, 10.0] {
+        let all = left(&two(), belief);
+        assert!(
+            median(all[2..].iter().map(|one| one.0)) <= 1.0,
+            "{belief}: {all:?}"
+        );
+    }
+}
+
+#[test]
+fn a_mode_that_follows_the_pose_is_shaped_for_along_the_way() {
+    let all = left(&[posed()], 9.0);
+    assert!(median(all[2..].iter().map(|one| one.0)) <= 1.0, "{all:?}");
+}
+
+/// What is kept is how well the modes are known, too; forgotten, nothing of it is left.
+#[test]
+fn the_map_survives_a_restart_and_is_forgotten() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut first = world(data.path(), 9.0, &two());
+    for degrees in &TARGETS[..4] {
+        go(&mut first, degrees.to_radians(), None);
+    }
+    let (before, arm) = (first.joint(), first.robot.arm.take());
+    assert_eq!(before.learning.modes.len(), 2, "{:?}", before.learning);
+    assert_eq!(before.map.modes.len(), 2);
+    drop(first);
+
+    let stands = arm.as_ref().map_or(0.0, Plant::motor);
+    let mut again = World::start(settings(data.path(), 9.0), 1e9, stands, true);
+    again.robot.arm = arm;
+    again.steps(100);
+    again.enable();
+    assert!(again.step().iter().all(|one| one.answer.is_ok()));
+    // But for the rounding of sums.
+    let curves = |map: &JointMap| -> Vec<f64> {
+        let points = map.modes.iter().flat_map(|mode| &mode.curve);
+        points
+            .flat_map(|at| [at.frequency_hz, at.frequency_std_hz])
+            .collect()
+    };
+    let [kept, learned] = [again.joint().map, before.map].map(|map| curves(&map));
+    assert_eq!(kept.len(), learned.len());
+    for (kept, learned) in kept.iter().zip(&learned) {
+        assert!((kept / learned - 1.0).abs() < 1e-6, "{kept} {learned}");
+    }
+    let unshaped = {
+        let other = tempfile::tempdir().expect("a folder");
+        let mut other = world(other.path(), 9.0, &two());
+        for degrees in &TARGETS[..4] {
+            go(&mut other, degrees.to_radians(), Some("none"));
+        }
+        go(&mut other, TARGETS[4].to_radians(), Some("none")).1
+    };
+    let (_, left) = go(&mut again, TARGETS[4].to_radians(), None);
+    assert!(left <= 0.01 * unshaped, "{left:e} of {unshaped:e}");
+
+    again.ask(Request::Forget {
+        joint: "joint_1".into(),
+    });
+    again.steps(PATIENCE / 10);
+    let forgotten = again.joint();
+    assert!(forgotten.learning.modes.is_empty() && forgotten.map.modes.is_empty());
+    assert!((forgotten.mode.expect("a mode").frequency_hz - 9.0).abs() < 1e-9);
+    drop(again);
+    let mut last = World::start(settings(data.path(), 9.0), 1e9, 0.0, true);
+    last.steps(30);
+    assert!(last.joint().map.modes.is_empty());
+}
+
+/// Nothing is solved for a robot whose moves are not enabled, and nothing is learned without adaptation.
+#[test]
+fn a_disabled_or_unadaptive_service_prescribes_nothing() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = world(data.path(), 9.0, &two());
+    for degrees in &TARGETS[..2] {
+        go(&mut world, degrees.to_radians(), None);
+    }
+    world.ask(Request::Disable);
+    world.step();
+    let before = world.joint();
+    world.go(0.5);
+    let answered = world.steps(20);
+    assert!(
+        answered.iter().all(|one| one.answer.is_err()),
+        "moves are disabled"
+    );
+    assert_eq!(world.joint().learning, before.learning);
+    assert_eq!(world.joint().train, before.train);
+
+    world.enable();
+    world.ask(Request::Shaping(ShapingChange {
+        adaptation: Some(false),
+        ..ShapingChange::default()
+    }));
+    world.steps(5);
+    let map = world.joint().map;
+    let (told, _) = go(&mut world, 0.7, None);
+    assert!(!told.adaptive);
+    assert_eq!(world.joint().map, map);
+    // It is judged all the same.
+    assert!(told.unshaped_vibration_rad.is_some());
+}
