@@ -220,12 +220,16 @@ fn window(stretch: &[(f64, f64)], period: f64) -> Option<&[(f64, f64)]> {
     (last - first + 2.0 * interval >= period).then(|| &stretch[..end])
 }
 
-fn amplitude(window: &[(f64, f64)], noise: f64) -> Option<f64> {
+/// `sqrt(2)` times the standard deviation of what is not white noise of this variance; 0 where two standard deviations of the
+/// noise's mean square, `noise sqrt(2 / n)`, explain it. None where there are too few samples.
+pub fn amplitude(window: &[(f64, f64)], noise: f64) -> Option<f64> {
     if window.len() < FEWEST {
         return None;
     }
     let n = window.len() as f64;
     let mean = window.iter().map(|one| one.1).sum::<f64>() / n;
     let square = window.iter().map(|one| (one.1 - mean).powi(2)).sum::<f64>() / n;
-    Some((2.0 * (square - noise).max(0.0)).sqrt())
+    let more = square - noise;
+    let is_noise = more <= 2.0 * noise * (2.0 / n).sqrt();
+    Some(if is_noise { 0.0 } else { (2.0 * more).sqrt() })
 }

@@ -5,6 +5,7 @@
 //!
 //! Source: N. Cesa-Bianchi, G. Lugosi, Prediction, Learning, and Games, 2006, ch. 2 and 3.
 
+use super::account::amplitude;
 use super::fit::Fit;
 use super::path::NODES;
 use crate::estimators::Sample;
@@ -60,18 +61,12 @@ pub fn ringing(samples: &[Sample], fit: &Fit) -> f64 {
     let slowest = fit.modes.iter().map(|m| m.point.log_w[NODES - 1].exp());
     let period = std::f64::consts::TAU / slowest.fold(f64::INFINITY, f64::min);
     let from = samples.get(stands).map_or(last.time, |s| s.time);
-    let seen: Vec<f64> = samples[stands..]
+    let seen: Vec<(f64, f64)> = samples[stands..]
         .iter()
         .zip(&fit.residual[stands..])
         .filter(|(s, r)| s.time <= from + period && r.is_finite())
-        .map(|(s, _)| s.deformation)
+        .map(|(s, _)| (s.time, s.deformation))
         .collect();
-    if seen.len() < 4 {
-        return 0.0;
-    }
-    let mean = seen.iter().sum::<f64>() / seen.len() as f64;
-    let square = seen.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / seen.len() as f64;
     // White noise is no vibration; what the model does not explain is.
-    let noise = fit.variance / fit.inflation;
-    (2.0 * (square - noise).max(0.0)).sqrt()
+    amplitude(&seen, fit.variance / fit.inflation).unwrap_or(0.0)
 }
