@@ -1,0 +1,202 @@
+//! `quell doctor`: what this build and this machine offer.
+
+mod lateness;
+
+use super::{CliError, output};
+use crate::page::columns;
+use serde::Serialize;
+use std::fs;
+use std::thread::available_parallelism;
+
+/// Says what this build has in it, and what the machine offers to a robot's tick.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  quell doctor
+  quell doctor --json
+
+It asks for what `quell serve` asks for, a real-time priority and locked memory, and says what it got.
+Then a loop that sleeps and does nothing runs at 1 kHz for a second: no tick can come earlier than it
+does. Run it as the user, and in the container, that will run the service.")]
+pub struct Args {
+    /// Prints JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// An optional part of the program.
+#[derive(Serialize)]
+struct Feature {
+    name: &'static str,
+    built: bool,
+    what: &'static str,
+}
+
+/// All optional parts.
+const FEATURES: [Feature; 5] = [
+    feature("serve", cfg!(feature = "serve"), "quell serve: the service"),
+    feature("urdf", cfg!(feature = "urdf"), "robots described in URDF"),
+    feature(
+        "nats",
+        cfg!(feature = "nats"),
+        "quell work, quell results: batches over NATS",
+    ),
+    feature(
+        "zenoh",
+        cfg!(feature = "zenoh"),
+        "robots on ROS 2 over Zenoh",
+    ),
+    feature(
+        "foxglove",
+        cfg!(feature = "foxglove"),
+        "a live view in Foxglove",
+    ),
+];
+
+const fn feature(name: &'static str, built: bool, what: &'static str) -> Feature {
+    Feature { name, built, what }
+}
+
+/// All that is told.
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    features: [Feature; 5],
+    machine: Machine,
+    /// What the tick gets; none where the service is not built in.
+    tick: Option<Tick>,
+}
+
+/// What the system says of itself; none where it does not say.
+#[derive(Serialize)]
+struct Machine {
+    cores: Option<usize>,
+    isolated_cores: Option<String>,
+    kernel: Option<String>,
+    preempt_rt: bool,
+    governor: Option<String>,
+}
+
+/// What was asked for, and how late a bare loop is then.
+#[derive(Serialize)]
+struct Tick {
+    real_time_priority: bool,
+    memory_locked: bool,
+    lateness_us: lateness::Lateness,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// [`CliError`] where no thread can be started.
+pub fn run(args: Args) -> Result<(), CliError> {
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        features: FEATURES,
+        machine: machine(),
+        tick: tick()?,
+    };
+    match args.json {
+        true => output::json(&report),
+        false => output::text(&text(&report)),
+    }
+}
+
+fn machine() -> Machine {
+    let read = |path: &str| {
+        let text = fs::read_to_string(path).ok()?;
+        let text = text.trim();
+        (!text.is_empty()).then(|| text.to_string())
+    };
+    Machine {
+        cores: available_parallelism().ok().map(usize::from),
+        isolated_cores: read("/sys/devices/system/cpu/isolated"),
+        kernel: read("/proc/sys/kernel/osrelease"),
+        preempt_rt: read("/sys/kernel/realtime").as_deref() == Some("1"),
+        governor: read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
+    }
+}
+
+/// On a thread of its own, as the tick is.
+#[cfg(feature = "serve")]
+fn tick() -> Result<Option<Tick>, CliError> {
+    use crate::service::tick::real_time;
+    use tracing::subscriber::{NoSubscriber, with_default};
+    let tried = || {
+        // What is refused stands in the table, and need not be told in the log as well.
+        let quietly = NoSubscriber::default();
+        let (real_time_priority, memory_locked) = with_default(quietly, || {
+            (real_time::raise_priority(), real_time::lock_memory())
+        });
+        Tick {
+            real_time_priority,
+            memory_locked,
+            lateness_us: lateness::measured(),
+        }
+    };
+    let thread = std::thread::Builder::new().spawn(tried)?;
+    let told = thread.join();
+    told.map(Some)
+        .map_err(|_| CliError::failure("the loop of the measurement ended early"))
+}
+
+/// There is no tick in this build.
+#[cfg(not(feature = "serve"))]
+fn tick() -> Result<Option<Tick>, CliError> {
+    Ok(None)
+}
+
+fn text(report: &Report) -> String {
+    let yes = |is: bool| if is { "yes" } else { "no" }.to_string();
+    let features = report.features.iter().map(|one| {
+        let how = match one.built {
+            true => String::new(),
+            false => format!("cargo build --release --features {}", one.name),
+        };
+        [one.name.into(), yes(one.built), one.what.into(), how]
+    });
+    let features = columns(["feature", "built in", "what for", "to build it"], features);
+    let machine = &report.machine;
+    let or = |value: &Option<String>, none: &str| value.clone().unwrap_or(none.into());
+    let mut rows = vec![
+        [
+            "cores".into(),
+            machine.cores.map_or("unknown".into(), |n| n.to_string()),
+        ],
+        ["isolated cores".into(), or(&machine.isolated_cores, "none")],
+        ["kernel".into(), or(&machine.kernel, "unknown")],
+        ["PREEMPT_RT".into(), yes(machine.preempt_rt)],
+        ["governor".into(), or(&machine.governor, "unknown")],
+    ];
+    if let Some(tick) = &report.tick {
+        let late = &tick.lateness_us;
+        rows.extend([
+            ["real-time priority".into(), yes(tick.real_time_priority)],
+            ["locked memory".into(), yes(tick.memory_locked)],
+            [
+                "a bare loop at 1 kHz is late by".into(),
+                format!(
+                    "{:.0} us in the median, {:.0} us at 99 %, {:.0} us at most",
+                    late.median, late.p99, late.max
+                ),
+            ],
+        ]);
+    }
+    let missing = report.tick.as_ref().is_some_and(Tick::lacks);
+    let advice = if missing { ADVICE } else { "" };
+    let version = report.version;
+    let machine = columns(["machine", ""], rows);
+    format!("quell {version}\n\n{features}\n{machine}{advice}")
+}
+
+impl Tick {
+    fn lacks(&self) -> bool {
+        !(self.real_time_priority && self.memory_locked)
+    }
+}
+
+/// What to do where a right is missing.
+const ADVICE: &str = "\n\
+The system refused a right that the tick of `quell serve` asks for. It runs without, and can come late when the\n\
+machine is busy. For a robot give the user `rtprio 80` and `memlock unlimited` in /etc/security/limits.conf, or run\n\
+packaging/quell.service.\n";
