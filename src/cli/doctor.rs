@@ -3,7 +3,6 @@
 mod lateness;
 
 use super::{CliError, output};
-use crate::page::columns;
 use serde::Serialize;
 use std::fs;
 use std::thread::available_parallelism;
@@ -148,45 +147,43 @@ fn tick() -> Result<Option<Tick>, CliError> {
 
 fn text(report: &Report) -> String {
     let yes = |is: bool| if is { "yes" } else { "no" }.to_string();
-    let features = report.features.iter().map(|one| {
+    let or = |value: &Option<String>, none: &str| value.clone().unwrap_or(none.into());
+    let mut text = format!("quell {}\n\nBuilt in:\n", report.version);
+    for one in &report.features {
         let how = match one.built {
             true => String::new(),
-            false => format!("cargo build --release --features {}", one.name),
+            false => format!(" (cargo build --release --features {})", one.name),
         };
-        [one.name.into(), yes(one.built), one.what.into(), how]
-    });
-    let features = columns(["feature", "built in", "what for", "to build it"], features);
+        text += &line(one.name, &format!("{:4}{}{how}", yes(one.built), one.what));
+    }
     let machine = &report.machine;
-    let or = |value: &Option<String>, none: &str| value.clone().unwrap_or(none.into());
-    let mut rows = vec![
-        [
-            "cores".into(),
-            machine.cores.map_or("unknown".into(), |n| n.to_string()),
-        ],
-        ["isolated cores".into(), or(&machine.isolated_cores, "none")],
-        ["kernel".into(), or(&machine.kernel, "unknown")],
-        ["PREEMPT_RT".into(), yes(machine.preempt_rt)],
-        ["governor".into(), or(&machine.governor, "unknown")],
-    ];
+    let cores = machine.cores.map_or("unknown".into(), |n| n.to_string());
+    text += "\nMachine:\n";
+    text += &line("cores", &cores);
+    text += &line("isolated cores", &or(&machine.isolated_cores, "none"));
+    text += &line("kernel", &or(&machine.kernel, "unknown"));
+    text += &line("PREEMPT_RT", &yes(machine.preempt_rt));
+    text += &line("governor", &or(&machine.governor, "unknown"));
     if let Some(tick) = &report.tick {
         let late = &tick.lateness_us;
-        rows.extend([
-            ["real-time priority".into(), yes(tick.real_time_priority)],
-            ["locked memory".into(), yes(tick.memory_locked)],
-            [
-                "a bare loop at 1 kHz is late by".into(),
-                format!(
-                    "{:.0} us in the median, {:.0} us at 99 %, {:.0} us at most",
-                    late.median, late.p99, late.max
-                ),
-            ],
-        ]);
+        let [median, p99, max] = [late.median, late.p99, late.max];
+        text += "\nWhat the tick of `quell serve` gets:\n";
+        text += &line("real-time priority", &yes(tick.real_time_priority));
+        text += &line("locked memory", &yes(tick.memory_locked));
+        text += &line(
+            "a bare loop at 1 kHz",
+            &format!(
+                "late by {median:.0} us in the median, {p99:.0} us at 99 %, {max:.0} us at most"
+            ),
+        );
+        text += if tick.lacks() { ADVICE } else { "" };
     }
-    let missing = report.tick.as_ref().is_some_and(Tick::lacks);
-    let advice = if missing { ADVICE } else { "" };
-    let version = report.version;
-    let machine = columns(["machine", ""], rows);
-    format!("quell {version}\n\n{features}\n{machine}{advice}")
+    text
+}
+
+/// A name and what is said of it.
+fn line(name: &str, what: &str) -> String {
+    format!("  {name:22}{what}\n")
 }
 
 impl Tick {
