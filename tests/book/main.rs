@@ -9,6 +9,7 @@ mod skipped;
 mod blocks;
 mod commands;
 mod links;
+mod lists;
 mod markdown;
 mod output;
 mod reference;

@@ -50,7 +50,8 @@ impl Sources {
             Item::Const(held) if held.ty.to_token_stream().to_string() == of => Some(held),
             _ => None,
         });
-        held.map(|held| sentence(&held.attrs)).collect()
+        held.map(|held| plain(&lines(&held.attrs).join("\n")))
+            .collect()
     }
 
     /// The variants of an enum as they stand in files.
@@ -86,6 +87,10 @@ fn snake(name: &str) -> String {
 }
 
 fn sentence(attributes: &[Attribute]) -> String {
+    plain(&lines(attributes).join(" "))
+}
+
+fn lines(attributes: &[Attribute]) -> Vec<String> {
     let lines = attributes
         .iter()
         .filter_map(|attribute| match &attribute.meta {
@@ -98,7 +103,7 @@ fn sentence(attributes: &[Attribute]) -> String {
             },
             _ => None,
         });
-    plain(&lines.collect::<Vec<_>>().join(" "))
+    lines.collect()
 }
 
 /// The tokens of serde's attribute.

@@ -23,7 +23,8 @@ pub fn page() -> String {
          # damping_in_gap = 0.3          # share of the damper that acts in the gap, too: oil\n\
          ```\n\n\
          A key or a parameter is a number, or a table with `value`, `std` (one standard deviation), `bounds` and `fixed`. A \
-         diagnosis refits those that are not `fixed`; keys that a ruler measures are refitted by none.\n\n\
+         diagnosis refits those that are not `fixed`. It refits an optional key only where the file gives it, and one of \
+         which the tables below say \"not refitted\" only where the file gives a `std`.\n\n\
          The names of effects, places and parameters are [in the catalogue](effects.md). `input_hold = \"zero_order\"`, \
          `\"linear\"` or `\"spline\"` says what the input does between its samples.\n\n## Kinds\n\n",
     );
