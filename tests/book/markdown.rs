@@ -1,7 +1,6 @@
 //! What a Markdown file holds: links, anchors of its headings, and blocks of code.
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
-use std::ops::Range;
 
 /// A block of code.
 pub struct Block {
@@ -9,8 +8,6 @@ pub struct Block {
     pub words: Vec<String>,
     /// Its text.
     pub text: String,
-    /// Where its text is in the file.
-    pub range: Range<usize>,
     /// Its first line, from 1.
     pub line: usize,
 }
@@ -41,52 +38,77 @@ fn line(text: &str, offset: usize) -> usize {
 
 /// Reads a file.
 pub fn read(text: &str) -> Page {
-    let mut page = Page::default();
-    let (mut heading, mut fence) = (None::<String>, None::<Block>);
-    let parser = Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter();
-    for (event, range) in parser {
+    let mut reader = Reader {
+        text,
+        page: Page::default(),
+        heading: None,
+        fence: None,
+    };
+    for (event, range) in Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter() {
+        reader.take(event, range.start);
+    }
+    reader.page
+}
+
+/// What has been read, and what is open.
+struct Reader<'a> {
+    text: &'a str,
+    page: Page,
+    heading: Option<String>,
+    fence: Option<Block>,
+}
+
+impl Reader<'_> {
+    fn take(&mut self, event: Event, at: usize) {
         match event {
-            Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
-                page.links.push(Link {
-                    to: dest_url.to_string(),
-                    line: line(text, range.start),
-                });
-            }
-            Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
+            Event::Start(tag) => self.start(tag, at),
             Event::End(TagEnd::Heading(_)) => {
-                let slug = slug(&heading.take().unwrap_or_default());
-                page.anchors.push(slug);
+                let heading = self.heading.take().unwrap_or_default();
+                self.page.anchors.push(slug(&heading));
             }
-            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(info))) => {
-                let words = info.split([',', ' ']).filter(|word| !word.is_empty());
-                fence = Some(Block {
-                    words: words.map(str::to_string).collect(),
-                    text: String::new(),
-                    range: range.clone(),
-                    line: line(text, range.start),
-                });
-            }
-            Event::End(TagEnd::CodeBlock) => page.blocks.extend(fence.take()),
-            Event::Text(words) => match (&mut fence, &mut heading) {
-                (Some(block), _) => {
-                    if block.text.is_empty() {
-                        block.range = range.clone();
-                    }
-                    block.range.end = range.end;
-                    block.text.push_str(&words);
-                }
-                (None, Some(heading)) => heading.push_str(&words),
-                (None, None) => {}
-            },
+            Event::End(TagEnd::CodeBlock) => self.page.blocks.extend(self.fence.take()),
+            Event::Text(words) => self.words(&words),
             Event::Code(words) => {
-                if let Some(heading) = &mut heading {
+                if let Some(heading) = &mut self.heading {
                     heading.push_str(&words);
                 }
             }
             _ => {}
         }
     }
-    page
+
+    fn start(&mut self, tag: Tag, at: usize) {
+        let line = line(self.text, at);
+        match tag {
+            Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. } => {
+                let to = dest_url.to_string();
+                self.page.links.push(Link { to, line });
+            }
+            Tag::Heading { .. } => self.heading = Some(String::new()),
+            Tag::CodeBlock(kind) => {
+                let info = match &kind {
+                    CodeBlockKind::Fenced(info) => info,
+                    CodeBlockKind::Indented => "",
+                };
+                let words = info.split([',', ' ']).filter(|word| !word.is_empty());
+                let words = words.map(str::to_string).collect();
+                self.fence = Some(Block {
+                    words,
+                    text: String::new(),
+                    line,
+                });
+            }
+            _ => {}
+        }
+    }
+
+    fn words(&mut self, words: &str) {
+        match (&mut self.fence, &mut self.heading) {
+            (Some(block), _) => block.text.push_str(words),
+            (None, Some(heading)) => heading.push_str(words),
+            (None, None) => {}
+        }
+    }
 }
 
 /// The anchor of a heading, as mdBook and GitHub make it.

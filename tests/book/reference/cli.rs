@@ -34,22 +34,24 @@ pub fn page() -> String {
         table(["code", "when"], codes),
         table(["variable", "what it does"], environment()),
     );
-    for verb in verbs {
-        let name = verb.get_name();
-        let needs = OPTIONAL.iter().find(|(optional, _)| *optional == name);
-        let needs = needs.map_or(String::new(), |(_, feature)| {
-            format!(
-                "Needs the feature `{feature}`: `cargo build --release --features {feature}`.\n\n"
-            )
-        });
-        let help = verb.clone().render_long_help().to_string();
-        let lines: Vec<_> = help.lines().map(str::trim_end).collect();
-        page += &format!(
-            "## `quell {name}`\n\n{needs}```text\n{}\n```\n\n",
-            lines.join("\n").trim()
-        );
-    }
+    page.extend(verbs.into_iter().map(section));
     page
+}
+
+/// A verb's help.
+fn section(verb: &Command) -> String {
+    let name = verb.get_name();
+    let needs = OPTIONAL.iter().find(|(optional, _)| *optional == name);
+    let needs = needs.map_or(String::new(), |(_, feature)| {
+        format!("Needs the feature `{feature}`: `cargo build --release --features {feature}`.\n\n")
+    });
+    let help = verb.clone().render_long_help().to_string();
+    let lines: Vec<_> = help.lines().map(str::trim_end).collect();
+    let help = lines.join("\n");
+    format!(
+        "## `quell {name}`\n\n{needs}```text\n{}\n```\n\n",
+        help.trim()
+    )
 }
 
 fn environment() -> [[String; 2]; 2] {

@@ -39,40 +39,35 @@ pub fn page() -> String {
         let methods = methods.as_object().unwrap().iter();
         methods.map(move |(method, operation)| (path, method, operation))
     });
-    let rows = operations.map(|(path, method, operation)| {
-        let body = &operation["requestBody"]["content"]["application/json"]["schema"];
-        let answers = operation["responses"].as_object().unwrap().iter();
-        let answers = answers
-            .filter(|(status, _)| *status != "default")
-            .map(|(status, answer)| {
-                let schema = &answer["content"]["application/json"]["schema"];
-                match schema.is_null() {
-                    true => format!(
-                        "{status}: {}",
-                        answer["description"].as_str().unwrap_or_default()
-                    ),
-                    false => format!("{status}: {}", kind(schema)),
-                }
-            });
-        let answers: Vec<_> = answers.collect();
-        let summary = operation["summary"]
-            .as_str()
-            .unwrap_or_default()
-            .to_string();
-        let name = format!("`{} {path}`", method.to_uppercase());
-        let body = if body.is_null() {
-            String::new()
-        } else {
-            kind(body)
-        };
-        [name, summary, body, answers.join(", ")]
-    });
+    let rows = operations.map(|(path, method, operation)| row(path, method, operation));
     page += &table(["request", "what it does", "body", "answer"], rows);
     page += "## Objects\n\n";
     for (name, schema) in document["components"]["schemas"].as_object().unwrap() {
         page += &format!("### {name}\n\n{}", object(schema));
     }
     page
+}
+
+/// Request, summary, body and answers.
+fn row(path: &str, method: &str, operation: &Value) -> [String; 4] {
+    let schema = |holder: &Value| holder["content"]["application/json"]["schema"].clone();
+    let answers = operation["responses"].as_object().unwrap().iter();
+    let answers = answers.filter(|(status, _)| *status != "default");
+    let answers = answers.map(|(status, answer)| {
+        let words = answer["description"].as_str().unwrap_or_default();
+        match schema(answer) {
+            Value::Null => format!("{status}: {words}"),
+            body => format!("{status}: {}", kind(&body)),
+        }
+    });
+    let answers: Vec<_> = answers.collect();
+    let summary = operation["summary"].as_str().unwrap_or_default();
+    let body = match schema(&operation["requestBody"]) {
+        Value::Null => String::new(),
+        body => kind(&body),
+    };
+    let name = format!("`{} {path}`", method.to_uppercase());
+    [name, summary.into(), body, answers.join(", ")]
 }
 
 fn words(schema: &Value) -> String {

@@ -5,44 +5,30 @@ use super::{codes, table};
 use quell::effects::Units;
 use quell::model::{KINDS, Key, Kind};
 
+/// The head of the page.
+const HEAD: &str = "# The model file `model.toml`\n\n`quell diagnose --model FILE`, `quell score FILE RECORDING` and `quell \
+     simulate FILE RECORDING` read it. It says what is believed. Units are SI.\n\n\
+     ```toml,model\n\
+     kind = \"flexible_joint\"         # which equation: a name of the table below\n\
+     natural_frequency_hz = 8.2      # a key: a number, refitted by a diagnosis\n\
+     damping_ratio = { value = 0.06, std = 0.02, bounds = [0.005, 0.3] }   # how well it is known\n\
+     lever_arm_m = { value = 1.8, fixed = true }                           # not refitted\n\
+     tip_height_m = 0.9\n\n\
+     [[effect]]                      # any number of them\n\
+     name = \"backlash\"               # a name of the catalogue\n\
+     place = \"transmission\"          # needed where it can sit at several places\n\
+     [effect.parameters]\n\
+     gap = 2e-4                      # rad; or a table with value, std, bounds, fixed\n\
+     # damping_in_gap = 0.3          # share of the damper that acts in the gap, too: oil\n\
+     ```\n\n\
+     A key or a parameter is a number, or a table with `value`, `std` (one standard deviation), `bounds` and `fixed`. A \
+     diagnosis refits those that are not `fixed`. It refits an optional key only where the file gives it, and one of \
+     which the tables below say \"not refitted\" only where the file gives a `std`.\n\n\
+     The names of effects, places and parameters are [in the catalogue](effects.md). `input_hold = \"zero_order\"`, \
+     `\"linear\"` or `\"spline\"` says what the input does between its samples.\n\n## Kinds\n\n";
+
 pub fn page() -> String {
-    let mut page = String::from(
-        "# The model file `model.toml`\n\n`quell diagnose --model FILE`, `quell score FILE RECORDING` and `quell \
-         simulate FILE RECORDING` read it. It says what is believed. Units are SI.\n\n\
-         ```toml,model\n\
-         kind = \"flexible_joint\"         # which equation: a name of the table below\n\
-         natural_frequency_hz = 8.2      # a key: a number, refitted by a diagnosis\n\
-         damping_ratio = { value = 0.06, std = 0.02, bounds = [0.005, 0.3] }   # how well it is known\n\
-         lever_arm_m = { value = 1.8, fixed = true }                           # not refitted\n\
-         tip_height_m = 0.9\n\n\
-         [[effect]]                      # any number of them\n\
-         name = \"backlash\"               # a name of the catalogue\n\
-         place = \"transmission\"          # needed where it can sit at several places\n\
-         [effect.parameters]\n\
-         gap = 2e-4                      # rad; or a table with value, std, bounds, fixed\n\
-         # damping_in_gap = 0.3          # share of the damper that acts in the gap, too: oil\n\
-         ```\n\n\
-         A key or a parameter is a number, or a table with `value`, `std` (one standard deviation), `bounds` and `fixed`. A \
-         diagnosis refits those that are not `fixed`. It refits an optional key only where the file gives it, and one of \
-         which the tables below say \"not refitted\" only where the file gives a `std`.\n\n\
-         The names of effects, places and parameters are [in the catalogue](effects.md). `input_hold = \"zero_order\"`, \
-         `\"linear\"` or `\"spline\"` says what the input does between its samples.\n\n## Kinds\n\n",
-    );
-    let all = KINDS.iter().map(|kind| {
-        let (needed, optional): (Vec<&Key>, Vec<&Key>) =
-            kind.keys.iter().partition(|key| key.default.is_none());
-        let names = |keys: Vec<&Key>| codes(keys.iter().map(|key| key.name));
-        let inputs = codes(kind.inputs.iter().map(|role| role.name()));
-        let outputs = codes(kind.outputs.iter().map(|role| role.name()));
-        [
-            format!("`{}`", kind.name),
-            inputs,
-            outputs,
-            names(needed),
-            names(optional),
-        ]
-    });
-    page += &table(["kind", "in", "out", "needed keys", "optional keys"], all);
+    let mut page = format!("{HEAD}{}", kinds());
     let sources = Sources::of(&[
         "crates/model/src/flexible_joint.rs",
         "crates/model/src/rigid_axis.rs",
@@ -59,6 +45,25 @@ pub fn page() -> String {
         page += &keys(kind, &equation);
     }
     page
+}
+
+/// Inputs, outputs and keys of each kind.
+fn kinds() -> String {
+    let all = KINDS.iter().map(|kind| {
+        let (needed, optional): (Vec<&Key>, Vec<&Key>) =
+            kind.keys.iter().partition(|key| key.default.is_none());
+        let names = |keys: Vec<&Key>| codes(keys.iter().map(|key| key.name));
+        let inputs = codes(kind.inputs.iter().map(|role| role.name()));
+        let outputs = codes(kind.outputs.iter().map(|role| role.name()));
+        [
+            format!("`{}`", kind.name),
+            inputs,
+            outputs,
+            names(needed),
+            names(optional),
+        ]
+    });
+    table(["kind", "in", "out", "needed keys", "optional keys"], all)
 }
 
 fn keys(kind: &Kind, equation: &str) -> String {
