@@ -62,8 +62,7 @@ struct Report {
     version: &'static str,
     features: [Feature; 5],
     machine: Machine,
-    /// What the tick gets; none where the service is not built in.
-    tick: Option<Tick>,
+    tick: Tick,
 }
 
 /// What the system says of itself; none where it does not say.
@@ -76,11 +75,11 @@ struct Machine {
     governor: Option<String>,
 }
 
-/// What was asked for, and how late a bare loop is then.
+/// What was asked for (nothing where the service is not built in), and how late a bare loop is then.
 #[derive(Serialize)]
 struct Tick {
-    real_time_priority: bool,
-    memory_locked: bool,
+    real_time_priority: Option<bool>,
+    memory_locked: Option<bool>,
     lateness_us: lateness::Lateness,
 }
 
@@ -117,16 +116,9 @@ fn machine() -> Machine {
 }
 
 /// On a thread of its own, as the tick is.
-#[cfg(feature = "serve")]
-fn tick() -> Result<Option<Tick>, CliError> {
-    use crate::service::tick::real_time;
-    use tracing::subscriber::{NoSubscriber, with_default};
+fn tick() -> Result<Tick, CliError> {
     let tried = || {
-        // What is refused stands in the table, and need not be told in the log as well.
-        let quietly = NoSubscriber::default();
-        let (real_time_priority, memory_locked) = with_default(quietly, || {
-            (real_time::raise_priority(), real_time::lock_memory())
-        });
+        let [real_time_priority, memory_locked] = rights();
         Tick {
             real_time_priority,
             memory_locked,
@@ -135,14 +127,24 @@ fn tick() -> Result<Option<Tick>, CliError> {
     };
     let thread = std::thread::Builder::new().spawn(tried)?;
     let told = thread.join();
-    told.map(Some)
-        .map_err(|_| CliError::failure("the loop of the measurement ended early"))
+    told.map_err(|_| CliError::failure("the loop of the measurement ended early"))
 }
 
-/// There is no tick in this build.
+/// Whether this thread gets a real-time priority, and the process its memory locked.
+#[cfg(feature = "serve")]
+fn rights() -> [Option<bool>; 2] {
+    use crate::service::tick::real_time;
+    use tracing::subscriber::{NoSubscriber, with_default};
+    // What is refused stands in the table, and need not be told in the log as well.
+    with_default(NoSubscriber::default(), || {
+        [real_time::raise_priority(), real_time::lock_memory()].map(Some)
+    })
+}
+
+/// There is no tick in this build that would ask for them.
 #[cfg(not(feature = "serve"))]
-fn tick() -> Result<Option<Tick>, CliError> {
-    Ok(None)
+fn rights() -> [Option<bool>; 2] {
+    [None; 2]
 }
 
 fn text(report: &Report) -> String {
@@ -164,20 +166,17 @@ fn text(report: &Report) -> String {
     text += &line("kernel", &or(&machine.kernel, "unknown"));
     text += &line("PREEMPT_RT", &yes(machine.preempt_rt));
     text += &line("governor", &or(&machine.governor, "unknown"));
-    if let Some(tick) = &report.tick {
-        let late = &tick.lateness_us;
-        let [median, p99, max] = [late.median, late.p99, late.max];
-        text += "\nWhat the tick of `quell serve` gets:\n";
-        text += &line("real-time priority", &yes(tick.real_time_priority));
-        text += &line("locked memory", &yes(tick.memory_locked));
-        text += &line(
-            "a bare loop at 1 kHz",
-            &format!(
-                "late by {median:.0} us in the median, {p99:.0} us at 99 %, {max:.0} us at most"
-            ),
-        );
-        text += if tick.lacks() { ADVICE } else { "" };
-    }
+    let tick = &report.tick;
+    let late = &tick.lateness_us;
+    let granted = |right: Option<bool>| right.map_or("not asked for".into(), yes);
+    text += "\nWhat the tick of `quell serve` gets:\n";
+    text += &line("real-time priority", &granted(tick.real_time_priority));
+    text += &line("locked memory", &granted(tick.memory_locked));
+    let [median, p99, max] = [late.median, late.p99, late.max];
+    let late =
+        format!("late by {median:.0} us in the median, {p99:.0} us at 99 %, {max:.0} us at most");
+    text += &line("a bare loop at 1 kHz", &late);
+    text += if tick.lacks() { ADVICE } else { "" };
     text
 }
 
@@ -188,7 +187,7 @@ fn line(name: &str, what: &str) -> String {
 
 impl Tick {
     fn lacks(&self) -> bool {
-        !(self.real_time_priority && self.memory_locked)
+        [self.real_time_priority, self.memory_locked].contains(&Some(false))
     }
 }
 
