@@ -47,3 +47,14 @@ pub mod batch;
 pub mod cli;
 #[cfg(feature = "serve")]
 pub mod service;
+
+/// The programs in README and book, run as tests of the documentation.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/src/guide/library.md")]
+    struct Library;
+    #[doc = include_str!("../docs/src/guide/shaping.md")]
+    struct Shaping;
+}

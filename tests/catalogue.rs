@@ -156,7 +156,7 @@ fn the_help_lists_the_catalogue() {
     assert!(help.contains(" external_disturbance, toy_pump\n"), "{help}");
 }
 
-/// The table of the README, as it should be.
+/// The table of the book, as it should be.
 fn rows(catalogue: Catalogue) -> Vec<String> {
     let row = |(place, names): (Place, Vec<&str>)| {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
@@ -166,16 +166,16 @@ fn rows(catalogue: Catalogue) -> Vec<String> {
 }
 
 #[test]
-fn the_readme_lists_the_catalogue() {
+fn the_book_lists_the_catalogue() {
     let toy = rows(with(&[&PUMP]));
     assert!(
         toy.iter().any(|row| row.ends_with(", `toy_pump` |")),
         "{toy:?}"
     );
     let rows = rows(Catalogue::default());
-    let readme = include_str!("../README.md");
-    let all = rows.iter().all(|row| readme.contains(row));
-    assert!(all, "what README.md should list:\n{}", rows.join("\n"));
+    let book = include_str!("../docs/src/reference/effects.md");
+    let all = rows.iter().all(|row| book.contains(row));
+    assert!(all, "what the book should list:\n{}", rows.join("\n"));
 }
 
 #[test]

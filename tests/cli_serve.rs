@@ -90,3 +90,33 @@ fn the_printed_ranges_are_those_that_are_checked() {
     }
     assert_eq!(checked, 10, "{text}");
 }
+
+/// A misspelt key or table is refused in a line, with what was probably meant.
+#[test]
+fn a_configuration_is_refused_with_line_key_and_what_was_meant() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = [
+        (
+            "[tick]\nratehz = 500\n",
+            ":2: unknown key \"ratehz\"; did you mean \"rate_hz\"?",
+        ),
+        (
+            "[tik]\nrate_hz = 500\n",
+            ":1: unknown key \"tik\"; did you mean \"tick\"?",
+        ),
+        (
+            "[tick]\nrate_hz = \"500\"\n",
+            ":2: invalid type: string \"500\", expected f64",
+        ),
+        ("[[joint]]\nshaper = \"zv\"\n", "missing key `name`"),
+        (
+            "[tick]\nrate_hz = 5\n",
+            "tick.rate_hz = 5: it must be from 250 to 4000",
+        ),
+    ];
+    for (text, words) in cases {
+        let refused = load(folder.path(), text).err().unwrap_or_default();
+        assert!(refused.contains(words), "{refused}");
+        assert_eq!(refused.lines().count(), 1, "{refused}");
+    }
+}

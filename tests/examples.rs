@@ -13,7 +13,11 @@ fn each_runs_and_says_what_it_is_about() {
     ];
     let folder = Path::new(env!("CARGO_BIN_EXE_quell")).with_file_name("examples");
     for (name, expected) in said {
-        let output = Command::new(folder.join(name)).output().expect(name);
+        let output = Command::new(folder.join(name)).output();
+        // `cargo test` builds the programs, `cargo test --test examples` alone does not.
+        let output = output.unwrap_or_else(|error| {
+            panic!("{name}: {error}; cargo build --release --features full --examples")
+        });
         let text = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success(), "{name}: {output:?}");
         assert!(text.contains(expected), "{name}: {text}");

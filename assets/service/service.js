@@ -151,7 +151,7 @@ function showTrouble(now) {
   const advice = [];
   if (!state.tick.real_time || !state.tick.memory_locked) {
     const rights = [!state.tick.real_time && "no real-time priority", !state.tick.memory_locked && "no locked memory"].filter(Boolean);
-    if (state.tick.skipped) advice.push(`The tick has ${rights.join(" and ")}, and ${state.tick.skipped} ticks were skipped: see docs/real-time.md.`);
+    if (state.tick.skipped) advice.push(`The tick has ${rights.join(" and ")}, and ${state.tick.skipped} ticks were skipped: see docs/src/guide/real-time.md.`);
   }
   if (now.limits_assumed) {
     const [velocity, acceleration] = now.limits.map((limit) => number(limit * DEG));

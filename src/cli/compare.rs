@@ -53,7 +53,7 @@ pub struct Args {
     #[command(flatten)]
     robot: RobotArgs,
     /// Natural frequency in Hz and damping ratio, instead of the robot's; may be repeated.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode, conflicts_with = "joint")]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, conflicts_with = "joint")]
     mode: Vec<Mode>,
     /// Commands a second [default: the robot's].
     #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]

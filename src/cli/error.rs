@@ -47,6 +47,19 @@ impl CliError {
         self
     }
 
+    /// The exit codes of all verbs, and when a verb ends with them.
+    pub const EXIT_CODES: [(u8, &str); 3] = [
+        (0, "it is done, or the reader of its output went away"),
+        (
+            1,
+            "it failed for a reason that is not the input's: a disk, a network, a thread",
+        ),
+        (
+            2,
+            "bad input: an argument or a file is refused, or a recording cannot contradict the model (`not_excited`)",
+        ),
+    ];
+
     /// 2 for bad input, 1 for another failure, 0 for a closed pipe.
     pub fn exit_code(&self) -> u8 {
         match self {

@@ -12,7 +12,7 @@ use crate::identification::{
     Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series, identify,
     prepare,
 };
-use crate::page::{columns, fixed};
+use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::{Recording, Role};
 use crate::signal::TipRegistration;
 use registrations::Registered;
@@ -155,6 +155,8 @@ fn on_line(found: &Identification) -> String {
             .filter(|v| v.is_finite())
             .map_or("-".into(), |v| fixed(v, digits))
     };
+    let deviation =
+        |std: Option<f64>, digits: usize| figure(std, decimals_beside(std.unwrap_or(0.0), digits));
     let rows = ESTIMATORS.iter().enumerate().map(|(index, line)| {
         let run = found.quoted(index);
         let result = run.and_then(|run| run.estimator(line.name));
@@ -163,9 +165,9 @@ fn on_line(found: &Identification) -> String {
         [
             line.name.to_string(),
             figure(estimate.map(|e| e.mode.hertz()), 3),
-            figure(estimate.map(|e| e.natural_frequency_std / tau), 3),
+            deviation(estimate.map(|e| e.natural_frequency_std / tau), 3),
             figure(estimate.map(|e| e.mode.damping_ratio()), 4),
-            figure(estimate.map(|e| e.damping_ratio_std), 4),
+            deviation(estimate.map(|e| e.damping_ratio_std), 4),
             figure(estimate.map(|e| e.gain), 4),
             figure(result.and_then(|r| r.converged_at), 3),
             figure(result.and_then(|r| r.periods), 2),

@@ -8,12 +8,15 @@
 pub mod answers;
 pub mod choices;
 pub mod compare;
+pub mod completions;
 pub mod diagnose;
+pub mod doctor;
 pub mod effort;
 pub mod error;
 pub mod identify;
 pub mod inspect;
 pub mod log;
+pub mod man;
 pub mod moves;
 pub mod out;
 pub mod output;
@@ -36,7 +39,7 @@ pub mod work;
 
 pub use error::CliError;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Adaptive input shaping for flexible robot joints.
@@ -52,6 +55,15 @@ struct Cli {
     /// Tells more on stderr: -v what is done, -vv the details (or set QUELL_LOG).
     #[arg(short, long, global = true, display_order = 1000, action = clap::ArgAction::Count)]
     verbose: u8,
+    /// Tells only errors on stderr: no warnings, no progress.
+    #[arg(
+        short,
+        long,
+        global = true,
+        display_order = 1001,
+        conflicts_with = "verbose"
+    )]
+    quiet: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -60,16 +72,22 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Compare(compare::Args),
+    Completions(completions::Args),
     Diagnose(diagnose::Args),
+    Doctor(doctor::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
+    Man(man::Args),
     Move(moves::Args),
     Prove(prove::Args),
+    #[command(hide = cfg!(not(feature = "nats")))]
     Results(results::Args),
     Score(score::Args),
+    #[command(hide = cfg!(not(feature = "serve")))]
     Serve(serve::Args),
     Shape(shape::Args),
     Simulate(simulate::Args),
+    #[command(hide = cfg!(not(feature = "nats")))]
     Work(work::Args),
 }
 
@@ -77,9 +95,12 @@ impl Verb {
     fn run(self) -> Result<(), CliError> {
         match self {
             Self::Compare(args) => compare::run(args),
+            Self::Completions(args) => completions::run(args),
             Self::Diagnose(args) => diagnose::run(args),
+            Self::Doctor(args) => doctor::run(args),
             Self::Identify(args) => identify::run(args),
             Self::Inspect(args) => inspect::run(args),
+            Self::Man(args) => man::run(args),
             Self::Move(args) => moves::run(args),
             Self::Prove(args) => prove::run(args),
             Self::Results(args) => results::run(args),
@@ -92,10 +113,19 @@ impl Verb {
     }
 }
 
+/// The whole command line, as completions, the manual page and the reference of the book read it.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
 /// Runs the command that the process was started with; the whole of `main`.
 pub fn main() -> ExitCode {
-    let Cli { verbose, verb } = Cli::parse();
-    log::start(verbose);
+    let Cli {
+        verbose,
+        quiet,
+        verb,
+    } = Cli::parse();
+    log::start(verbose, quiet);
     match verb.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => error.report(),

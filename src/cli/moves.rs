@@ -54,7 +54,7 @@ pub struct Args {
     #[arg(long, requires = "target", conflicts_with_all = ["joint", "belief"])]
     pub path: bool,
     /// The believed mode: natural frequency in Hz and damping ratio.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode, conflicts_with = "belief_error")]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, conflicts_with = "belief_error")]
     pub belief: Option<Mode>,
     /// How wrong the believed frequency is, percent of the true one.
     #[arg(

@@ -1,14 +1,23 @@
 //! How far a verb is: a bar on stderr where that is a terminal, and elsewhere a line every few seconds.
 
 use super::CliError;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Time between two lines.
 const LINES: Duration = Duration::from_secs(5);
+
+/// Whether nothing is told, as the user wishes.
+static SILENT: AtomicBool = AtomicBool::new(false);
+
+/// Says whether the user wants to be told nothing.
+pub fn silence(silent: bool) {
+    SILENT.store(silent, Ordering::Relaxed);
+}
 
 /// Tells it until it is dropped.
 pub struct Progress {
@@ -24,8 +33,13 @@ impl Progress {
     /// [`CliError`] for a template that cannot be read.
     pub fn new(count: u64, template: &str) -> Result<Self, CliError> {
         let style = ProgressStyle::with_template(template).map_err(CliError::failure)?;
-        let bar = ProgressBar::new(count).with_style(style);
-        let teller = (!io::stderr().is_terminal()).then(|| {
+        let silent = SILENT.load(Ordering::Relaxed);
+        let target = match silent {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        let bar = ProgressBar::with_draw_target(Some(count), target).with_style(style);
+        let teller = (!silent && !io::stderr().is_terminal()).then(|| {
             let (open, closed) = channel();
             let own = bar.clone();
             let lines = move || {

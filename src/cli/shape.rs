@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long, value_parser = choices::shapers())]
     pub shaper: &'static dyn Shaper,
     /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode, required = true)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, required = true)]
     pub mode: Vec<Mode>,
     /// Standard deviation of the frequency, in percent of it, that `optimal` is solved for, with --mode once
     /// [default: it may be off by 10 % and the damping ratio by half].

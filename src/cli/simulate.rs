@@ -69,7 +69,7 @@ pub struct Args {
     pub shaper: Option<&'static dyn Shaper>,
     /// The believed mode, natural frequency in Hz and damping ratio; several are shaped for at once
     /// [default: the joint's own without payload, in its home pose].
-    #[arg(long, value_name = "F,XI", value_parser = values::mode)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true)]
     pub belief: Vec<Mode>,
     /// A recorded command instead of moves: a recording with a command_position, or a CSV file.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["target", "shaper"])]
@@ -96,7 +96,7 @@ pub struct Args {
     )]
     pub pose: Vec<f64>,
     /// The joint's first mode in its home pose without payload, instead of the description's.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true)]
     pub mode: Option<Mode>,
     #[command(flatten)]
     simulation: SimulationArgs,

@@ -7,7 +7,13 @@ pub fn mode(text: &str) -> Result<Mode, String> {
     let form = || format!("{text:?} is not F,XI, such as 8.12,0.084 (Hz and a damping ratio)");
     let (frequency, damping_ratio) = text.split_once(',').ok_or_else(form)?;
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
-    Mode::from_hertz(number(frequency)?, number(damping_ratio)?).map_err(|error| error.to_string())
+    let [frequency, damping_ratio] = [number(frequency)?, number(damping_ratio)?];
+    if !(frequency.is_finite() && frequency > 0.0) {
+        return Err(format!(
+            "a natural frequency of {frequency} Hz is not a finite number above 0"
+        ));
+    }
+    Mode::from_hertz(frequency, damping_ratio).map_err(|error| error.to_string())
 }
 
 /// A finite number.

@@ -1,5 +1,5 @@
 //! A damper across the joint, or one to ground? The literature writes the one and draws the other
-//! (`docs/errata.md`). In free decay both are the same; a recording with motion tells them apart.
+//! (`docs/src/theory/errata.md`). In free decay both are the same; a recording with motion tells them apart.
 
 use crate::machines::{PERIOD, position, stamps};
 use quell::diagnosis::{Diagnosis, Options, Verdict, diagnose};

@@ -183,7 +183,7 @@
       ctx.stroke();
       ctx.font = `${12 * px}px ${family()}`;
       ctx.textAlign = "center";
-      const numbered = chart.series.length === 1 && chart.series[0].x.length <= 12;
+      const numbered = chart.series.length === 1 && chart.series[0].x.length <= 12, written = [];
       shown.forEach(([s, k], place) => {
         const shift = (place - (shown.length - 1) / 2) * 8 * px;
         ctx.strokeStyle = ctx.fillStyle = stroke(s);
@@ -200,15 +200,21 @@
           ctx.arc(x, y, 4.5 * px, 0, 2 * Math.PI);
           ctx.fill();
           if (!numbered) return;
-          ctx.textBaseline = s.y[i] < 0 ? "top" : "bottom";
-          ctx.fillText(tidy(s.y[i], 4), x, y + (s.y[i] < 0 ? 7 : -7) * px);
+          // Above its dot, or higher where another number stands.
+          const words = tidy(s.y[i], 3), half = ctx.measureText(words).width / 2 + 3 * px, down = s.y[i] < 0 ? 1 : -1;
+          let middle = y + 14 * down * px;
+          const hit = () => written.some((w) => Math.abs(w.x - x) < w.half + half && Math.abs(w.middle - middle) < 14 * px);
+          while (hit()) middle += 14 * down * px;
+          written.push({ x, half, middle });
+          ctx.textBaseline = "middle";
+          ctx.fillText(words, x, middle);
         });
       });
       ctx.restore();
     };
   }
 
-  const stroke = (s) => colour("c" + (s.colour % 7));
+  const stroke = (s) => colour("c" + (s.colour % 10));
 
   function uplotSeries(chart) {
     const made = [{ label: chart.x.name, value: measured(chart.x) }], bands = [];
@@ -233,7 +239,8 @@
     const tables = chart.series.map((s) => (s.kind === "band" ? [s.x, s.y, s.low] : [s.x, s.y]));
     const data = uPlot.join(tables);
     const { made, bands } = uplotSeries(chart);
-    const hooks = { drawClear: [shade(chart)], draw: [annotate(chart)] };
+    const reads = (u) => u.root.classList.toggle("read", u.cursor.idx != null && !root.dataset.paper);
+    const hooks = { drawClear: [shade(chart)], draw: [annotate(chart)], setCursor: [reads] };
     if (chart.kind === "stems") hooks.draw.unshift(stems(chart));
     const width = root.dataset.paper ? 680 : host.clientWidth;
     return new uPlot({

@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-/// Colours that the style sheet defines, `--c0` to `--c6`.
-pub(super) const COLOURS: usize = 7;
+/// Colours that the style sheet defines, `--c0` to `--c9`.
+pub(super) const COLOURS: usize = 10;
 
 /// A small square in the colour of a curve.
 pub(super) fn swatch(slot: usize) -> Markup {

@@ -58,11 +58,37 @@ pub fn number(value: f64) -> String {
 /// ```
 /// use quell_page::fixed;
 /// assert_eq!([fixed(8.12, 3), fixed(1e300, 3), fixed(f64::NAN, 3)], ["8.120", "1e300", "–"]);
+/// // What is rounded to nothing has no sign.
+/// assert_eq!(fixed(-1e-9, 2), "0.00");
 /// ```
 pub fn fixed(value: f64, decimals: usize) -> String {
     match value.abs() < 1e9 {
-        true => format!("{value:.decimals$}"),
+        true => {
+            let text = format!("{value:.decimals$}");
+            let is_zero = !text.contains(|letter: char| ('1'..='9').contains(&letter));
+            match is_zero {
+                true => text.trim_start_matches('-').to_string(),
+                false => text,
+            }
+        }
         false => number(value),
+    }
+}
+
+/// Decimals with which a value is written beside its standard deviation, so that two digits of the latter are seen: as
+/// many as a reader expects at least, and at most nine.
+///
+/// # Example
+/// ```
+/// use quell_page::decimals_beside;
+/// assert_eq!(decimals_beside(0.015, 3), 3);
+/// assert_eq!(decimals_beside(0.00042, 3), 5);
+/// assert_eq!(decimals_beside(0.0, 3), 3);
+/// ```
+pub fn decimals_beside(std: f64, least: usize) -> usize {
+    match std.is_finite() && std > 0.0 {
+        true => ((1.0 - std.log10().floor()).max(0.0) as usize).clamp(least, 9),
+        false => least,
     }
 }
 

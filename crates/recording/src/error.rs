@@ -269,6 +269,14 @@ pub fn nearest(
     name: &str,
     candidates: impl IntoIterator<Item = &'static str>,
 ) -> Option<&'static str> {
+    closest(name, candidates)
+}
+
+/// The same among candidates that live as long as they may.
+pub(super) fn closest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     let name = name.to_lowercase();
     candidates
         .into_iter()

@@ -42,6 +42,7 @@ mod preferred;
 mod properties;
 mod role;
 mod sink;
+mod syntax;
 mod table;
 mod unit;
 mod write;
@@ -52,6 +53,7 @@ pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mende
 pub use preferred::Preferred;
 pub use role::{ROLES, Role, RoleEntry};
 pub use sink::Sink;
+pub use syntax::SyntaxError;
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
 

@@ -21,33 +21,52 @@ const KEYS: &[&str] = &[
     "topic", "field", "fields", "unit", "scale", "offset",
 ];
 
+/// The whole file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Manifest {
+    /// Name of the recording.
     name: String,
+    /// What the arm carries, as `2 kg`; recordings of one axis may differ in it.
     payload: Option<String>,
+    /// Only these rows below the header, `[first, last)`, counted from 0; they keep their stamps.
     rows: Option<Rows>,
+    /// The channels.
     channel: Vec<Entry>,
 }
 
 /// `[first, last)`: rows below the header, counted from 0.
 type Rows = Spanned<[usize; 2]>;
 
+/// `[[channel]]`: one measured quantity.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
+    /// What is measured, a name of the [table of roles](#roles).
     role: Spanned<String>,
+    /// File beside the manifest: `.csv`, `.csv.gz` or `.mcap`.
     file: Spanned<PathBuf>,
+    /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
     time: Option<Spanned<String>>,
+    /// Samples a second, Hz, instead of `time`; CSV only.
     rate_hz: Option<Spanned<f64>>,
+    /// Column of the values.
     column: Option<String>,
+    /// Columns of a vector, instead of `column`.
     columns: Option<Vec<String>>,
+    /// Topic of an MCAP file.
     topic: Option<Spanned<String>>,
+    /// Field of its messages, as `position[0]`, or `position[shoulder]` by the name beside it.
     field: Option<String>,
+    /// Fields of a vector, instead of `field`.
     fields: Option<Vec<String>>,
+    /// Unit of the values, a name of the [table of units](#units).
     unit: Spanned<String>,
+    /// Rows of this channel, instead of the recording's.
     rows: Option<Rows>,
+    /// Factor: the value is `cell * scale + offset`, in `unit`; 1 where absent.
     scale: Option<Spanned<f64>>,
+    /// Offset, in `unit`; 0 where absent.
     offset: Option<Spanned<f64>>,
 }
 

@@ -4,7 +4,7 @@ use super::{Findings, registrations, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
 use crate::identification::{OffLine, OnLine, Run};
-use crate::page::{Chart, Figure, Page, Table, Verdict, number};
+use crate::page::{Chart, Figure, Page, Table, Verdict, fixed, number};
 
 const TAU: f64 = core::f64::consts::TAU;
 
@@ -76,7 +76,8 @@ fn headline(page: Page, findings: &Findings, e: &Estimate, result: Option<&OnLin
     if let Some(fit) = findings.found.reference().batch() {
         let off = 100.0 * (e.mode.hertz() / fit.mode.hertz() - 1.0);
         let figure = Figure::new("off-line fit", fit.mode.hertz(), "Hz");
-        page = page.figure(figure.note(format!("on-line {off:+.2} %")));
+        let sign = if off > 0.0 { "+" } else { "" };
+        page = page.figure(figure.note(format!("on-line {sign}{} %", fixed(off, 2))));
     }
     page
 }

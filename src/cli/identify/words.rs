@@ -2,7 +2,7 @@
 
 use super::{Findings, registrations};
 use crate::identification::{Identification, Run, Stretch};
-use crate::page::fixed;
+use crate::page::{decimals_beside, fixed};
 
 /// `decay 0.39-2.00s`: what a run's off-line references used.
 pub fn used(run: &Run) -> String {
@@ -93,12 +93,12 @@ fn long(found: &Identification) -> Option<String> {
 fn two_modes(findings: &Findings) -> Option<String> {
     let (first, second) = findings.found.two_modes()?;
     let [one, other] = [first, second].map(|e| {
+        let (std, damping_std) = (e.natural_frequency_std / core::f64::consts::TAU, e.damping_ratio_std);
+        let [hertz, damping] = [decimals_beside(std, 3), decimals_beside(damping_std, 4)];
         format!(
-            "{:.3} Hz (± {:.3}) with a damping ratio of {:.4} (± {:.4})",
+            "{:.hertz$} Hz (± {std:.hertz$}) with a damping ratio of {:.damping$} (± {damping_std:.damping$})",
             e.mode.hertz(),
-            e.natural_frequency_std / core::f64::consts::TAU,
             e.mode.damping_ratio(),
-            e.damping_ratio_std,
         )
     });
     Some(format!(

@@ -6,7 +6,7 @@ use crate::cli::shaping;
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
 use crate::learning::{Hold, Prescription};
-use crate::page::{columns, number};
+use crate::page::{columns, decimals_beside, number};
 
 /// Distance from the target within which the tip counts as settled, m.
 pub const SETTLED: f64 = 0.05e-3;
@@ -208,12 +208,12 @@ pub fn learned(comparison: &Comparison) -> String {
         _ => "not converged".to_string(),
     };
     let next = comparison.trace(MoveKind::AdaptiveNext).prescribed.as_ref();
+    let (std, damping_std) = (learned.frequency_std(), learned.estimate.damping_ratio_std);
+    let [hertz, damping] = [decimals_beside(std, 3), decimals_beside(damping_std, 4)];
     format!(
-        "Estimated {:.3} +- {:.3} Hz, damping {:.4} +- {:.4}; {when}.\n{truth}\n{}",
+        "Estimated {:.hertz$} +- {std:.hertz$} Hz, damping {:.damping$} +- {damping_std:.damping$}; {when}.\n{truth}\n{}",
         learned.estimate.mode.hertz(),
-        learned.frequency_std(),
         learned.estimate.mode.damping_ratio(),
-        learned.estimate.damping_ratio_std,
         next.map(taught).unwrap_or_default(),
     )
 }

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::document::{self, Learned, SETTLED};
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario, Tick};
-use crate::page::{Bars, Chart, Figure, Page, Table, Verdict, number};
+use crate::page::{Bars, Chart, Figure, Page, Table, Verdict, decimals_beside, number};
 use crate::recording::Role;
 use crate::signal::{CubicSpline, End, Window, spectrum};
 
@@ -98,11 +98,9 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
         Figure::new("added delay", next.added_delay() * 1e3, "ms").note("of the command"),
     ];
     if let Some(learned) = Learned::from(comparison) {
-        let text = format!(
-            "{:.3} ± {:.3}",
-            learned.estimate.mode.hertz(),
-            learned.frequency_std()
-        );
+        let std = learned.frequency_std();
+        let hertz = decimals_beside(std, 3);
+        let text = format!("{:.hertz$} ± {std:.hertz$}", learned.estimate.mode.hertz());
         let truth = format!("{:.3} Hz in truth", comparison.truth.hertz());
         figures.push(
             Figure::text("frequency learned", text)

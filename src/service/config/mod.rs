@@ -23,6 +23,7 @@ pub use zenoh::ZenohConfig;
 
 use super::signature::Key;
 use crate::plant::{Robot, RobotError};
+use crate::recording::SyntaxError;
 
 /// The rates at which the tick is made to run, Hz.
 const RATES: [f64; 2] = [250.0, 4000.0];
@@ -43,13 +44,13 @@ pub enum ConfigError {
         /// The system's error.
         reason: String,
     },
-    /// The file is not TOML, or a key is unknown or of another type; the message has line and column.
-    #[error("{}: {message}", file.display())]
+    /// The file is not TOML, or a key is unknown or of another type.
+    #[error("{}{error}", file.display())]
     Syntax {
         /// The file.
         file: PathBuf,
-        /// Line, column and cause.
-        message: String,
+        /// Line and cause.
+        error: SyntaxError,
     },
     /// A value that is out of its range.
     #[error("{origin}: {key} = {value}: it must be {expected}")]
@@ -175,7 +176,7 @@ impl Config {
         })?;
         let keys = toml::from_str(&text).map_err(|error| ConfigError::Syntax {
             file: file.to_path_buf(),
-            message: error.to_string().trim_end().to_owned(),
+            error: SyntaxError::of(&text, &error),
         })?;
         let folder = file.parent().unwrap_or(Path::new(""));
         checked(keys, &file.display().to_string(), folder, overrides)

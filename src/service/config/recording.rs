@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::{Check, ConfigError};
 
-/// The keys, before they are checked.
+/// `[recording]`: moves on disk.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordingKeys {

@@ -4,7 +4,7 @@
 //! test can have a disk that is full at any call. What fails is remembered until it works again: state,
 //! metrics, page and log say so.
 //!
-//! `docs/disk.md` tells what is lost when.
+//! `docs/src/guide/disk.md` tells what is lost when.
 
 mod health;
 mod lock;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use quell_recording::SyntaxError;
 use quell_shapers::ModeError;
-
 use quell_signal::SignalError;
 
 /// Why a robot description is refused; carries file, key and value.
@@ -18,12 +18,12 @@ pub enum RobotError {
         reason: String,
     },
     /// The file is not TOML, or a key is missing, unknown or of another type.
-    #[error("{}: {message}", file.display())]
+    #[error("{}{error}", file.display())]
     Syntax {
         /// The file.
         file: PathBuf,
-        /// Line, column and cause.
-        message: String,
+        /// Line and cause.
+        error: SyntaxError,
     },
     /// A value that is out of its range.
     #[error("{}: {key} = {value}: {expected}", file.display())]

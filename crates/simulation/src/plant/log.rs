@@ -60,7 +60,9 @@ impl MeasurementLog {
         measurements
     }
 
-    /// The channels that hold samples, in the order command, motor, link, deformation, tip.
+    /// The channels that hold samples, in the order command, motor, link, deformation, tip. Stamps are rounded to 1e-9 s,
+    /// angles to 1e-12 rad and positions to 1e-12 m, below what any sensor sees, so that files hold no rounding errors
+    /// of the arithmetic.
     pub fn into_recording(self, name: &str) -> Recording {
         let scalar = |role, (time, values): (Vec<f64>, Vec<f64>)| Channel {
             role,
@@ -81,12 +83,30 @@ impl MeasurementLog {
             },
         ];
         channels.retain(|channel| !channel.time.is_empty());
+        for channel in &mut channels {
+            channel
+                .time
+                .iter_mut()
+                .for_each(|time| *time = rounded(*time, STAMPS));
+            let values = channel.columns.iter_mut().flatten();
+            values.for_each(|value| *value = rounded(*value, VALUES));
+        }
         Recording {
             name: name.to_string(),
             payload: None,
             channels,
         }
     }
+}
+
+/// Parts of a second that a stamp may have.
+const STAMPS: f64 = 1e9;
+/// Parts of a radian or a metre that a value may have.
+const VALUES: f64 = 1e12;
+
+/// To so many parts of one. Zero has no sign.
+fn rounded(value: f64, parts: f64) -> f64 {
+    (value * parts).round() / parts + 0.0
 }
 
 fn push(series: &mut (Vec<f64>, Vec<f64>), time: f64, value: f64) {

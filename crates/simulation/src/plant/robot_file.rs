@@ -6,6 +6,7 @@ mod kinematics;
 
 use std::path::Path;
 
+use quell_recording::SyntaxError;
 use quell_shapers::Mode;
 use quell_trajectories::Limits;
 
@@ -49,7 +50,7 @@ impl Robot {
 fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
     let keys: RobotFile = toml::from_str(text).map_err(|error| RobotError::Syntax {
         file: file.to_path_buf(),
-        message: error.to_string().trim_end().to_owned(),
+        error: SyntaxError::of(text, &error),
     })?;
     let check = Check { file };
     let (chain, bodies) = kinematics::kinematics(&keys, &check)?;
