@@ -258,6 +258,7 @@ fn made(
         retunes: 0,
         before: [0; 3],
         report: None,
+        commanded: None,
         position: 0.0,
         began: false,
         hearing: Hearing::Heard,

@@ -1,6 +1,6 @@
 //! One joint as the engine sees it: what it is told, what it does, what was learned of it.
 
-use quell_shapers::{Mode, Shaper, UncertainMode};
+use quell_shapers::{Mode, Setpoint, Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
 use tokio::sync::oneshot;
 
@@ -43,6 +43,8 @@ pub struct Joint {
     pub before: [u64; 3],
     /// The last report of the tick.
     pub report: Option<JointReport>,
+    /// Plan and command as the tick told them last, whichever controller they are of.
+    pub commanded: Option<[Setpoint; 2]>,
     /// Where the command stands once it is at rest, rad.
     pub position: f64,
     /// Whether the tick commands the joint.

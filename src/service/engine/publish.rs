@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use quell_shapers::Setpoint;
+
 use super::Engine;
 use super::joint::{Joint, name_of};
 use crate::adaptation::{Decision, Reason};
@@ -37,6 +39,8 @@ impl Engine {
 
     fn view(&self, joint: &Joint, whole: &WholeReport) -> JointSnapshot {
         let axis = joint.axis();
+        let standing = [Setpoint::at_rest(joint.position); 2];
+        let [planned, sent] = joint.commanded.unwrap_or(standing);
         let running = joint.running.as_ref();
         let limits = joint.config.limits;
         let status = axis.map(|axis| &axis.status);
@@ -50,9 +54,9 @@ impl Engine {
             phase: joint.phase(),
             move_id: running.map_or_else(|| self.moves.back().map_or(0, |m| m.id), |r| r.start.id),
             target_rad: joint.position,
-            planned_rad: axis.map_or(joint.position, |axis| axis.planned.position),
-            command_rad: axis.map_or(joint.position, |axis| axis.sent.position),
-            command_rad_s: axis.map_or(0.0, |axis| axis.sent.velocity),
+            planned_rad: planned.position,
+            command_rad: sent.position,
+            command_rad_s: sent.velocity,
             motor_rad: joint.motor,
             following_error_rad: axis
                 .and(joint.report.as_ref())

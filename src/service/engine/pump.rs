@@ -113,6 +113,7 @@ impl Engine {
         let index = report.joint;
         let joint = &mut self.joints[index];
         if let Some(axis) = &report.axis {
+            joint.commanded = Some([axis.planned, axis.sent]);
             if let Some(running) = joint.running.as_mut() {
                 running.frozen |= axis.frozen;
             }
