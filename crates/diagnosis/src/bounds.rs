@@ -3,8 +3,8 @@
 use super::point::{Global, Point};
 use super::problem::Problem;
 use quell_model::Term;
-use quell_model::chain::MotorSide;
-use quell_model::effects::Quantity;
+use quell_model::chain::{Linear, MotorSide};
+use quell_model::effects::{Place, Quantity};
 use std::f64::consts::TAU;
 
 /// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
@@ -12,6 +12,14 @@ use std::f64::consts::TAU;
 const HEAVIEST: (f64, f64) = (0.05, 20.0);
 
 impl Problem<'_> {
+    /// Places at which effects may act, and the linear part of the model as it is believed, which says between which
+    /// bodies they do.
+    pub fn places(&self) -> (&'static [Place], Linear) {
+        let input = self.experiments[0].input;
+        let keys: Vec<f64> = self.beliefs.iter().map(|belief| belief.0).collect();
+        ((self.kind.places)(input), (self.kind.linear)(&keys, input))
+    }
+
     /// The effect by which part of the damping is tied to the ground, and its share of the damping ratio,
     /// `c w / 2`: how fast a joint rings out is what is known of its damper, not what the damper is tied to.
     pub fn damper_to_ground(&self, point: &Point) -> Option<(usize, f64)> {

@@ -15,6 +15,7 @@ mod descent;
 mod displacement;
 mod document;
 mod draw;
+mod elsewhere;
 mod error;
 mod events;
 mod evidence;

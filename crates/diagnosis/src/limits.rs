@@ -40,10 +40,7 @@ impl Search<'_> {
 
 /// The place of an effect at which it acts between the same bodies as another one does.
 fn place_of(problem: &Problem, effect: &Effect, place: Place) -> Option<Place> {
-    let input = problem.experiments[0].input;
-    let places = (problem.kind.places)(input);
-    let keys: Vec<f64> = problem.beliefs.iter().map(|belief| belief.0).collect();
-    let linear = (problem.kind.linear)(&keys, input);
+    let (places, linear) = problem.places();
     let same = |own: &Place| {
         *own == place || places.contains(own) && linear.attachment(*own) == linear.attachment(place)
     };

@@ -76,7 +76,7 @@ const LAGS: usize = 1000;
 /// the variance of its mean square is above that of as many independent samples.
 ///
 /// Source: Bartlett, J. Royal Statistical Society B 8 (1946).
-fn correlation(series: &DVector<f64>) -> f64 {
+pub fn correlation(series: &DVector<f64>) -> f64 {
     let values = series.as_slice();
     let (n, square) = (values.len(), series.norm_squared());
     let at = |lag: usize| {

@@ -83,6 +83,7 @@ fn investigate(
     let found = search.found(pool);
     options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
+    remarks.extend(search.elsewhere(&found));
     if options.enough.was_asked() {
         let remark = "The search was ended before its time: this is the best explanation so far, and further \
             effects may be missing.";

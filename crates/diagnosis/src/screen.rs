@@ -48,10 +48,8 @@ pub struct Start {
 /// where the same bodies meet, once.
 pub fn candidates(problem: &Problem, table: Table) -> Vec<EffectAt> {
     let experiment = &problem.experiments[0];
-    let places = (problem.kind.places)(experiment.input);
+    let (places, linear) = problem.places();
     let own_clock = experiment.outputs.iter().all(|output| output.own_clock);
-    let keys: Vec<f64> = problem.beliefs.iter().map(|belief| belief.0).collect();
-    let linear = (problem.kind.linear)(&keys, experiment.input);
     let mut found: Vec<EffectAt> = Vec::new();
     for &effect in table.effects(problem) {
         for &place in effect.places.iter().filter(|place| places.contains(place)) {
