@@ -10,7 +10,8 @@
 //! step moves the first replicates by more than a tenth of the first one, all take it.
 //!
 //! The interval is the value plus and minus the replicates' standard deviation times Student's t,
-//! within the bounds. A deviation needs fewer replicates than a quantile does.
+//! within the bounds. A deviation needs fewer replicates than a quantile does. What is added to the variance
+//! is that of the values that explanations of other structure give the same parameter, each as probable as it is.
 //!
 //! Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapters 6 and 12; Bardsley,
 //! Solonen, Haario and Laine, SIAM J. Scientific Computing 36 (2014) on beliefs that are drawn, too.
@@ -18,8 +19,10 @@
 mod input_error;
 mod output_noise;
 
+use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::fit::Linearised;
+use super::found::Found;
 use super::normal::{deviations, solve};
 use super::point::{Global, Point};
 use super::problem::Problem;
@@ -84,7 +87,8 @@ impl Scatter {
 }
 
 /// The scatter of an explanation's unknowns; the same for the same seed, on any number of threads.
-pub fn bootstrap(search: &Search, best: &Explanation, seed: u64) -> Scatter {
+pub fn bootstrap(search: &Search, found: &Found, seed: u64) -> Scatter {
+    let best = &found.best;
     let world = World::new(search, best);
     let run = |range: std::ops::Range<u64>, steps: usize| -> Vec<Vec<DVector<f64>>> {
         let one = |index| world.replicate(seed, index, steps);
@@ -105,6 +109,15 @@ pub fn bootstrap(search: &Search, best: &Explanation, seed: u64) -> Scatter {
     // Never below what noise alone makes of the linear problem, which is known without any draw; about
     // the fitted value, so that a bias counts.
     widen(&mut covariance, &deviations(&world.normal, shared));
+    // Nor below what the evidence says, with laws of uncertain shape and what is left as large and as correlated as it is.
+    let believed = best.evidence.deviations(found.temperature / CALIBRATED);
+    widen(&mut covariance, &believed[..shared]);
+    let wider = |(i, global): (usize, &Global)| {
+        let between = found.between(*global);
+        (covariance[(i, i)] + between).sqrt()
+    };
+    let wider: Vec<f64> = world.linear.globals.iter().enumerate().map(wider).collect();
+    widen(&mut covariance, &wider);
     Scatter {
         covariance,
         globals: world.linear.globals,

@@ -43,7 +43,7 @@ pub fn conclude(
     let verdict = verdict(search, found, located);
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => findings(search, found, &bootstrap(search, &found.best, seed)),
+        _ => findings(search, found, &bootstrap(search, found, seed)),
     };
     let fit = fit(search, found, reported(verdict, found));
     let mut diagnosis = Diagnosis {

@@ -2,9 +2,11 @@
 //! effect is.
 
 use super::explanation::Explanation;
-use super::point::{EffectAt, Point};
+use super::point::{EffectAt, Global, Point};
 use super::pool::Pool;
 use super::search::Search;
+use quell_model::effects::ParameterRole;
+use std::f64::consts::TAU;
 
 /// Share of the probability that the credible set holds: the widths of priors are known within a few times.
 const CREDIBLE: f64 = 0.99;
@@ -168,6 +170,35 @@ impl Found {
         let index = effects.iter().position(|own| *own == effect);
         let ablated = index.and_then(|index| self.ablated.get(index));
         ablated.unwrap_or(&self.baseline)
+    }
+
+    /// Variance of a parameter about its value in the best explanation, between the explanations that have its effect.
+    ///
+    /// Source: Hoeting, Madigan, Raftery, Volinsky, Statistical Science 14 (1999), on the average over models.
+    pub fn between(&self, global: Global) -> f64 {
+        let Global::Parameter(index, parameter) = global else {
+            return 0.0;
+        };
+        let own = &self.best.fitted.point.terms[index];
+        let is_turn = own.effect.parameters[parameter].role == ParameterRole::Phase;
+        let square = |(other, weight): &(Explanation, f64)| {
+            let terms = &other.fitted.point.terms;
+            let like = terms
+                .iter()
+                .find(|term| term.identity() == own.identity())?;
+            let away = like.values[parameter] - own.values[parameter];
+            let away = if is_turn {
+                away - TAU * (away / TAU).round()
+            } else {
+                away
+            };
+            Some(weight * away * away)
+        };
+        // An event happens more than once, at other times.
+        match own.effect.may_repeat() {
+            true => 0.0,
+            false => self.ranked.iter().filter_map(square).sum(),
+        }
     }
 
     /// Probability that an effect is missing: of all explanations together that have it, or a law of which it is a
