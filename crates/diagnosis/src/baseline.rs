@@ -60,7 +60,6 @@ pub fn problem<'a>(
         scales_of_each: Vec::new(),
         scales,
         frozen: false,
-        unit: 1.0,
         stop: Stop::default(),
         simulated: Arc::default(),
     }

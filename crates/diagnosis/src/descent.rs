@@ -22,12 +22,6 @@ const TRIES: usize = 8;
 /// Analysis, Lecture Notes in Mathematics 630 (1978): below a quarter the step was too long).
 const POOR: f64 = 0.25;
 
-/// Fall of chi-squared, in its units, that decides nothing: a twentieth of odds that are not worth more than a bare
-/// mention (Kass and Raftery, J. American Statistical Association 90 (1995)).
-const LITTLE: f64 = 0.1;
-/// Share of chi-squared that is rounding of the simulation.
-const ROUNDING: f64 = 1e-6;
-
 /// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
 /// many as there are unknowns.
 const LEARNED: usize = 80;
@@ -157,9 +151,9 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Whether a fall of the cost decides nothing.
+    /// Whether a fall of the cost decides nothing: a hundredth of a unit of chi-squared.
     fn is_little(&self, fall: f64) -> bool {
-        fall < LITTLE * self.problem.unit + ROUNDING * self.linear.cost
+        fall < 0.01 + 1e-6 * self.linear.cost
     }
 
     /// One step. With a Jacobian that was learned a step that fails, or does hardly anything, is made

@@ -24,7 +24,6 @@ impl Search<'_> {
         let before = quell_model::simulations();
         let mut located = self.problem.clone();
         located.locate_again(from);
-        located.unit = temperature;
         let search = Search {
             problem: &located,
             ..*self

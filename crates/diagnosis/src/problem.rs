@@ -51,9 +51,6 @@ pub struct Problem<'a> {
     pub scales_of_each: Vec<(usize, Scales)>,
     /// Whether only what each experiment alone has is fitted.
     pub frozen: bool,
-    /// Chi-squared that counts as one unit: the temperature of the evidence that a fit is for, 1 where it is for its
-    /// own sake.
-    pub unit: f64,
     /// Ends the work before its time.
     pub stop: Stop,
     /// Steps that were simulated so far: the work that was done, the same on every machine.
