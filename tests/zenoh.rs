@@ -49,6 +49,9 @@ fn a_robot_on_ros_2_is_moved_by_trajectories() {
     let service = start(config(folder.path(), port)).expect("a service");
     let port = port.to_string();
     let handle = service.handle();
+    // Who moves the robot waits for this file.
+    let enabled = folder.path().join("enabled");
+    let is_enabled = enabled.clone();
     std::thread::spawn(move || {
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         let runtime = runtime.expect("a runtime");
@@ -56,8 +59,10 @@ fn a_robot_on_ros_2_is_moved_by_trajectories() {
         while runtime.block_on(handle.ask(Request::Enable)).is_err() {
             std::thread::sleep(std::time::Duration::from_millis(20));
         }
+        std::fs::write(is_enabled, "").expect("a file");
     });
-    let Some(seen) = python("ros2", "zenoh.txt", &["robot.py".as_ref(), port.as_ref()]) else {
+    let arguments = ["robot.py".as_ref(), port.as_ref(), enabled.as_ref()];
+    let Some(seen) = python("ros2", "zenoh.txt", &arguments) else {
         return;
     };
     let snapshot = service.handle().snapshot();
@@ -88,6 +93,7 @@ fn announced(seen: &Value) {
     for topic in [
         "forward_position_controller%commands",
         "quell%joint_1%mode",
+        "quell%joint_1%modes",
         "quell%joint_1%impulses",
     ] {
         is_there("MP", &format!("%/%/quell/%{topic}/{array}"));

@@ -1,4 +1,4 @@
-"""A robot that speaks ROS 2 over Zenoh, and somebody who moves it: robot.py PORT.
+"""A robot that speaks ROS 2 over Zenoh, and somebody who moves it, once there is the file ENABLED: robot.py PORT ENABLED.
 
 The robot is of eclipse-zenoh and rosbags alone: it takes the positions that are commanded, one step for each message,
 and answers with joint states of motor and link; the link rings in one mode. Type hashes are computed from the
@@ -86,7 +86,9 @@ def wait(what, holds):
     end = time.monotonic() + PATIENCE
     while not holds():
         if time.monotonic() > end:
-            sys.exit(f"waited for {what} in vain")
+            # Threads of Zenoh's would go on.
+            print(f"waited for {what} in vain", file=sys.stderr, flush=True)
+            os._exit(1)
         time.sleep(0.02)
 
 
@@ -149,6 +151,7 @@ while not robot.commands and time.monotonic() < end:
     robot.steps += 1
     robot.tell()
 wait("modes and impulses", lambda: modes and impulses)
+wait("moves to be enabled", lambda: os.path.exists(sys.argv[2]))
 garbage = session.declare_publisher(key("/joint_states", "sensor_msgs/msg/JointState"))
 for length in range(20):
     garbage.put(bytes([0, 1, 0, 0] + [255] * length))
