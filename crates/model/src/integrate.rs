@@ -52,9 +52,12 @@ enum Stop {
 /// given time. Each such end is a node of the trace: between two nodes the motion is smooth. Allocates the
 /// trace and nothing else.
 pub fn integrate(chain: &mut Chain, grid: &Grid, state: State, timed: &Timed) -> Trace {
-    let mut trace = Trace::with_capacity(grid.input.len() + 1, !chain.resonances.is_empty());
-    motion(chain, grid, state, timed, &mut trace, |_| ());
-    trace
+    let trace = Trace::with_capacity(grid.input.len() + 1, !chain.resonances.is_empty());
+    let Some(mut journey) = Journey::new(chain, grid, state, timed, trace) else {
+        return Trace::default();
+    };
+    (0..grid.input.len()).for_each(|k| journey.step(k));
+    journey.end()
 }
 
 /// [`integrate`], shown in parts of about `nodes` nodes, the last one with `true`: so that a long motion
@@ -68,14 +71,18 @@ pub(super) fn integrate_in_parts(
     mut see: impl FnMut(&Trace, bool),
 ) {
     let room = nodes.min(grid.input.len() + 1) + MOST_NODES;
-    let mut trace = Trace::with_capacity(room, !chain.resonances.is_empty());
-    motion(chain, grid, state, timed, &mut trace, |trace| {
-        if trace.time.len() >= nodes.max(2 * OVERLAP) {
-            see(trace, false);
-            trace.keep_last(OVERLAP);
+    let trace = Trace::with_capacity(room, !chain.resonances.is_empty());
+    let Some(mut journey) = Journey::new(chain, grid, state, timed, trace) else {
+        return see(&Trace::default(), true);
+    };
+    for k in 0..grid.input.len() {
+        journey.step(k);
+        if journey.trace.time.len() >= nodes.max(2 * OVERLAP) {
+            see(&journey.trace, false);
+            journey.trace.keep_last(OVERLAP);
         }
-    });
-    see(&trace, true);
+    }
+    see(&journey.end(), true);
 }
 
 /// Nodes that two parts of a motion share. The slope of a value that has none of its own is known where
@@ -85,81 +92,112 @@ pub(super) const OVERLAP: usize = 3;
 /// Nodes of a step for which a part has room: its ends, and events as a rule.
 const MOST_NODES: usize = 16;
 
-/// Appends the motion to a trace, `after` each step.
-fn motion(
-    chain: &mut Chain,
-    grid: &Grid,
-    mut state: State,
-    timed: &Timed,
-    trace: &mut Trace,
-    mut after: impl FnMut(&mut Trace),
-) {
-    let steps = grid.input.len();
-    let Some(first) = grid.input.first() else {
-        return;
-    };
-    let stops = stops(chain, grid, timed);
-    let mut ticks = Ticks::new(chain, &state);
-    let span = Span {
-        t0: grid.time[0],
-        from: grid.time[0],
-        last: grid.time[1],
-        input: first,
-    };
-    let mut stepper = Stepper::new(chain, &span, &state, grid.time[1] - grid.time[0]);
-    let mut next = 0;
-    for k in 0..steps {
-        let (t0, t1) = (grid.time[k], grid.time[k + 1]);
+/// A motion on its way over the grid.
+struct Journey<'a> {
+    stepper: Stepper<'a>,
+    grid: &'a Grid,
+    state: State,
+    ticks: Ticks,
+    /// What happens at an instant, in order.
+    stops: Vec<(f64, Stop)>,
+    /// The next of these.
+    next: usize,
+    trace: Trace,
+}
+
+impl<'a> Journey<'a> {
+    /// At the first node; none where the grid has no step.
+    fn new(
+        chain: &'a mut Chain,
+        grid: &'a Grid,
+        state: State,
+        timed: &Timed,
+        trace: Trace,
+    ) -> Option<Self> {
+        let span = Span {
+            t0: grid.time[0],
+            from: grid.time[0],
+            last: *grid.time.get(1)?,
+            input: grid.input.first()?,
+        };
+        let stops = stops(chain, grid, timed);
+        let ticks = Ticks::new(chain, &state);
+        Some(Self {
+            stepper: Stepper::new(chain, &span, &state, grid.time[1] - grid.time[0]),
+            grid,
+            state,
+            ticks,
+            stops,
+            next: 0,
+            trace,
+        })
+    }
+
+    /// One step of the grid.
+    #[inline]
+    fn step(&mut self, k: usize) {
+        let (t0, t1) = (self.grid.time[k], self.grid.time[k + 1]);
         let mut span = Span {
             t0,
             from: t0,
             last: t1,
-            input: &grid.input[k],
+            input: &self.grid.input[k],
         };
-        let mut happen =
-            |stepper: &mut Stepper, state: &mut State, span: &Span, trace: &mut Trace| {
-                while let Some(&(time, stop)) = stops.get(next).filter(|stop| stop.0 <= span.from) {
-                    debug_assert!(time <= span.from);
-                    if matches!(stop, Stop::Kick(_) | Stop::Restart(_)) && !trace.time.is_empty() {
-                        let mut before = stepper.settle(state, span);
-                        before.motion.time = span.from.next_down();
-                        trace.push(&before, state);
-                    }
-                    match stop {
-                        Stop::Break => {}
-                        Stop::Kick(size) => *state = kicked(stepper.chain, *state, size),
-                        Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
-                        Stop::Tick => ticks.tick(stepper.chain, state, span.at(0.0).1[0]),
-                    }
-                    next += 1;
-                }
-                stops.get(next).map_or(f64::INFINITY, |stop| stop.0)
-            };
-        let mut stop = happen(&mut stepper, &mut state, &span, trace);
-        let mut instant = stepper.settle(&state, &span);
-        trace.push(&instant, &state);
         loop {
+            let stop = self.happen(&span);
+            let instant = self.stepper.settle(&self.state, &span);
+            self.trace.push(&instant, &self.state);
             let to = stop.min(t1);
             // What happens at the end of a step has not happened within it.
             span.last = if stop <= t1 { to.next_down() } else { to };
-            stepper.advance(&mut state, span, to, instant, trace);
+            let (state, trace) = (&mut self.state, &mut self.trace);
+            self.stepper.advance(state, span, to, instant, trace);
             if to == t1 {
-                break;
+                return;
             }
             (span.from, span.last) = (to, t1);
-            stop = happen(&mut stepper, &mut state, &span, trace);
-            instant = stepper.settle(&state, &span);
-            trace.push(&instant, &state);
         }
-        after(trace);
     }
-    let span = Span {
-        t0: grid.time[steps - 1],
-        from: grid.time[steps],
-        last: grid.time[steps],
-        input: &grid.input[steps - 1],
-    };
-    trace.push(&stepper.settle(&state, &span), &state);
+
+    /// Lets happen what does at the start of a span; when the next thing does.
+    #[inline]
+    fn happen(&mut self, span: &Span) -> f64 {
+        loop {
+            let Some(&(time, stop)) = self.stops.get(self.next) else {
+                return f64::INFINITY;
+            };
+            if time > span.from {
+                return time;
+            }
+            self.next += 1;
+            if matches!(stop, Stop::Kick(_) | Stop::Restart(_)) && !self.trace.time.is_empty() {
+                let mut before = self.stepper.settle(&self.state, span);
+                before.motion.time = span.from.next_down();
+                self.trace.push(&before, &self.state);
+            }
+            let (chain, state) = (&mut *self.stepper.chain, &mut self.state);
+            match stop {
+                Stop::Break => {}
+                Stop::Kick(size) => *state = kicked(chain, *state, size),
+                Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
+                Stop::Tick => self.ticks.tick(chain, state, span.at(0.0).1[0]),
+            }
+        }
+    }
+
+    /// The last node.
+    fn end(mut self) -> Trace {
+        let steps = self.grid.input.len();
+        let span = Span {
+            t0: self.grid.time[steps - 1],
+            from: self.grid.time[steps],
+            last: self.grid.time[steps],
+            input: &self.grid.input[steps - 1],
+        };
+        let instant = self.stepper.settle(&self.state, &span);
+        self.trace.push(&instant, &self.state);
+        self.trace
+    }
 }
 
 /// All instants from the first node on, in order.

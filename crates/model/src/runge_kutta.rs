@@ -49,30 +49,35 @@ pub(super) type Whole = fn(&Chain, &Constants, &Span, &mut State, &Instant, f64)
 pub(super) fn steps(chain: &Chain) -> (Step, Whole) {
     let free = matches!(chain.linear.motor, MotorSide::Free { .. });
     let link = chain.linear.link.is_some();
-    match (free, link, chain.is_linear()) {
-        (false, _, true) => pair::<false, true, false>(),
-        (true, false, true) => pair::<true, false, false>(),
-        (true, true, true) => pair::<true, true, false>(),
-        (false, _, false) => pair::<false, true, true>(),
-        (true, false, false) => pair::<true, false, true>(),
-        (true, true, false) => pair::<true, true, true>(),
+    let modes = !chain.resonances.is_empty();
+    match (free, link, chain.is_linear(), modes) {
+        (false, _, true, _) => pair::<false, true, false, 0>(),
+        (true, false, true, _) => pair::<true, false, false, 0>(),
+        (true, true, true, _) => pair::<true, true, false, 0>(),
+        (false, _, false, false) => pair::<false, true, true, 0>(),
+        (true, false, false, false) => pair::<true, false, true, 0>(),
+        (true, true, false, false) => pair::<true, true, true, 0>(),
+        (false, _, false, true) => pair::<false, true, true, RESONANCES>(),
+        (true, false, false, true) => pair::<true, false, true, RESONANCES>(),
+        (true, true, false, true) => pair::<true, true, true, RESONANCES>(),
     }
 }
 
-fn pair<const MOTOR: bool, const LINK: bool, const LAWS: bool>() -> (Step, Whole) {
+fn pair<const MOTOR: bool, const LINK: bool, const LAWS: bool, const MODES: usize>() -> (Step, Whole)
+{
     (
-        trial::<MOTOR, LINK, LAWS>,
+        trial::<MOTOR, LINK, LAWS, MODES>,
         |chain, constants, span, state, start, h| {
-            let end = trial::<MOTOR, LINK, LAWS>(chain, constants, span, state, start, h).end;
-            let modes = if LAWS { RESONANCES } else { 0 };
-            each::<MOTOR, LINK>(modes, |i| state[i] = end[i]);
+            let end =
+                trial::<MOTOR, LINK, LAWS, MODES>(chain, constants, span, state, start, h).end;
+            each::<MOTOR, LINK, MODES>(|i| state[i] = end[i]);
         },
     )
 }
 
 /// The entries of the state that move.
 #[inline(always)]
-fn each<const MOTOR: bool, const LINK: bool>(modes: usize, mut f: impl FnMut(usize)) {
+fn each<const MOTOR: bool, const LINK: bool, const MODES: usize>(mut f: impl FnMut(usize)) {
     if MOTOR {
         f(0);
         f(1);
@@ -81,16 +86,15 @@ fn each<const MOTOR: bool, const LINK: bool>(modes: usize, mut f: impl FnMut(usi
         f(2);
         f(3);
     }
-    for i in 4..4 + 2 * modes {
+    for i in 4..4 + 2 * MODES {
         f(i);
     }
 }
 
 #[inline(always)]
-fn slope<const MOTOR: bool, const LINK: bool>(
+fn slope<const MOTOR: bool, const LINK: bool, const MODES: usize>(
     instant: &Instant,
     state: &State,
-    modes: usize,
 ) -> State {
     let mut slope = [0.0; size_of::<State>() / size_of::<f64>()];
     if MOTOR {
@@ -99,16 +103,16 @@ fn slope<const MOTOR: bool, const LINK: bool>(
     if LINK {
         (slope[2], slope[3]) = (state[3], instant.link);
     }
-    for k in 0..modes.min(RESONANCES) {
+    for k in 0..MODES {
         (slope[4 + 2 * k], slope[5 + 2 * k]) = (state[5 + 2 * k], instant.modes[k]);
     }
     slope
 }
 
-/// A step of length `h` from a state whose instant is known. `MOTOR`, `LINK`: what has a state;
-/// `LAWS`: whether there is more than the linear chain.
+/// A step of length `h` from a state whose instant is known. `MOTOR`, `LINK`: what has a state; `LAWS`: whether there
+/// is more than the linear chain; `MODES`: for how many further modes there is room.
 #[inline(always)]
-fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool>(
+fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool, const MODES: usize>(
     chain: &Chain,
     constants: &Constants,
     span: &Span,
@@ -116,30 +120,25 @@ fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool>(
     start: &Instant,
     h: f64,
 ) -> Trial {
-    let modes = if LAWS {
-        chain.resonances.len().min(RESONANCES)
-    } else {
-        0
-    };
     let moved = |slope: &State, h: f64| {
         let mut moved = *state;
-        each::<MOTOR, LINK>(modes, |i| moved[i] += h * slope[i]);
+        each::<MOTOR, LINK, MODES>(|i| moved[i] += h * slope[i]);
         moved
     };
     let evaluate = |state: &State, (time, input): (f64, [f64; 3])| {
         let instant = chain.evaluate::<LAWS>(constants, time, state, input);
         (
-            slope::<MOTOR, LINK>(&instant, state, modes),
+            slope::<MOTOR, LINK, MODES>(&instant, state),
             instant.holding,
         )
     };
     let half = span.at(0.5 * h);
-    let k1 = slope::<MOTOR, LINK>(start, state, modes);
+    let k1 = slope::<MOTOR, LINK, MODES>(start, state);
     let (k2, _) = evaluate(&moved(&k1, 0.5 * h), half);
     let (k3, middle) = evaluate(&moved(&k2, 0.5 * h), half);
     let (k4, last) = evaluate(&moved(&k3, h), span.at(h));
     let (mut end, mut k23) = (*state, k2);
-    each::<MOTOR, LINK>(modes, |i| {
+    each::<MOTOR, LINK, MODES>(|i| {
         k23[i] += k3[i];
         end[i] += h / 6.0 * (k1[i] + 2.0 * k23[i] + k4[i]);
     });
