@@ -1,6 +1,10 @@
 //! What a diagnosis says where what is left is not this joint's.
 
-use quell::diagnosis::{Diagnosis, Options, diagnose};
+#[path = "small/motion.rs"]
+mod motion;
+
+use motion::Joint;
+use quell::diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use quell::model::Model;
 use quell::recording::{Channel, Recording, Role};
 use rand::{Rng, SeedableRng};
@@ -8,74 +12,66 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use std::f64::consts::TAU;
 
-const RATE: f64 = 200.0;
-const SECONDS: f64 = 8.0;
-/// Small steps, so that Euler's rule errs by less than the noise.
-const STEPS: u32 = 100;
+const JOINT: Joint = Joint {
+    frequency: 5.0 * TAU,
+    damping: 0.08,
+    rate: 200.0,
+    samples: 1600,
+    acceleration: 5.0,
+};
 const NOISE: f64 = 1e-5;
-const FREQUENCY: f64 = 5.0 * TAU;
-const DAMPING: f64 = 0.08;
 const MODEL: &str =
     "kind = \"flexible_joint\"\nnatural_frequency_hz = 5.1\ndamping_ratio = 0.075\n";
 
-/// Two moves there and back in the first half, and rest in the second; the base is moved with an acceleration.
-fn recording(base: impl Fn(f64) -> f64) -> Recording {
+/// Two moves there and back in the first half of eight seconds, and rest in the second: time, motor position and deformation in
+/// noise.
+fn moves(base: impl Fn(f64) -> f64) -> [Vec<f64>; 3] {
+    let moves = [
+        (0.3, 0.35, 1.0),
+        (1.2, 0.3, -1.0),
+        (2.1, 0.4, 1.0),
+        (3.0, 0.5, -0.7),
+    ];
+    let motion = JOINT.motion(&moves, base);
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let h = 1.0 / (RATE * f64::from(STEPS));
-    let [mut x, mut v, mut u, mut speed] = [0.0_f64; 4];
-    let [mut time, mut motor, mut deformation] = [(); 3].map(|()| Vec::new());
-    for sample in 0..(SECONDS * RATE) as u32 {
-        time.push(f64::from(sample) / RATE);
-        motor.push(u);
-        deformation.push(x + NOISE * random.sample::<f64, _>(StandardNormal));
-        for step in 0..STEPS {
-            let time = f64::from(sample * STEPS + step) * h;
-            let pulse = |(start, length, size): (f64, f64, f64)| {
-                let phase = (time - start) / length;
-                let within = (0.0..1.0).contains(&phase);
-                if within {
-                    5.0 * size * (TAU * phase).sin()
-                } else {
-                    0.0
-                }
-            };
-            let moves = [
-                (0.3, 0.35, 1.0),
-                (1.2, 0.3, -1.0),
-                (2.1, 0.4, 1.0),
-                (3.0, 0.5, -0.7),
-            ];
-            let input: f64 = moves.map(pulse).iter().sum();
-            let force = -FREQUENCY * FREQUENCY * x - 2.0 * DAMPING * FREQUENCY * v;
-            v += h * (force - input - base(time));
-            x += h * v;
-            speed += h * input;
-            u += h * speed;
-        }
-    }
-    let channel = |role, values| Channel {
+    let mut noisy = |x: f64| x + NOISE * random.sample::<f64, _>(StandardNormal);
+    [
+        (0..motion.len()).map(|k| k as f64 / JOINT.rate).collect(),
+        motion.iter().map(|sample| sample[0]).collect(),
+        motion.iter().map(|sample| noisy(sample[1])).collect(),
+    ]
+}
+
+fn recording(time: &[f64], channels: [(Role, &str, Vec<f64>); 2]) -> Recording {
+    let channel = |(role, unit, values): (Role, &str, Vec<f64>)| Channel {
         role,
-        unit: "rad".into(),
-        time: time.clone(),
+        unit: unit.into(),
+        time: time.to_vec(),
         columns: vec![values],
     };
     Recording {
         payload: None,
         name: "moves".into(),
-        channels: vec![
-            channel(Role::MotorPosition, motor),
-            channel(Role::Deformation, deformation),
-        ],
+        channels: channels.map(channel).into(),
     }
 }
 
-fn diagnosis(base: impl Fn(f64) -> f64) -> Diagnosis {
+fn diagnosed(recording: &Recording) -> Diagnosis {
     let model = Model::from_toml(MODEL, "model.toml").unwrap();
-    let recording = recording(base);
-    let train = std::slice::from_ref(&recording);
+    let train = std::slice::from_ref(recording);
     let options = Options::default();
     let outcome = diagnose(&model, train, &[], &options, &|_, _| {}).unwrap();
     outcome.diagnosis
+}
+
+/// The joint on a base that is moved with an acceleration.
+fn on_base(base: impl Fn(f64) -> f64) -> Diagnosis {
+    let [time, motor, deformation] = moves(base);
+    let channels = [
+        (Role::MotorPosition, "rad", motor),
+        (Role::Deformation, "rad", deformation),
+    ];
+    diagnosed(&recording(&time, channels))
 }
 
 fn says(diagnosis: &Diagnosis, words: &str) -> bool {
@@ -92,8 +88,40 @@ fn motion_at_rest_comes_from_elsewhere() {
         let phase = (0.9 * time * time).sin() + (2.3 * time).cos();
         if time > 4.5 { 0.4 * phase.powi(3) } else { 0.0 }
     };
-    let told = diagnosis(other);
+    let told = on_base(other);
     assert!(says(&told, "While the input rests"), "{told:#?}");
-    let own = diagnosis(|_| 0.0);
+    let own = on_base(|_| 0.0);
     assert!(!says(&own, "While the input rests"), "{own:#?}");
+}
+
+/// Two encoders in raw counts: the gain between them is no physics. It is fitted and told, and nothing is missing.
+#[test]
+fn gains_of_raw_counts_are_fitted() {
+    let [time, motor, deformation] = moves(|_| 0.0);
+    let link = motor.iter().zip(&deformation).map(|(u, d)| u + d);
+    let (of_motor, of_link) = (1_048_576.0 / TAU, -262_144.0 / TAU);
+    let counts = |values: Vec<f64>, gain: f64| values.iter().map(|v| (gain * v).round()).collect();
+    let channels = [
+        (
+            Role::MotorPosition,
+            "count",
+            counts(motor.clone(), of_motor),
+        ),
+        (Role::LinkPosition, "count", counts(link.collect(), of_link)),
+    ];
+    let told = diagnosed(&recording(&time, channels));
+    assert_eq!(told.verdict, Verdict::NoMismatch, "{told:#?}");
+    let remark = told
+        .remarks
+        .iter()
+        .find(|own| own.contains("scale of link_position"));
+    let remark = remark.expect("a remark on the gain");
+    let words: Vec<f64> = remark
+        .split(' ')
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    assert!(
+        (words[0] / (of_link / of_motor) - 1.0).abs() < 1e-3,
+        "{remark}"
+    );
 }

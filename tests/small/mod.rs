@@ -1,16 +1,20 @@
 //! Small recordings: two seconds of a joint of one mode, told apart by their noise.
 
+mod motion;
+
+use motion::Joint;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RATE: f64 = 100.0;
-const SAMPLES: u32 = 200;
-/// Small steps, so that Euler's rule errs by less than the noise.
-const STEPS: u32 = 200;
-const FREQUENCY: f64 = 4.0 * TAU;
-const DAMPING: f64 = 0.05;
+const JOINT: Joint = Joint {
+    frequency: 4.0 * TAU,
+    damping: 0.05,
+    rate: 100.0,
+    samples: 200,
+    acceleration: 4.5,
+};
 const NOISE: f64 = 6e-6;
 
 /// Of a motor position and a deformation in `data.csv`.
@@ -33,37 +37,9 @@ unit = "rad"
 pub const MODEL: &str =
     "kind = \"flexible_joint\"\nnatural_frequency_hz = 4.2\ndamping_ratio = 0.06\n";
 
-/// Motor position and deformation at each sample, rad: there and back.
-fn motion() -> Vec<[f64; 2]> {
-    let h = 1.0 / (RATE * f64::from(STEPS));
-    let [mut x, mut v, mut u, mut speed] = [0.0_f64; 4];
-    let mut samples = Vec::new();
-    for sample in 0..SAMPLES {
-        samples.push([u, x]);
-        for step in 0..STEPS {
-            let time = f64::from(sample * STEPS + step) * h;
-            let pulse = |(start, length, size): (f64, f64, f64)| {
-                let phase = (time - start) / length;
-                let within = (0.0..1.0).contains(&phase);
-                if within {
-                    4.5 * size * (TAU * phase).sin()
-                } else {
-                    0.0
-                }
-            };
-            let input: f64 = [(0.2, 0.35, 1.0), (1.0, 0.3, -1.0)].map(pulse).iter().sum();
-            v += h * (-FREQUENCY * FREQUENCY * x - 2.0 * DAMPING * FREQUENCY * v - input);
-            x += h * v;
-            speed += h * input;
-            u += h * speed;
-        }
-    }
-    samples
-}
-
 /// Writes so many recordings below a folder, `r0000` and on, and returns their folders.
 pub fn fleet(folder: &Path, count: u64) -> Vec<PathBuf> {
-    let motion = motion();
+    let motion = JOINT.motion(&[(0.2, 0.35, 1.0), (1.0, 0.3, -1.0)], |_| 0.0);
     let one = |seed: u64| {
         let path = folder.join(format!("r{seed:04}"));
         fs::create_dir_all(&path).expect("a folder");
@@ -86,7 +62,7 @@ fn cells(motion: &[[f64; 2]], seed: u64) -> String {
     for (sample, [motor, deformation]) in motion.iter().enumerate() {
         // The sum of twelve uniform numbers has the variance 1.
         let noise = NOISE * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0);
-        let (time, deformation) = (sample as f64 / RATE, deformation + noise);
+        let (time, deformation) = (sample as f64 / JOINT.rate, deformation + noise);
         writeln!(text, "{time},{motor:.9},{deformation:.9}").expect("text");
     }
     text

@@ -135,8 +135,8 @@ impl Problem<'_> {
         raw
     }
 
-    /// Coefficients of the linear nuisances of one experiment.
-    fn coefficients(&self, e: usize, rows: &DVector<f64>) -> Vec<f64> {
+    /// Coefficients of the linear nuisances of one experiment, output by output.
+    pub fn coefficients(&self, e: usize, rows: &DVector<f64>) -> Vec<f64> {
         let columns = self.linear(e);
         if columns.ncols() == 0 {
             return Vec::new();

@@ -1,6 +1,7 @@
 //! What the reader of a diagnosis should know besides the verdict.
 
 use super::found::Found;
+use super::point::Point;
 use super::problem::Problem;
 use quell_recording::Recording;
 use quell_recording::health::{JITTER, health};
@@ -52,6 +53,7 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
             ));
         }
     }
+    remarks.extend(gains(problem, point));
     for index in problem.free_payloads.clone() {
         let named = |index: usize| problem.payloads[index].as_deref().unwrap_or("none");
         remarks.push(format!(
@@ -74,4 +76,31 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
         }
     }
     remarks
+}
+
+/// Gains that nobody knew, as they were fitted.
+fn gains(problem: &Problem, point: &Point) -> Vec<String> {
+    let mut told = Vec::new();
+    for (e, experiment) in problem.experiments.iter().enumerate() {
+        if experiment.outputs.iter().all(|own| own.gain.is_none()) {
+            continue;
+        }
+        let rows = problem.complete(e, &problem.run(point, e).residuals);
+        let mut coefficients = problem.coefficients(e, &rows).into_iter();
+        for output in &experiment.outputs {
+            let own = coefficients.by_ref().take(output.columns.len());
+            let (Some(gain), Some(last)) = (&output.gain, own.last()) else {
+                continue;
+            };
+            told.push(format!(
+                "The scale of {} is unknown, and was fitted: it shows {:.5} {} for one {} of the motor side. An error \
+                 of its gain cannot be told.",
+                output.channel,
+                gain.value * (1.0 + last),
+                gain.unit,
+                gain.of
+            ));
+        }
+    }
+    told
 }

@@ -1,6 +1,7 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
 use super::circle::Radius;
+use super::gain::Gain;
 use super::piecewise::{Grid, Hold};
 use quell_recording::Role;
 
@@ -22,6 +23,8 @@ pub struct Output {
     pub witness: Vec<(Vec<f64>, f64)>,
     /// Radius of the circle on which a tracker saw the tip, where the arc tells it.
     pub radius: Option<Radius>,
+    /// Its gain at a first guess, where it is unknown; the last of the columns corrects it.
+    pub gain: Option<Gain>,
     /// Errors are told as residual times this, in `unit`.
     pub scale: f64,
     /// Unit in which errors are told.

@@ -2,6 +2,7 @@
 
 use super::chain::MotorSide;
 use super::experiment::{Experiment, RADIANS_A_STEP};
+use super::gain;
 use super::output::output;
 use super::piecewise::{Grid, Hold};
 use super::predict::predict_windows;
@@ -46,6 +47,7 @@ impl Experiment {
             .channels
             .iter_mut()
             .for_each(Channel::unwrap_turns);
+        let mut gain = gain::unify(&mut recording);
         let input = Self::input(model, &recording)?;
         let position = recording.channels.iter().find(|channel| {
             let role = channel.role;
@@ -74,6 +76,11 @@ impl Experiment {
             let wanted = model.kind.outputs.contains(&channel.role);
             if wanted && channel.role != experiment.input {
                 let mut output = output(model, &experiment, channel)?;
+                if output.channel == Role::LinkPosition
+                    && let Some(gain) = gain.take()
+                {
+                    output.scaled_by(gain);
+                }
                 output.keep_within(experiment.span());
                 experiment.outputs.push(output);
             }
@@ -87,8 +94,22 @@ impl Experiment {
         }
         experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         experiment.windows = windows(model, &experiment);
+        experiment.refine_gain(model);
         experiment.smoothen(model);
         Ok(experiment)
+    }
+
+    /// A gain that is unknown, from what the model predicts where the motor side is prescribed: the link bends, too.
+    fn refine_gain(&mut self, model: &Model) {
+        let motor = (model.kind.linear)(&model.keys(), self.input).motor;
+        let known = self.outputs.iter().all(|output| output.gain.is_none());
+        if known || motor != MotorSide::Prescribed {
+            return;
+        }
+        let predicted = self.predicted(model);
+        for (output, predicted) in self.outputs.iter_mut().zip(predicted) {
+            output.refine_gain(predicted);
+        }
     }
 
     /// Takes an input that was sampled more densely than its motion needs as smooth as that motion, where no sensor

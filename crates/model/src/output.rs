@@ -2,6 +2,7 @@
 
 use super::circle::{Circle, frame_columns};
 use super::experiment::{Experiment, Output};
+use super::gain::{Gain, slope};
 use super::{ExperimentError, Model};
 use nalgebra::Point3;
 use quell_recording::{Channel, Role};
@@ -48,6 +49,7 @@ pub(super) fn output(
         columns,
         witness: Vec::new(),
         radius: None,
+        gain: None,
         own_clock: channel.time != experiment.input_time,
         time: channel.time,
         values,
@@ -110,6 +112,7 @@ fn tip(
         time: channel.time,
         witness: circle.as_ref().map_or_else(Vec::new, Circle::witness),
         radius: circle.map(|circle| circle.radius),
+        gain: None,
         columns: frame_columns(&angle),
         values: angle,
         scale: arm,
@@ -137,11 +140,38 @@ impl Output {
         self.columns.iter_mut().for_each(cut);
     }
 
-    /// The same sensor with other values, which need no correction of its frame or offset.
+    /// Frees what is left to know of a gain. Errors are told in what the sensor shows.
+    pub(super) fn scaled_by(&mut self, (gain, motor): (Gain, Vec<f64>)) {
+        self.columns.push(motor);
+        self.scale *= gain.value.abs();
+        self.unit.clone_from(&gain.unit);
+        self.gain = Some(gain);
+    }
+
+    /// Takes an unknown gain from a prediction, which becomes the column of what is left to know of it.
+    pub(super) fn refine_gain(&mut self, predicted: Vec<f64>) {
+        let (Some(gain), Some(column)) = (&mut self.gain, self.columns.last_mut()) else {
+            return;
+        };
+        if let Some(slope) = slope(&[&predicted], &self.values) {
+            gain.value *= slope;
+            self.scale *= slope.abs();
+            self.values.iter_mut().for_each(|value| *value /= slope);
+            *column = predicted;
+        }
+    }
+
+    /// The columns of offset and frame: all but that of an unknown gain, which is the motion itself.
+    pub fn frame(&self) -> &[Vec<f64>] {
+        &self.columns[..self.columns.len() - usize::from(self.gain.is_some())]
+    }
+
+    /// The same sensor with other values, which need no correction of its frame, offset or gain.
     pub fn showing(&self, time: Vec<f64>, values: Vec<f64>) -> Self {
-        let columns = match self.channel {
-            Role::TipPosition => frame_columns(&values),
-            _ => vec![vec![1.0; values.len()]; self.columns.len()],
+        let columns = match (self.channel, &self.gain) {
+            (Role::TipPosition, _) => frame_columns(&values),
+            (_, Some(_)) => vec![vec![1.0; values.len()], values.clone()],
+            (_, None) => vec![vec![1.0; values.len()]; self.columns.len()],
         };
         let witness = self.witness.iter();
         Self {
@@ -150,6 +180,7 @@ impl Output {
             values,
             columns,
             unit: self.unit.clone(),
+            gain: self.gain.clone(),
             ..*self
         }
     }

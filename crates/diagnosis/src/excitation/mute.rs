@@ -61,7 +61,8 @@ pub fn is_noise(variance: f64, noise: f64, samples: usize) -> bool {
 /// Root mean square of a series without what an offset or the sensor's frame explains.
 fn rms(output: &Output, values: &[f64]) -> f64 {
     let rows = values.len();
-    let columns = DMatrix::from_fn(rows, output.columns.len(), |i, j| output.columns[j][i]);
+    let frame = output.frame();
+    let columns = DMatrix::from_fn(rows, frame.len(), |i, j| frame[j][i]);
     let basis = orthonormal(columns);
     let all = DVector::from_column_slice(values);
     let rest = &all - &basis * basis.tr_mul(&all);

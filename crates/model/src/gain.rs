@@ -1,0 +1,83 @@
+//! The gain between two positions of which one at least is in raw counts: nobody knows it.
+//!
+//! A link is where its motor side is, but for what bends: `y = g (u + a u'' + b u') + offset` while it moves slowly. `g` by
+//! least squares brings the reading to the motor side's unit. What is left to know of it is fitted with all else: the
+//! motion is a column beside the offset.
+
+use nalgebra::{DMatrix, DVector};
+use quell_recording::{Channel, Recording, Role};
+use quell_signal::{CubicSpline, End};
+
+/// Units in which a position has no scale.
+const RAW: &[&str] = &["count", "raw"];
+
+/// How the reading of a link was brought to the motor side's unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gain {
+    /// What the sensor shows for a unit of the motor side.
+    pub value: f64,
+    /// The unit of what it shows.
+    pub unit: String,
+    /// The unit of the motor side.
+    pub of: String,
+}
+
+/// Brings the link of a recording to the unit of its motor side, where the gain between them is unknown. The gain, and
+/// what an error of it adds: the motor side at the link's stamps.
+pub(super) fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
+    let of = |roles: &[Role]| {
+        let mut channels = recording.channels.iter();
+        channels.position(|channel| roles.contains(&channel.role))
+    };
+    let motor = of(&[Role::MotorPosition]).or_else(|| of(&[Role::CommandPosition]))?;
+    let link = of(&[Role::LinkPosition])?;
+    let [motor, link] = [motor, link].map(|index| &recording.channels[index]);
+    let raw = |own: &Channel| RAW.contains(&own.unit.as_str());
+    if !raw(motor) && !raw(link) {
+        return None;
+    }
+    let spline = CubicSpline::new(&motor.time, &motor.columns[0], End::NotAKnot).ok()?;
+    let at = |of: fn(&CubicSpline, f64) -> f64| -> Vec<f64> {
+        link.time.iter().map(|&time| of(&spline, time)).collect()
+    };
+    let position = at(CubicSpline::value);
+    // A slow deformation is as the acceleration, and its damping as the rate.
+    let slow = [
+        at(CubicSpline::derivative),
+        at(CubicSpline::second_derivative),
+    ];
+    let gain = Gain {
+        value: slope(&[&position, &slow[0], &slow[1]], &link.columns[0])?,
+        unit: link.unit.clone(),
+        of: motor.unit.clone(),
+    };
+    for channel in &mut recording.channels {
+        if channel.role == Role::LinkPosition {
+            let values = channel.columns.iter_mut().flatten();
+            values.for_each(|value| *value /= gain.value);
+            channel.unit.clone_from(&gain.of);
+        }
+    }
+    Some((gain, position))
+}
+
+/// The slope of a reading over the first of some causes, beside an offset and the others; none where that one stands
+/// still.
+pub(super) fn slope(causes: &[&[f64]], reading: &[f64]) -> Option<f64> {
+    let centred = |values: &[f64]| {
+        let values = DVector::from_column_slice(values);
+        values.add_scalar(-values.mean())
+    };
+    let columns: Vec<DVector<f64>> = causes.iter().map(|own| centred(own)).collect();
+    let size = columns.first()?.norm();
+    // Of one size, so that none is small beside another by its unit.
+    let scaled: Vec<_> = columns
+        .iter()
+        .map(|own| own / own.norm().max(f64::MIN_POSITIVE))
+        .collect();
+    let solved = DMatrix::from_columns(&scaled)
+        .svd(true, true)
+        .solve(&centred(reading), 1e-9);
+    let slope = solved.ok()?[0] / size;
+    (slope.is_finite() && slope != 0.0).then_some(slope)
+}
