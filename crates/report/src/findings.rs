@@ -42,15 +42,7 @@ pub fn set(page: Page, case: &Case) -> Page {
         page = page.text(format!(
             "One of them is missing{place}; these recordings cannot tell which."
         ));
-        for effect in std::iter::once(&finding.effect).chain(&finding.alternatives) {
-            if let Some(physics) = case.physics(effect) {
-                let title = words::capital(&case.title(effect));
-                page = page.text(format!("{title}: {physics}"));
-            }
-        }
-        if !finding.evidence.is_empty() {
-            page = page.text(finding.evidence.clone());
-        }
+        page = page.table(one_of_them(case, finding));
         page = law::section(page, case, finding);
     }
     page.text(format!(
@@ -58,6 +50,30 @@ pub fn set(page: Page, case: &Case) -> Page {
         case.findings(),
         head::left(case)
     ))
+}
+
+/// What a finding may be, the likeliest first.
+fn one_of_them(case: &Case, finding: &Finding) -> Table {
+    let probability = |effect: &String| -> f64 {
+        let candidates = case.diagnosis.candidates.iter();
+        let own = candidates.filter(|own| own.effect.split(" + ").any(|name| name == effect));
+        own.map(|own| own.probability).sum()
+    };
+    let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
+    let mut all: Vec<(&String, f64)> = names.map(|name| (name, probability(name))).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let table = Table::new("What it may be")
+        .text_column("explanation")
+        .column("probability", "%")
+        .text_column("what it is");
+    all.into_iter().fold(table, |table, (name, probability)| {
+        let physics = case.physics(name).unwrap_or_default();
+        table.row([
+            words::capital(&case.title(name)).into(),
+            words::percent(probability).into(),
+            words::sentences(&physics, 1).into(),
+        ])
+    })
 }
 
 /// Whether all that cannot be told from a finding can sit at its place.

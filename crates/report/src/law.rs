@@ -123,10 +123,14 @@ fn picture(case: &Case, finding: &Finding, curve: &LawCurve) -> Chart {
         x_unit,
         curve.law.clone(),
         y_unit,
-    )
-    .points(SEEN, &seen(0, along.factor), &seen(1, up.factor))
-    .band(&name, "95 % band", &x, &edge(0), &edge(1))
-    .series(&name, &x, &up.values(&curve.values));
+    );
+    let chart = match seen(0, along.factor) {
+        none if none.is_empty() => chart,
+        points => chart.points(SEEN, &points, &seen(1, up.factor)),
+    };
+    let chart = chart
+        .band(&name, "95 % band", &x, &edge(0), &edge(1))
+        .series(&name, &x, &up.values(&curve.values));
     let nearest = finding
         .learned()
         .and_then(|learned| learned.nearest.as_ref());

@@ -124,7 +124,7 @@ pub fn percent(probability: f64) -> String {
 }
 
 /// Whole sentences of `text`, the first and as many more as fit into `length` characters.
-fn sentences(text: &str, length: usize) -> String {
+pub fn sentences(text: &str, length: usize) -> String {
     let mut kept = 0;
     for (index, _) in text.match_indices(". ") {
         let next = text[index + 2..].chars().next();
