@@ -4,6 +4,7 @@
 //!
 //! - [`shapers`] and [`trajectories`]: impulse trains, and jerk-limited moves by Ruckig;
 //! - [`estimators`], [`adaptation`], [`controller`]: learn a joint's mode while it moves, and retune its shaper;
+//! - [`tolerance`]: the fastest move that leaves no more vibration than is allowed;
 //! - [`plant`], [`closed_loop`]: simulated arms, and shaped moves of them;
 //! - [`recording`], [`signal`]: what was measured, each channel on its own clock;
 //! - [`identification`]: frequency and damping from a recording;
@@ -27,7 +28,7 @@
 //!
 //! `examples/` has programs of a few lines: shape a move, identify, diagnose, simulate.
 
-pub use quell_control::{adaptation, controller, estimators, learning};
+pub use quell_control::{adaptation, controller, estimators, learning, tolerance};
 pub use quell_diagnosis as diagnosis;
 pub use quell_identification as identification;
 pub use quell_model as model;

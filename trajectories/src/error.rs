@@ -85,8 +85,8 @@ pub enum PlanError {
         /// The name of its result code.
         code: String,
     },
-    /// A profile of Ruckig's that does not end at the target.
-    #[error("axis {axis}: Ruckig's trajectory misses the target {what} by {error}")]
+    /// A profile that does not end at the target.
+    #[error("axis {axis}: the trajectory misses the target {what} by {error}")]
     Inexact {
         /// Axis, counted from 0.
         axis: usize,

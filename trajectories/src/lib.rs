@@ -6,6 +6,7 @@ mod closed_form;
 mod cruise;
 mod dip;
 mod error;
+mod given;
 mod path;
 mod planner;
 mod problem;

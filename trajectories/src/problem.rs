@@ -12,7 +12,7 @@ const LONGEST_MOVE: f64 = 7.6e3;
 
 /// Twice what Ruckig itself accepts as the error of a profile's end (`profile.hpp`: 1e-8 in
 /// position and velocity, 1e-10 in acceleration), to leave room for the sum over its phases.
-const END_TOLERANCES: [(&str, f64); 3] = [
+pub(crate) const END_TOLERANCES: [(&str, f64); 3] = [
     ("position", 2e-8),
     ("velocity", 2e-8),
     ("acceleration", 2e-10),

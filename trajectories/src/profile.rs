@@ -42,7 +42,7 @@ impl AxisProfile {
 
     /// The state at `time` (s): exactly the start up to 0, exactly the end from the duration on.
     ///
-    /// Runs at the tick: a look-up over at most nine phases, no allocation.
+    /// Runs at the tick: a look-up over the phases, at most nine of a planned move; no allocation.
     pub fn state_at(&self, time: f64) -> AxisState {
         if time >= self.duration {
             return self.end;

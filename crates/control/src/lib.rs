@@ -4,3 +4,4 @@ pub mod adaptation;
 pub mod controller;
 pub mod estimators;
 pub mod learning;
+pub mod tolerance;

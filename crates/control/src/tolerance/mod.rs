@@ -1,0 +1,145 @@
+//! The fastest move from rest to rest within a tolerance: of what vibrates after it, and of the path.
+//!
+//! - *Residual*: the largest amplitude that a mode keeps after the command has ended, over the largest that it keeps of the same move
+//!   unshaped, as fast as the limits allow. Both are the largest over the box of two standard deviations around the mode.
+//! - *Deviation*: a distance of the tip, m. The command never leaves the planned path, the straight line between start and target in
+//!   joint space, by more; and no vibration after the end is larger. A single joint cannot leave its path before the end.
+//!
+//! For each duration the motion that leaves least is a convex problem ([`program`]). The least duration is found by bisection. What is
+//! found is checked on its own: limits, end, residual on a finer grid, path at every tick.
+
+mod check;
+mod known;
+mod program;
+mod search;
+mod swing;
+
+use quell_shapers::{GridTrain, UncertainMode};
+use quell_trajectories::{Limits, PlanError, SampledTrajectory};
+
+use self::search::Search;
+
+/// A joint that moves.
+#[derive(Clone, Debug)]
+pub struct Moving {
+    /// From where to where, rad; not the same.
+    pub ends: [f64; 2],
+    /// Its limits.
+    pub limits: Limits,
+    /// Its modes, as well as they are known; none of a stiff joint.
+    pub modes: Vec<UncertainMode>,
+    /// Largest distance of the tip from its axis on the way, m.
+    pub lever: f64,
+}
+
+impl Moving {
+    fn distance(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+}
+
+/// What a move may leave, and how far it may leave its path. What is absent bounds nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tolerance {
+    /// Share of the unshaped vibration, above 0.
+    pub residual: Option<f64>,
+    /// Distance of the tip, m, above 0. Where it is absent several joints keep their path.
+    pub deviation: Option<f64>,
+}
+
+/// The fastest move that was found.
+#[derive(Clone, Debug)]
+pub struct Fastest {
+    /// The motion of each joint at the control period; it is sent as it is, without a train.
+    pub plans: Vec<SampledTrajectory>,
+    /// Largest share of its unshaped vibration that a joint keeps, for the modes as well as they are known.
+    pub residual: f64,
+    /// The same as a distance of the tip, m.
+    pub vibration: f64,
+    /// Largest distance of the commanded tip from the path, m, bounded by the sum over the joints.
+    pub departure: f64,
+}
+
+impl Fastest {
+    /// Until the command rests, s.
+    pub fn duration(&self) -> f64 {
+        let one = self.plans.first();
+        one.map_or(0.0, |plan| (plan.samples() - 1) as f64 * plan.period())
+    }
+}
+
+/// The reason why there is no such move.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ToleranceError {
+    /// It cannot be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A number of the tolerance is none.
+    #[error("the {what} that is allowed is {value}, it must be finite and above 0")]
+    Value {
+        /// Residual or deviation.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A joint has no way to go.
+    #[error("joint {index} of the move, counted from 0, starts at its target")]
+    NoWay {
+        /// The joint among those that move.
+        index: usize,
+    },
+    /// Nothing that was tried leaves so little.
+    #[error(
+        "no move of up to {longest:.3} s leaves so little for modes that are known only so well"
+    )]
+    Unattainable {
+        /// Duration up to which it was looked for, s.
+        longest: f64,
+    },
+}
+
+/// The fastest move of one joint or several within a tolerance, at a control period (s).
+///
+/// Off the tick: a tenth of a second for one joint, and more for several that may leave their path.
+///
+/// # Errors
+/// [`ToleranceError`].
+pub fn fastest(
+    joints: &[Moving],
+    tolerance: Tolerance,
+    period: f64,
+) -> Result<Fastest, ToleranceError> {
+    let search = Search::new(joints, tolerance, period)?;
+    if let Some(unshaped) = search.unshaped()? {
+        return Ok(unshaped);
+    }
+    let [shortest, longest] = search.range();
+    let mut best = None;
+    let (mut low, mut high) = (shortest, longest);
+    // The longest first: where that does not do, none does.
+    let mut ticks = longest;
+    while high > low {
+        match search.within(ticks) {
+            Some(found) => (high, best) = (ticks, Some(found)),
+            None if best.is_none() => break,
+            None => low = ticks,
+        }
+        if high - low <= 1 {
+            break;
+        }
+        ticks = low + (high - low) / 2;
+    }
+    best.ok_or(ToleranceError::Unattainable {
+        longest: longest as f64 * period,
+    })
+}
+
+/// The share of the unshaped vibration that a train leaves of the plan at the limits, at most: for comparison.
+///
+/// # Errors
+/// [`ToleranceError`] as [`fastest`].
+pub fn share_left(joint: &Moving, train: &GridTrain) -> Result<f64, ToleranceError> {
+    let joints = core::slice::from_ref(joint);
+    let search = Search::new(joints, Tolerance::default(), train.sample_time())?;
+    Ok(search.share_left(train))
+}

@@ -1,0 +1,67 @@
+//! The free vibration that a motion leaves of a mode.
+
+use nalgebra::Complex;
+use quell_trajectories::AxisProfile;
+
+/// A mode that a motion swings.
+///
+/// A motion from rest to rest leaves a deflection of the amplitude
+/// `|int_0^T a(t) exp(mu (T - t)) dt| / omega_d = |int_0^T j(t) exp(mu (T - t)) dt / mu| / omega_d`,
+/// `mu = -xi omega + i omega_d`, `omega_d = omega sqrt(1 - xi^2)`; for a damper across the joint and for one to ground alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swing {
+    pole: Complex<f64>,
+}
+
+impl Swing {
+    /// Of a mode: natural frequency (rad/s, above 0) and damping ratio, `[0, 1)`.
+    pub fn new(frequency: f64, damping_ratio: f64) -> Self {
+        let damped = frequency * (1.0 - damping_ratio * damping_ratio).sqrt();
+        Self {
+            pole: Complex::new(-damping_ratio * frequency, damped),
+        }
+    }
+
+    /// Its natural frequency, rad/s.
+    pub fn frequency(&self) -> f64 {
+        self.pole.norm()
+    }
+
+    /// Its damping ratio.
+    pub fn damping_ratio(&self) -> f64 {
+        -self.pole.re / self.pole.norm()
+    }
+
+    /// What a jerk of 1 over a step of `h` s leaves at its end.
+    fn step(&self, h: f64) -> Complex<f64> {
+        (self.pole.scale(h).exp() - 1.0) / (self.pole * self.pole * self.pole.im)
+    }
+
+    /// What a jerk of 1 in each of so many steps of `h` s leaves at the end of the last.
+    pub fn of_steps(&self, steps: usize, h: f64) -> Vec<Complex<f64>> {
+        let step = self.step(h);
+        let before_end = |k: usize| (steps - 1 - k) as f64 * h;
+        (0..steps)
+            .map(|k| step * self.pole.scale(before_end(k)).exp())
+            .collect()
+    }
+
+    /// Amplitude that equal steps of these jerks leave.
+    pub fn left_by(&self, jerks: &[f64], h: f64) -> f64 {
+        let turn = self.pole.scale(h).exp();
+        let sum = jerks
+            .iter()
+            .fold(Complex::new(0.0, 0.0), |sum, jerk| sum * turn + jerk);
+        (sum * self.step(h)).norm()
+    }
+
+    /// Amplitude that a plan leaves at its end.
+    pub fn left_by_plan(&self, plan: &AxisProfile) -> f64 {
+        let phases = plan.phases();
+        let sum = phases.iter().fold(Complex::new(0.0, 0.0), |sum, phase| {
+            let turn = self.pole.scale(phase.duration).exp();
+            sum * turn + self.step(phase.duration).scale(phase.jerk)
+        });
+        sum.norm()
+    }
+}
