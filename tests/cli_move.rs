@@ -135,3 +135,49 @@ fn bad_input_is_refused() {
         assert!(told, "{arguments:?}: no {words:?} in {stderr}");
     }
 }
+
+/// A move within a tolerance is faster than with ZVD, and leaves no more than it says.
+#[test]
+fn a_tolerance_makes_the_move_faster() {
+    let folder = TempDir::new().unwrap();
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let arguments = "move --residual 5 --deviation 0.05 --json";
+    command
+        .current_dir(folder.path())
+        .args(arguments.split(' '));
+    let output = command.assert().success().get_output().stdout.clone();
+    let told: Value = serde_json::from_slice(&output).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    let (next, within) = (&told["moves"][3], &told["moves"][4]);
+    assert_eq!(within["name"], "within_tolerance");
+    assert!(number(&within["command_s"]) < 0.9 * number(&next["command_s"]));
+    let bounds = &told["bounds"];
+    assert!(number(&bounds["residual_percent"]) <= 5.0);
+    assert!(number(&bounds["vibration_mm"]) <= 0.05);
+    assert!(number(&within["residual_mm"]) <= number(&bounds["vibration_mm"]));
+    assert!(
+        folder
+            .path()
+            .join("out/within_tolerance/recording.toml")
+            .exists()
+    );
+}
+
+/// Without a deviation the joints keep their line; with one they take no longer, and stay within it.
+#[test]
+fn a_tolerance_of_several_joints_is_kept() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("arm.toml"), both_ring()).unwrap();
+    let run = |out: &str, tolerance: &str| -> Value {
+        let arguments = format!("--target 30,-45 --json --out {out} {tolerance}");
+        serde_json::from_slice(&on_a_path(folder, &arguments)).unwrap()
+    };
+    let kept = run("kept", "--residual 2");
+    let left = run("left", "--residual 2 --deviation 3");
+    let away = |told: &Value| told["moves"][5]["path_deviation_deg"].as_f64().unwrap();
+    assert!(away(&kept) < 1e-9);
+    assert!(left["bounds"]["path_deviation_mm"].as_f64().unwrap() <= 3.0);
+    let command = |told: &Value| told["moves"][5]["command_s"].as_f64().unwrap();
+    assert!(command(&left) <= command(&kept) + 1e-9);
+}

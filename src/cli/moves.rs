@@ -12,9 +12,10 @@ use quell_shapers::{Mode, Shaper};
 
 use super::out::Force;
 use super::robot_args::{RobotArgs, SimulationArgs};
-use super::{CliError, choices, output, values};
+use super::{CliError, choices, output, shaping, values};
 use crate::closed_loop::{ClosedLoopError, Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::EstimatorEntry;
+use crate::tolerance::{Tolerance, ToleranceError};
 
 /// Makes one move unshaped, shaped by a wrong belief, adaptive, and adaptive on the next move.
 ///
@@ -26,6 +27,7 @@ Examples:
   quell move --belief-error -20 --shaper ei --noise 20 --seed 7
   quell move --robot robot.toml --joint 2 --target 45 --belief 11,0.05 --json
   quell move --robot robot.toml --target 30,45 --path
+  quell move --residual 5 --deviation 0.2
 
 Residual: peak of the true deformation at the tip once the command has ended and the motor side has
 followed. Settling: from the start of the move until the tip stays within 0.05 mm of its target.
@@ -35,7 +37,12 @@ of each move that `quell identify` and `quell inspect` read.
 
 With --path several joints move at once, on a straight line in joint space: unshaped, each with a
 shaper of its own, and all with the shapers of all, one after the other, which keeps the line. Of the
-latter two there is a first move and the next one, with what was learned.")]
+latter two there is a first move and the next one, with what was learned.
+
+--residual and --deviation add the first move once more, as fast as both allow for the modes that
+were learned, wherever within two standard deviations they are. No other train is then sent. The
+deviation is the distance of the commanded tip from the straight line in joint space, and the
+amplitude at the tip after the end; without it several joints keep the line.")]
 pub struct Args {
     #[command(flatten)]
     robot: RobotArgs,
@@ -83,6 +90,12 @@ pub struct Args {
     #[arg(long, value_name = "DEG/S^3", value_parser = values::positive,
           allow_negative_numbers = true)]
     pub jerk: Option<f64>,
+    /// Adds the move as fast as it may be when it leaves so much vibration, percent of the unshaped.
+    #[arg(long, value_name = "PERCENT", value_parser = values::positive, allow_negative_numbers = true)]
+    pub residual: Option<f64>,
+    /// Adds the move as fast as it may be when the tip leaves its path, or vibrates at its end, by so much, mm.
+    #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true)]
+    pub deviation: Option<f64>,
     #[command(flatten)]
     simulation: SimulationArgs,
     /// The folder for report and recordings.
@@ -106,7 +119,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let reads: Vec<&Path> = args.robot.robot.as_deref().into_iter().collect();
     let out = files::open(&args.out, args.force, &reads)?;
     let scenario = scenario::from(&args)?;
-    let comparison = side_by_side(&scenario)?;
+    let comparison = side_by_side(&scenario, shaping::tolerance(args.residual, args.deviation))?;
     files::write(&out, &scenario, &comparison)?;
     let report = args.out.join(files::REPORT);
     if args.json {
@@ -131,7 +144,7 @@ fn finished(name: &str, trace: &MoveTrace) -> Result<(), CliError> {
 }
 
 /// The three cells do not know each other: they run side by side.
-fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
+fn side_by_side(scenario: &Scenario, tolerance: Option<Tolerance>) -> Result<Comparison, CliError> {
     let (unshaped, (wrong_belief, adaptive)) = rayon::join(
         || named(scenario.shaper, || scenario.unshaped()),
         || {
@@ -147,8 +160,15 @@ fn side_by_side(scenario: &Scenario) -> Result<Comparison, CliError> {
     let (first, next, truth) = adaptive?;
     finished(MoveKind::AdaptiveFirst.name(), &first)?;
     finished(MoveKind::AdaptiveNext.name(), &next)?;
+    let modes = next.known_modes();
     let adaptive = (first, next, truth);
-    Ok(Comparison::new(unshaped, wrong_belief, adaptive))
+    let comparison = Comparison::new(unshaped, wrong_belief, adaptive);
+    let Some(tolerance) = tolerance else {
+        return Ok(comparison);
+    };
+    let within = scenario.within(tolerance, modes).map_err(refused)?;
+    finished(MoveKind::WithinTolerance.name(), &within.0)?;
+    Ok(comparison.with_tolerance(within))
 }
 
 /// A simulation, named in the log by its shaper.
@@ -161,13 +181,15 @@ fn named<T>(
 }
 
 fn refused(error: ClosedLoopError) -> CliError {
-    let unregistered = matches!(error, ClosedLoopError::Registration(_));
-    let error = CliError::input(error);
-    match unregistered {
-        true => error.with_help(
+    let help = match &error {
+        ClosedLoopError::Registration(_) => {
             "a move of its own first tells where the tracker stands: it takes a longer --target, \
-             less --noise, less --payload or a faster tracker",
-        ),
-        false => error,
-    }
+             less --noise, less --payload or a faster tracker"
+        }
+        ClosedLoopError::Tolerance(ToleranceError::Unattainable { .. }) => {
+            "allow more by --residual or --deviation, or let the modes be better known: less --noise"
+        }
+        _ => return CliError::input(error),
+    };
+    CliError::input(error).with_help(help)
 }

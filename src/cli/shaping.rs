@@ -6,6 +6,7 @@ use quell_trajectories::{AxisState, Limits, Planner};
 use super::CliError;
 use crate::closed_loop::ClosedLoopError;
 use crate::controller::{SlowedPlan, plan_shaped};
+use crate::tolerance::Tolerance;
 
 /// The longest train that is run, ticks: 48 MB of delay line, 17 minutes at 1 kHz.
 const LONGEST_TRAIN: usize = 1_000_000;
@@ -53,6 +54,14 @@ pub fn plan(ends: [f64; 2], limits: Limits, train: &GridTrain) -> Result<SlowedP
         })),
         _ => Ok(slowed),
     }
+}
+
+/// What a move may leave: a residual in percent, a deviation in millimetres; none where nothing is said.
+pub fn tolerance(residual: Option<f64>, deviation: Option<f64>) -> Option<Tolerance> {
+    (residual.is_some() || deviation.is_some()).then_some(Tolerance {
+        residual: residual.map(|percent| 1e-2 * percent),
+        deviation: deviation.map(|millimetres| 1e-3 * millimetres),
+    })
 }
 
 /// The remark on a move that was slowed down to `speed` (1 is full speed).

@@ -32,6 +32,7 @@ Examples:
   quell simulate
   quell simulate --target 30 --target 0 --dwell 2 --payload 10 --out data
   quell simulate --robot robot.toml --joint 2 --shaper zvd --belief 11,0.05 --json
+  quell simulate --residual 5 --belief 8.12,0.084
   quell simulate --command data --noise 5
   quell simulate --command command.csv --column joint_1_deg --unit deg --rate 250
   quell simulate model.toml arm7 --out prediction.csv
@@ -43,7 +44,7 @@ rest, to one encoder step, until the next move begins.")]
 pub struct Args {
     /// A model to predict a recording with, instead of a robot's moves.
     #[arg(value_name = "MODEL", requires = "recording",
-          conflicts_with_all = ["target", "shaper", "command", "pose", "mode", "belief", "dwell"])]
+          conflicts_with_all = ["target", "shaper", "command", "pose", "mode", "belief", "dwell", "residual", "deviation"])]
     pub model: Option<PathBuf>,
     /// The recording to predict: its manifest, the folder of a recording.toml, or an MCAP file.
     #[arg(value_name = "RECORDING")]
@@ -67,6 +68,14 @@ pub struct Args {
     /// The shaper of the moves [default: none].
     #[arg(long, value_parser = choices::shapers())]
     pub shaper: Option<&'static dyn Shaper>,
+    /// Moves as fast as they may be when they leave so much vibration of the believed modes, percent of the unshaped.
+    #[arg(long, value_name = "PERCENT", value_parser = values::positive, allow_negative_numbers = true,
+          conflicts_with_all = ["shaper", "command"])]
+    pub residual: Option<f64>,
+    /// Moves as fast as they may be when the tip vibrates at their ends by so much, mm.
+    #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true,
+          conflicts_with_all = ["shaper", "command"])]
+    pub deviation: Option<f64>,
     /// The believed mode, natural frequency in Hz and damping ratio; several are shaped for at once
     /// [default: the joint's own without payload, in its home pose].
     #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true)]

@@ -142,7 +142,7 @@ proptest! {
         // What the unshaped move leaves is looked at in fewer places here: it may be a little more there.
         prop_assert!(left <= residual * all * 1.02 + rounding, "{left} of {all}");
         prop_assert!(joint.lever * left <= metres * factor + rounding, "{left} rad");
-        prop_assert!(left <= found.vibration / joint.lever * factor + rounding);
+        prop_assert!(left <= found.bounds.vibration / joint.lever * factor + rounding);
         prop_assert!(plan.samples() >= straight.samples());
     }
 
@@ -159,7 +159,7 @@ proptest! {
         let with = |deviation| fastest(&joints, Tolerance { residual: Some(residual), deviation }, PERIOD).unwrap();
         let kept = with(None);
         prop_assert!(departure(&kept, &joints) < 1e-12);
-        prop_assert_eq!(kept.departure, 0.0);
+        prop_assert_eq!(kept.bounds.departure, 0.0);
         let metres = 1e-3 * millimetres;
         let found = with(Some(metres));
         prop_assert!(departure(&found, &joints) <= metres);

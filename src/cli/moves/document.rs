@@ -7,6 +7,7 @@ use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario};
 use crate::estimators::Estimate;
 use crate::learning::{Hold, Prescription};
 use crate::page::{columns, decimals_beside, number};
+use crate::tolerance::Bounds;
 
 /// Distance from the target within which the tip counts as settled, m.
 pub const SETTLED: f64 = 0.05e-3;
@@ -54,7 +55,8 @@ pub fn document(comparison: &Comparison) -> Value {
                 "whole_move_mm": trace.vibration() * 1e3,
                 "whole_move_percent_of_unshaped": comparison.whole_ratio(*kind) * 100.0,
                 "settling_s": trace.settling_time(SETTLED),
-                "added_delay_s": trace.added_delay(),
+                "command_s": trace.command_end,
+                "added_delay_s": comparison.added_delay(*kind),
                 "final_error_rad": trace.final_error(),
             })
         })
@@ -74,11 +76,38 @@ pub fn document(comparison: &Comparison) -> Value {
         "moves": moves,
         "estimate": estimate,
         "modes": next.prescribed.as_ref().map(modes),
+        "bounds": comparison.bounds.map(bounds),
         "truth": {
             "frequency_hz": comparison.truth.hertz(),
             "damping_ratio": comparison.truth.damping_ratio(),
         },
     })
+}
+
+/// What a move within a tolerance leaves at most, as JSON.
+pub fn bounds(bounds: Bounds) -> Value {
+    json!({
+        "residual_percent": 100.0 * bounds.residual,
+        "vibration_mm": 1e3 * bounds.vibration,
+        "path_deviation_mm": 1e3 * bounds.departure,
+    })
+}
+
+/// The same in words.
+pub fn at_most(bounds: Option<Bounds>) -> String {
+    let Some(bounds) = bounds else {
+        return String::new();
+    };
+    let path = match bounds.departure {
+        none if none == 0.0 => String::new(),
+        departure => format!(" and {:.3} mm from its path", 1e3 * departure),
+    };
+    format!(
+        "The fastest move within the tolerance leaves at most {:.2} % of the unshaped vibration, {:.4} mm at the tip{path}, \
+         wherever within two standard deviations the modes are.\n",
+        100.0 * bounds.residual,
+        1e3 * bounds.vibration,
+    )
 }
 
 /// The modes that the first move taught for the next.
@@ -183,7 +212,7 @@ fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 8
         format!("{:.4}", trace.vibration() * 1e3),
         percent(comparison.whole_ratio(kind)),
         settling.map_or("-".to_string(), |time| format!("{time:.3}")),
-        format!("{:.3}", trace.added_delay()),
+        format!("{:.3}", comparison.added_delay(kind)),
         format!("{:.1e}", trace.final_error()),
     ]
 }
@@ -218,12 +247,13 @@ pub fn learned(comparison: &Comparison) -> String {
     )
 }
 
-/// Slowed moves and refused corrections.
+/// Slowed moves and refused corrections, and what a tolerance made of the last move.
 pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
     let moves = comparison.moves.iter();
-    moves
+    let words: String = moves
         .map(|(kind, trace)| remark(kind.name(), scenario.shaper.name(), trace))
-        .collect()
+        .collect();
+    words + &at_most(comparison.bounds)
 }
 
 /// The lines on a move of this name that was slowed, or whose corrections were refused.

@@ -116,7 +116,7 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
 }
 
 fn table(comparison: &Comparison) -> Table {
-    let mut table = Table::new("The four moves")
+    let mut table = Table::new("The moves")
         .text_column("move")
         .column("residual", "mm")
         .column("of unshaped", "%")
@@ -133,7 +133,7 @@ fn table(comparison: &Comparison) -> Table {
             (trace.vibration() * 1e3).into(),
             (comparison.whole_ratio(*kind) * 100.0).into(),
             trace.settling_time(SETTLED).into(),
-            trace.added_delay().into(),
+            comparison.added_delay(*kind).into(),
             trace.final_error().into(),
         ]);
     }
@@ -167,6 +167,7 @@ fn words(kind: MoveKind) -> &'static str {
         MoveKind::WrongBelief => "wrong belief",
         MoveKind::AdaptiveFirst => "adaptive, first move",
         MoveKind::AdaptiveNext => "adaptive, next move",
+        MoveKind::WithinTolerance => "fastest within the tolerance",
     }
 }
 
@@ -246,7 +247,7 @@ fn command(comparison: &Comparison) -> Chart {
     let first = comparison.trace(MoveKind::AdaptiveFirst);
     let velocity = |trace: &MoveTrace| column(trace, |tick| tick.velocity.to_degrees());
     let time = |trace: &MoveTrace| column(trace, |tick| tick.time);
-    Chart::lines("Commanded velocity", "time", "s", "velocity", "deg/s")
+    let chart = Chart::lines("Commanded velocity", "time", "s", "velocity", "deg/s")
         .series(
             words(MoveKind::Unshaped),
             &time(unshaped),
@@ -257,7 +258,12 @@ fn command(comparison: &Comparison) -> Chart {
             &time(first),
             &velocity(first),
         )
-        .x_range(0.0, 1.2 * first.command_end)
+        .x_range(0.0, 1.2 * first.command_end);
+    let mut moves = comparison.moves.iter();
+    match moves.find(|(kind, _)| *kind == MoveKind::WithinTolerance) {
+        Some((kind, trace)) => chart.series(words(*kind), &time(trace), &velocity(trace)),
+        None => chart,
+    }
 }
 
 fn trains(comparison: &Comparison) -> Chart {

@@ -7,6 +7,8 @@ use super::Args;
 use super::motion::{Knot, Leg, Motion, rounding};
 use super::setup::Setup;
 use crate::cli::{CliError, effort::affordable, shaping};
+use crate::controller::SlowedPlan;
+use crate::tolerance::{self, Moving, Tolerance};
 
 /// Rest before the first move, s: what the sensors say of a joint that stands.
 const REST: f64 = 0.5;
@@ -21,7 +23,10 @@ pub fn plan(args: &Args, setup: &Setup) -> Result<Motion, CliError> {
     let (mut at, mut speed) = (start, 1.0_f64);
     for target in targets(args, setup)? {
         let target = start + target;
-        let planned = shaping::plan([at, target], limits, &train)?;
+        let planned = match shaping::tolerance(args.residual, args.deviation) {
+            None => shaping::plan([at, target], limits, &train)?,
+            Some(tolerance) => fastest(setup, [at, target], tolerance)?,
+        };
         writer.leg(&planned.plan)?;
         writer.rest(setup.dwell(args))?;
         (at, speed) = (target, speed.min(planned.speed));
@@ -36,6 +41,21 @@ pub fn plan(args: &Args, setup: &Setup) -> Result<Motion, CliError> {
         stamp: 0.0,
         remarks: slowed.into_iter().collect(),
     })
+}
+
+/// The fastest move within a tolerance, for the modes as they are believed.
+fn fastest(setup: &Setup, ends: [f64; 2], tolerance: Tolerance) -> Result<SlowedPlan, CliError> {
+    let arc = setup.robot.chain.arc(&setup.pose, setup.joint);
+    let modes = setup.belief.iter().copied().map(UncertainMode::believed);
+    let moving = Moving {
+        ends,
+        limits: setup.robot.joints[setup.joint].limits,
+        modes: modes.collect(),
+        lever: arc.map_err(CliError::input)?.radius(),
+    };
+    let found = tolerance::fastest(&[moving], tolerance, 1.0 / setup.robot.control_rate);
+    let plan = found.map_err(CliError::input)?.plans.remove(0);
+    Ok(SlowedPlan::at_full_speed(plan))
 }
 
 /// Targets from where the joint stands, rad.

@@ -22,6 +22,17 @@ pub struct SlowedPlan {
     pub peaks: PeakRatios,
 }
 
+impl SlowedPlan {
+    /// A plan that keeps the limits as it is.
+    pub fn at_full_speed(plan: SampledTrajectory) -> Self {
+        Self {
+            plan,
+            speed: 1.0,
+            peaks: PeakRatios::default(),
+        }
+    }
+}
+
 /// Plans a move of one axis from rest to rest and slows it down until `train` keeps the limits.
 ///
 /// Trains of positive amplitudes keep them at full speed. Off the tick.

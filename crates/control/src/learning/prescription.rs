@@ -52,6 +52,21 @@ pub struct ModeOnWay {
     pub shaped: bool,
 }
 
+impl ModeOnWay {
+    /// One mode whose two standard deviations reach over those of the mode wherever it is on the way.
+    pub fn anywhere(&self) -> UncertainMode {
+        let frequencies = self.modes.map(|mode| mode.natural_frequency());
+        let least = frequencies.into_iter().fold(f64::INFINITY, f64::min);
+        let most = frequencies.into_iter().fold(0.0, f64::max);
+        let middle = Mode::new(0.5 * (least + most), self.known.mode.damping_ratio());
+        UncertainMode {
+            mode: middle.unwrap_or(self.known.mode),
+            natural_frequency_std: self.known.natural_frequency_std + 0.25 * (most - least),
+            ..self.known
+        }
+    }
+}
+
 /// What is in force for a move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {

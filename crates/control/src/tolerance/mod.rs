@@ -52,11 +52,18 @@ pub struct Tolerance {
 pub struct Fastest {
     /// The motion of each joint at the control period; it is sent as it is, without a train.
     pub plans: Vec<SampledTrajectory>,
-    /// Largest share of its unshaped vibration that a joint keeps, for the modes as well as they are known.
+    /// What it leaves at most.
+    pub bounds: Bounds,
+}
+
+/// The most that a move leaves, for modes anywhere in their boxes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Largest share of its unshaped vibration that a joint keeps.
     pub residual: f64,
-    /// The same as a distance of the tip, m.
+    /// The largest amplitude that a joint keeps, at the tip, m.
     pub vibration: f64,
-    /// Largest distance of the commanded tip from the path, m, bounded by the sum over the joints.
+    /// Largest distance of the commanded tip from the path, m: the sum over the joints.
     pub departure: f64,
 }
 

@@ -7,7 +7,7 @@ use super::check::{exact_end, keeps_limits};
 use super::known::{FINER, Known};
 use super::program::{Axis, Program};
 use super::swing::Swing;
-use super::{Fastest, Moving, Tolerance, ToleranceError};
+use super::{Bounds, Fastest, Moving, Tolerance, ToleranceError};
 
 /// Steps in a period of the fastest mode, and in the ramp of the acceleration at the limits. With 48 to 128 of them a problem takes
 /// 5 to 20 ms.
@@ -73,13 +73,15 @@ impl<'a> Search<'a> {
         let worst = |of: fn(&Known) -> f64| self.known.iter().map(of).fold(0.0, f64::max);
         Ok(Some(Fastest {
             plans: self.along(&self.full.sample(self.period)?),
-            residual: if worst(|known| known.unshaped) > 0.0 {
-                1.0
-            } else {
-                0.0
+            bounds: Bounds {
+                residual: if worst(|known| known.unshaped) > 0.0 {
+                    1.0
+                } else {
+                    0.0
+                },
+                vibration: worst(|known| known.unshaped * known.lever),
+                departure: 0.0,
             },
-            vibration: worst(|known| known.unshaped * known.lever),
-            departure: 0.0,
         }))
     }
 
@@ -193,12 +195,12 @@ impl<'a> Search<'a> {
             }
             vibration = vibration.max(left * known.lever);
         }
-        Some(Fastest {
-            plans,
+        let bounds = Bounds {
             residual,
             vibration,
             departure,
-        })
+        };
+        Some(Fastest { plans, bounds })
     }
 
     fn periods(&self) -> impl Iterator<Item = f64> {

@@ -195,6 +195,22 @@ impl Cell {
         Ok(self.end(running))
     }
 
+    /// Sends a plan to `target` (rad) that was made elsewhere, and watches the arm ring out.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError::Load`] where the controller refuses it.
+    pub fn run_plan(
+        &mut self,
+        plan: SampledTrajectory,
+        target: f64,
+    ) -> Result<MoveTrace, ClosedLoopError> {
+        let mut running = self.begin(SlowedPlan::at_full_speed(plan), target)?;
+        while !self.is_over(&running) {
+            self.tick(&mut running);
+        }
+        Ok(self.end(running))
+    }
+
     fn plan(&self, ends: [f64; 2]) -> Result<SlowedPlan, ClosedLoopError> {
         let train = self.controller.axis().next_train();
         within_limits(plan_shaped(&self.planner, ends, self.limits, train)?)

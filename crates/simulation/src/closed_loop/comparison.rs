@@ -1,14 +1,15 @@
 //! The same move unshaped, shaped by a wrong belief, and adaptive.
 
-use quell_shapers::{Mode, Shaper, Zvd};
+use quell_shapers::{Mode, Shaper, UncertainMode, Zvd};
 use quell_trajectories::Limits;
 
 use super::{Cell, CellSettings, ClosedLoopError, MoveTrace};
 use crate::plant::{Robot, SimulationOptions};
 use quell_control::controller::RetunePolicy;
 use quell_control::estimators::{ESTIMATORS, EstimatorEntry};
+use quell_control::tolerance::{Bounds, Moving, Tolerance, fastest};
 
-/// One of the four moves that are compared.
+/// One of the moves that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MoveKind {
     /// The plan as it is.
@@ -19,15 +20,18 @@ pub enum MoveKind {
     AdaptiveFirst,
     /// The next move of the same controller: back, with what it has learned.
     AdaptiveNext,
+    /// The first move again, as fast as a tolerance allows for what was learned.
+    WithinTolerance,
 }
 
 impl MoveKind {
-    /// All four, in the order in which they are made.
-    pub const ALL: [Self; 4] = [
+    /// All five, in the order in which they are made.
+    pub const ALL: [Self; 5] = [
         Self::Unshaped,
         Self::WrongBelief,
         Self::AdaptiveFirst,
         Self::AdaptiveNext,
+        Self::WithinTolerance,
     ];
 
     /// Name in tables and files.
@@ -37,6 +41,7 @@ impl MoveKind {
             Self::WrongBelief => "wrong_belief",
             Self::AdaptiveFirst => "adaptive_first",
             Self::AdaptiveNext => "adaptive_next",
+            Self::WithinTolerance => "within_tolerance",
         }
     }
 }
@@ -62,13 +67,15 @@ pub struct Scenario {
     pub estimator: &'static EstimatorEntry,
 }
 
-/// The four moves side by side.
+/// The moves side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The moves, in the order of [`MoveKind::ALL`].
+    /// The moves, in the order of [`MoveKind::ALL`]; the last one where it was asked for.
     pub moves: Vec<(MoveKind, MoveTrace)>,
     /// The simulated arm's true mode.
     pub truth: Mode,
+    /// What the move within a tolerance leaves at most.
+    pub bounds: Option<Bounds>,
 }
 
 impl Comparison {
@@ -82,10 +89,18 @@ impl Comparison {
         Self {
             moves: MoveKind::ALL.into_iter().zip(traces).collect(),
             truth,
+            bounds: None,
         }
     }
 
-    /// The move of that kind.
+    /// Adds the move within a tolerance.
+    pub fn with_tolerance(mut self, (trace, bounds): (MoveTrace, Bounds)) -> Self {
+        self.moves.push((MoveKind::WithinTolerance, trace));
+        self.bounds = Some(bounds);
+        self
+    }
+
+    /// The move of that kind; the last one only where it was added.
     pub fn trace(&self, kind: MoveKind) -> &MoveTrace {
         &self.moves[kind as usize].1
     }
@@ -95,7 +110,19 @@ impl Comparison {
         self.trace(kind).residual() / self.trace(MoveKind::Unshaped).residual()
     }
 
-    /// The same of the whole move, in cruise and at the end.
+    /// The time that a command takes more than the plan at the limits, s.
+    pub fn added_delay(&self, kind: MoveKind) -> f64 {
+        let trace = self.trace(kind);
+        match kind {
+            // Its plan is longer in the place of a train.
+            MoveKind::WithinTolerance => {
+                trace.command_end - self.trace(MoveKind::Unshaped).planned_end
+            }
+            _ => trace.added_delay(),
+        }
+    }
+
+    /// As [`Comparison::ratio`] of the whole move, in cruise and at the end.
     pub fn whole_ratio(&self, kind: MoveKind) -> f64 {
         self.trace(kind).vibration() / self.trace(MoveKind::Unshaped).vibration()
     }
@@ -158,6 +185,32 @@ impl Scenario {
         let first = cell.run_move(start + self.displacement)?;
         let next = cell.run_move(start)?;
         Ok((first, next, cell.arm().true_mode().unwrap_or(self.belief)))
+    }
+
+    /// The move as fast as a tolerance allows for modes that were learned; its plan is sent as it is.
+    ///
+    /// # Errors
+    /// As [`Scenario::run`], and [`ClosedLoopError::Tolerance`] where no move is within the tolerance.
+    pub fn within(
+        &self,
+        tolerance: Tolerance,
+        modes: Vec<UncertainMode>,
+    ) -> Result<(MoveTrace, Bounds), ClosedLoopError> {
+        let mut cell = Cell::new(&self.cell(None, false))?;
+        let start = cell.position();
+        let moving = Moving {
+            ends: [start, start + self.displacement],
+            limits: self.limits,
+            modes,
+            lever: cell.arm().arc().radius(),
+        };
+        let found = fastest(&[moving], tolerance, 1.0 / self.robot.control_rate)?;
+        let target = start + self.displacement;
+        let trace = match found.plans.into_iter().next() {
+            Some(plan) => cell.run_plan(plan, target)?,
+            None => cell.run_move(target)?,
+        };
+        Ok((trace, found.bounds))
     }
 
     fn cell(&self, shaper: Option<&'static dyn Shaper>, adaptive: bool) -> CellSettings {

@@ -5,6 +5,7 @@ use quell_trajectories::PlanError;
 
 use crate::plant::SimulationError;
 use quell_control::controller::LoadError;
+use quell_control::tolerance::ToleranceError;
 use quell_signal::SignalError;
 
 /// Why a closed loop could not be run.
@@ -25,6 +26,9 @@ pub enum ClosedLoopError {
     /// The controller refused the plan.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// No move is within the tolerance.
+    #[error(transparent)]
+    Tolerance(#[from] ToleranceError),
     /// The shaped move exceeds a limit at any speed that was tried.
     #[error("the shaped move reaches {ratio:.2} times a limit, even at {percent:.0} % speed")]
     Limits {

@@ -1,6 +1,6 @@
 //! A move of several joints on a straight path in joint space, with a train for each joint and with one for all.
 
-use quell_shapers::{Mode, Shaper};
+use quell_shapers::{Mode, Shaper, UncertainMode};
 use quell_trajectories::Limits;
 
 use super::side_by_side::Cells;
@@ -8,6 +8,10 @@ use super::{CellSettings, ClosedLoopError, PathTrace};
 use crate::plant::{Robot, SimulationOptions};
 use quell_control::controller::RetunePolicy;
 use quell_control::estimators::EstimatorEntry;
+use quell_control::tolerance::{Bounds, Moving, Tolerance, fastest};
+
+/// Poses on the way at which the distance of the tip from an axis is looked at.
+const LOOKS: usize = 32;
 
 /// One of the moves on a path that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,16 +26,19 @@ pub enum PathKind {
     CommonTrainFirst,
     /// The next move of the same controllers: back, with what they have learned.
     CommonTrainNext,
+    /// The first move again, as fast as a tolerance allows for what was learned.
+    WithinTolerance,
 }
 
 impl PathKind {
-    /// All five, in the order in which they are told.
-    pub const ALL: [Self; 5] = [
+    /// All six, in the order in which they are told.
+    pub const ALL: [Self; 6] = [
         Self::Unshaped,
         Self::OwnTrainsFirst,
         Self::OwnTrainsNext,
         Self::CommonTrainFirst,
         Self::CommonTrainNext,
+        Self::WithinTolerance,
     ];
 
     /// Name in tables and files.
@@ -42,6 +49,7 @@ impl PathKind {
             Self::OwnTrainsNext => "own_trains_next",
             Self::CommonTrainFirst => "common_train_first",
             Self::CommonTrainNext => "common_train_next",
+            Self::WithinTolerance => "within_tolerance",
         }
     }
 }
@@ -74,11 +82,13 @@ pub struct PathScenario {
     pub estimator: &'static EstimatorEntry,
 }
 
-/// The five moves side by side.
+/// The moves side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathComparison {
-    /// The moves, in the order of [`PathKind::ALL`].
+    /// The moves, in the order of [`PathKind::ALL`]; the last one where it was asked for.
     pub moves: Vec<(PathKind, PathTrace)>,
+    /// What the move within a tolerance leaves at most.
+    pub bounds: Option<Bounds>,
 }
 
 impl PathComparison {
@@ -87,10 +97,30 @@ impl PathComparison {
         let traces = [unshaped].into_iter().chain(own).chain(common);
         Self {
             moves: PathKind::ALL.into_iter().zip(traces).collect(),
+            bounds: None,
         }
     }
 
-    /// The move of that kind.
+    /// Adds the move within a tolerance.
+    pub fn with_tolerance(mut self, (trace, bounds): (PathTrace, Bounds)) -> Self {
+        self.moves.push((PathKind::WithinTolerance, trace));
+        self.bounds = Some(bounds);
+        self
+    }
+
+    /// The time that the command takes more than the plan at the limits, s.
+    pub fn added_delay(&self, kind: PathKind) -> f64 {
+        let trace = self.trace(kind);
+        match kind {
+            // Its plan is longer in the place of a train.
+            PathKind::WithinTolerance => {
+                trace.command_end() - self.trace(PathKind::Unshaped).command_end()
+            }
+            _ => trace.added_delay(),
+        }
+    }
+
+    /// The move of that kind; the last one only where it was added.
     pub fn trace(&self, kind: PathKind) -> &PathTrace {
         &self.moves[kind as usize].1
     }
@@ -128,6 +158,47 @@ impl PathScenario {
     /// As [`PathScenario::unshaped`].
     pub fn common_train(&self) -> Result<[PathTrace; 2], ClosedLoopError> {
         self.there_and_back(Cells::new(&self.cells(true), true)?)
+    }
+
+    /// The move as fast as a tolerance allows, with the modes of each joint as they were learned; its plans are sent as they are.
+    ///
+    /// # Errors
+    /// As [`PathScenario::unshaped`], and [`ClosedLoopError::Tolerance`] where no move is within the tolerance.
+    pub fn within(
+        &self,
+        tolerance: Tolerance,
+        modes: &[Vec<UncertainMode>],
+    ) -> Result<(PathTrace, Bounds), ClosedLoopError> {
+        let mut cells = Cells::new(&self.cells(false), false)?;
+        let start = cells.positions();
+        let each = self.joints.iter().zip(&start).zip(modes);
+        let moving = each.map(|((joint, from), modes)| {
+            let ends = [*from, from + joint.displacement];
+            Ok(Moving {
+                ends,
+                limits: joint.limits,
+                modes: modes.clone(),
+                lever: self.lever(joint.joint)?,
+            })
+        });
+        let moving = moving.collect::<Result<Vec<_>, ClosedLoopError>>()?;
+        let found = fastest(&moving, tolerance, 1.0 / self.robot.control_rate)?;
+        let trace = cells.run_plans(found.plans, &self.targets(&start))?;
+        Ok((trace, found.bounds))
+    }
+
+    /// The largest distance of the tip from a joint's axis on the straight line, m.
+    fn lever(&self, joint: usize) -> Result<f64, ClosedLoopError> {
+        let home: Vec<f64> = self.robot.joints.iter().map(|joint| joint.home).collect();
+        let mut most: f64 = 0.0;
+        for k in 0..=LOOKS {
+            let mut pose = home.clone();
+            for moved in &self.joints {
+                pose[moved.joint] += moved.displacement * k as f64 / LOOKS as f64;
+            }
+            most = most.max(self.robot.chain.arc(&pose, joint)?.radius());
+        }
+        Ok(most)
     }
 
     fn there_and_back(&self, mut cells: Cells) -> Result<[PathTrace; 2], ClosedLoopError> {

@@ -2,7 +2,7 @@
 
 use quell_control::controller::{Controller, KeptPath, SlowedPlan, plan_shaped_by};
 use quell_shapers::{GridTrain, common_train};
-use quell_trajectories::{Limits, Planner};
+use quell_trajectories::{Limits, Planner, SampledTrajectory};
 
 use super::cell::within_limits;
 use super::{Cell, CellSettings, ClosedLoopError, PathTrace};
@@ -51,13 +51,36 @@ impl Cells {
     ) -> Result<PathTrace, ClosedLoopError> {
         let from = self.positions();
         let slowed = self.plan(limits)?;
+        let ends = from.iter().zip(targets);
+        let plans = ends.map(|(from, to)| SlowedPlan {
+            plan: slowed.plan.along(*from, to - from),
+            ..slowed.clone()
+        });
+        self.run(plans.collect(), targets)
+    }
+
+    /// Sends plans to the targets (rad) that were made elsewhere.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError::Load`] where a controller refuses its plan.
+    pub fn run_plans(
+        &mut self,
+        plans: Vec<SampledTrajectory>,
+        targets: &[f64],
+    ) -> Result<PathTrace, ClosedLoopError> {
+        let plans = plans.into_iter().map(SlowedPlan::at_full_speed);
+        self.run(plans.collect(), targets)
+    }
+
+    fn run(
+        &mut self,
+        plans: Vec<SlowedPlan>,
+        targets: &[f64],
+    ) -> Result<PathTrace, ClosedLoopError> {
+        let from = self.positions();
         let mut running = Vec::with_capacity(self.cells.len());
-        for ((cell, from), to) in self.cells.iter_mut().zip(&from).zip(targets) {
-            let own = SlowedPlan {
-                plan: slowed.plan.along(*from, to - from),
-                ..slowed.clone()
-            };
-            running.push(cell.begin(own, *to)?);
+        for ((cell, plan), to) in self.cells.iter_mut().zip(plans).zip(targets) {
+            running.push(cell.begin(plan, *to)?);
         }
         while !self
             .cells

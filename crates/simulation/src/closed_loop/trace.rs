@@ -5,7 +5,7 @@ use quell_trajectories::Limits;
 
 use quell_control::controller::motion_limits;
 use quell_control::estimators::Estimate;
-use quell_control::learning::Prescription;
+use quell_control::learning::{ModeOnWay, Prescription};
 use quell_recording::Recording;
 use quell_signal::{ArcRegistration, JointArc};
 
@@ -142,6 +142,17 @@ impl MoveTrace {
             acceleration: tick.acceleration,
         });
         peak_ratios(command, &motion_limits(limits), self.period)
+    }
+
+    /// The modes that are known after the move, each wherever it is on the way: those that were learned, else the one that is
+    /// shaped for.
+    pub fn known_modes(&self) -> Vec<UncertainMode> {
+        let learned = self.prescribed.iter().flat_map(|one| &one.modes);
+        let learned: Vec<_> = learned.map(ModeOnWay::anywhere).collect();
+        match learned.is_empty() {
+            true => vec![self.shaped_for],
+            false => learned,
+        }
     }
 
     /// The first tick at which the estimate had converged, and that estimate.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::super::document::{SETTLED, percent, remark};
+use super::super::document::{SETTLED, at_most, bounds, percent, remark};
 use crate::closed_loop::{MoveTrace, PathComparison, PathKind, PathScenario, PathTrace};
 use crate::page::{columns, number};
 
@@ -26,11 +26,15 @@ pub fn document(scenario: &PathScenario, comparison: &PathComparison) -> Value {
             "name": kind.name(),
             "path_deviation_deg": trace.command_departure().to_degrees(),
             "link_path_deviation_deg": trace.link_departure().to_degrees(),
-            "added_delay_s": trace.added_delay(),
+            "command_s": trace.command_end(),
+            "added_delay_s": comparison.added_delay(*kind),
             "joints": joints,
         })
     };
-    json!({ "moves": comparison.moves.iter().map(one).collect::<Vec<_>>() })
+    json!({
+        "moves": comparison.moves.iter().map(one).collect::<Vec<_>>(),
+        "bounds": comparison.bounds.map(bounds),
+    })
 }
 
 /// The comparison as text for a terminal.
@@ -70,7 +74,7 @@ fn rows(
             first(kind.name().to_string()),
             first(format!("{:.4}", trace.command_departure().to_degrees())),
             first(format!("{:.4}", trace.link_departure().to_degrees())),
-            first(format!("{:.3}", trace.added_delay())),
+            first(format!("{:.3}", comparison.added_delay(kind))),
             (scenario.joints[index].joint + 1).to_string(),
             format!("{:.4}", joint.residual() * 1e3),
             percent(comparison.ratio(kind, index)),
@@ -124,7 +128,7 @@ pub fn sentence(comparison: &PathComparison) -> String {
     )
 }
 
-/// Slowed moves and refused corrections, joint by joint.
+/// Slowed moves and refused corrections, joint by joint, and what a tolerance made of the last move.
 pub fn remarks(scenario: &PathScenario, comparison: &PathComparison) -> String {
     let mut words = String::new();
     for (kind, trace) in &comparison.moves {
@@ -133,5 +137,5 @@ pub fn remarks(scenario: &PathScenario, comparison: &PathComparison) -> String {
             words.push_str(&remark(&name, scenario.shaper.name(), one));
         }
     }
-    words
+    words + &at_most(comparison.bounds)
 }

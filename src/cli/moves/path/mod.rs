@@ -6,11 +6,14 @@ mod page;
 
 use std::path::Path;
 
-use super::{Args, finished, named, scenario};
-use crate::cli::{CliError, output};
+use quell_shapers::UncertainMode;
+
+use super::{Args, finished, named, refused, scenario};
+use crate::cli::{CliError, output, shaping};
 use crate::closed_loop::{PathComparison, PathJoint, PathKind, PathScenario, PathTrace};
 use crate::plant::Robot;
 use crate::signal::JointKind;
+use crate::tolerance::Tolerance;
 
 /// Runs the verb with `--path`.
 ///
@@ -20,7 +23,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let scenario = from(args)?;
     let reads: Vec<&Path> = args.robot.robot.as_deref().into_iter().collect();
     let out = files::open(&args.out, args.force, &reads, &scenario)?;
-    let comparison = side_by_side(&scenario)?;
+    let comparison = side_by_side(&scenario, shaping::tolerance(args.residual, args.deviation))?;
     files::write(&out, &scenario, &comparison)?;
     if args.json {
         return output::json(&document::document(&scenario, &comparison));
@@ -92,7 +95,10 @@ fn joints(args: &Args, robot: &Robot) -> Result<Vec<PathJoint>, CliError> {
 }
 
 /// The cells of one way to shape do not know those of another: they run side by side.
-fn side_by_side(scenario: &PathScenario) -> Result<PathComparison, CliError> {
+fn side_by_side(
+    scenario: &PathScenario,
+    tolerance: Option<Tolerance>,
+) -> Result<PathComparison, CliError> {
     let (unshaped, (own, common)) = rayon::join(
         || named(scenario.shaper, || scenario.unshaped()),
         || {
@@ -105,11 +111,26 @@ fn side_by_side(scenario: &PathScenario) -> Result<PathComparison, CliError> {
     // A move that was cut off is told before what it broke in the next.
     let unshaped = unshaped?;
     all_finished(PathKind::Unshaped, &unshaped)?;
-    let comparison = PathComparison::new(unshaped, own?, common?);
+    let mut comparison = PathComparison::new(unshaped, own?, common?);
+    if let Some(tolerance) = tolerance {
+        let modes = known_modes(scenario, comparison.trace(PathKind::OwnTrainsNext));
+        let within = scenario.within(tolerance, &modes).map_err(refused)?;
+        comparison = comparison.with_tolerance(within);
+    }
     for (kind, trace) in &comparison.moves {
         all_finished(*kind, trace)?;
     }
     Ok(comparison)
+}
+
+/// The modes of each joint as they are known after a move; none of a stiff joint.
+fn known_modes(scenario: &PathScenario, trace: &PathTrace) -> Vec<Vec<UncertainMode>> {
+    let each = scenario.joints.iter().zip(&trace.joints);
+    let modes = each.map(|(joint, trace)| match joint.belief {
+        Some(_) => trace.known_modes(),
+        None => Vec::new(),
+    });
+    modes.collect()
 }
 
 fn all_finished(kind: PathKind, trace: &PathTrace) -> Result<(), CliError> {

@@ -98,7 +98,7 @@ fn table(scenario: &PathScenario, comparison: &PathComparison) -> Table {
                 (joint.residual() * 1e3).into(),
                 ratio.is_finite().then_some(ratio * 100.0).into(),
                 joint.settling_time(SETTLED).into(),
-                trace.added_delay().into(),
+                comparison.added_delay(*kind).into(),
             ]);
         }
     }
@@ -113,6 +113,7 @@ fn words(kind: PathKind) -> &'static str {
         PathKind::OwnTrainsNext => "trains for each joint, next move",
         PathKind::CommonTrainFirst => "common train, first move",
         PathKind::CommonTrainNext => "common train, next move",
+        PathKind::WithinTolerance => "fastest within the tolerance",
     }
 }
 
