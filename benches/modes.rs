@@ -13,16 +13,6 @@ use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
 use rayon::prelude::*;
 
-const FAULTS: Faults = Faults {
-    noise: 10e-6,
-    resolution: 1e-6,
-    spikes: 0.0,
-    lost: 0.0,
-    lag: 0.0,
-    friction: 0.0,
-    backlash: 0.0,
-};
-
 /// Degrees of a programme: over the whole range, in pieces of unlike length.
 const TARGETS: [f64; 12] = [
     60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0, 20.0, 40.0, 0.0, 35.0,
@@ -32,7 +22,7 @@ fn arm(name: &str, modes: &[PlantMode], belief_hz: f64) -> Programme {
     Programme {
         name: name.to_string(),
         modes: modes.to_vec(),
-        faults: FAULTS,
+        faults: Faults::USUAL,
         belief_hz,
         shaper: "zvd",
         start: 0.0,

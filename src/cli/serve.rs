@@ -57,7 +57,8 @@ pub struct Args {
 
 fn robots() -> impl clap::builder::TypedValueParser<Value = RobotKind> {
     use clap::builder::{PossibleValuesParser, TypedValueParser};
-    let names = RobotKind::ALL.iter().map(|kind| kind.name());
+    let built = |kind: &&RobotKind| service::ZENOH || **kind != RobotKind::Zenoh;
+    let names = RobotKind::ALL.iter().filter(built).map(|kind| kind.name());
     PossibleValuesParser::new(names).try_map(|name| {
         let found = RobotKind::ALL.iter().find(|kind| kind.name() == name);
         found.copied().ok_or("there is no such robot")

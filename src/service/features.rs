@@ -12,6 +12,9 @@ use super::station::StartError;
 /// A bridge beside a robot's link that asks for moves, begun once there is somebody to ask.
 pub type Companion = Box<dyn FnOnce(Handle) -> io::Result<Box<dyn Send>>>;
 
+/// Whether a link over Zenoh is part of this build.
+pub const ZENOH: bool = cfg!(feature = "zenoh");
+
 /// The live view of Foxglove, and where it listens.
 ///
 /// # Errors

@@ -32,5 +32,6 @@ pub mod station;
 mod telemetry;
 pub mod tick;
 
+pub use features::ZENOH;
 pub use start::{Service, start, start_on};
 pub use station::StartError;

@@ -9,22 +9,12 @@ use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
 use rayon::prelude::*;
 
-const FAULTS: Faults = Faults {
-    noise: 10e-6,
-    resolution: 1e-6,
-    spikes: 0.0,
-    lost: 0.0,
-    lag: 0.0,
-    friction: 0.0,
-    backlash: 0.0,
-};
-
 fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
     let moves = degrees.iter().map(|target| (target.to_radians(), 0.0));
     Programme {
         name: String::new(),
         modes: modes.to_vec(),
-        faults: FAULTS,
+        faults: Faults::USUAL,
         belief_hz,
         shaper: "zvd",
         start: 0.0,

@@ -61,6 +61,19 @@ pub struct Faults {
     pub backlash: f64,
 }
 
+impl Faults {
+    /// Sensors as they usually are, and nothing else.
+    pub const USUAL: Self = Self {
+        noise: 10e-6,
+        resolution: 1e-6,
+        spikes: 0.0,
+        lost: 0.0,
+        lag: 0.0,
+        friction: 0.0,
+        backlash: 0.0,
+    };
+}
+
 /// What the controller hears.
 #[derive(Clone, Copy, Debug)]
 pub struct Heard {

@@ -10,15 +10,6 @@ use quell_shapers::Mode;
 use super::plant::{Faults, Plant, PlantMode};
 use super::world::{PERIOD, World, config};
 
-const FAULTS: Faults = Faults {
-    noise: 10e-6,
-    resolution: 1e-6,
-    spikes: 0.0,
-    lost: 0.0,
-    lag: 0.0,
-    friction: 0.0,
-    backlash: 0.0,
-};
 const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
 /// Ticks that anything here takes at most.
 const PATIENCE: usize = 5_000;
@@ -34,13 +25,13 @@ fn settings(data: &Path, belief_hz: f64) -> Config {
     // A ramp of 5 ms makes 19 Hz ring.
     joint.limits.jerk = 6000.0;
     joint.sensor_rate = 1.0 / PERIOD;
-    joint.encoder_resolution = FAULTS.resolution;
+    joint.encoder_resolution = Faults::USUAL.resolution;
     config
 }
 
 fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
     let mut world = World::start(settings(data, belief_hz), 1e9, 0.0, true);
-    world.robot.arm = Some(Plant::new(modes, FAULTS, PERIOD, 0.0, 1));
+    world.robot.arm = Some(Plant::new(modes, Faults::USUAL, PERIOD, 0.0, 1));
     world.steps(100);
     world.enable();
     assert!(world.step().iter().all(|one| one.answer.is_ok()));

@@ -34,7 +34,7 @@ static quell_setpoint planned(int tick) {
 int main(void) {
     const double hertz = 6.283185307179586;
     quell_mode believed = {8.0 * hertz, 0.05}, identified = {9.0 * hertz, 0.04};
-    quell_train first, second;
+    quell_train first, second, both;
     if (failed("first train", quell_design("zvd", believed, TICK, &first))) return 1;
     if (failed("second train", quell_design("zvd", identified, TICK, &second))) return 1;
     printf("train");
@@ -65,6 +65,14 @@ int main(void) {
     if (failed("residual", quell_filter_residual(filter, identified, &left))) return 1;
     printf("residual %.17g of %.17g, settled %d\n", left.shaped, left.unshaped,
            (int)quell_filter_is_settled(filter));
+
+    /* An arm that rings in two modes has one train for both. */
+    quell_mode modes[] = {{8.0 * hertz, 0.05}, {19.0 * hertz, 0.03}};
+    if (failed("train for two modes", quell_design_modes("zv", modes, 2, TICK, &both))) return 1;
+    printf("both");
+    for (uint32_t i = 0; i < both.count; i++)
+        printf(" %u %.17g", (unsigned)both.taps[i].delay, both.taps[i].amplitude);
+    printf("\n");
 
     /* What is refused is told. */
     printf("refused %d %d %d %d\n", (int)quell_filter_install(filter, NULL),

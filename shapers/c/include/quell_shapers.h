@@ -90,6 +90,11 @@ typedef struct {
  * its kin: between two ticks. */
 quell_status quell_design(const char *shaper, quell_mode mode, double sample_time, quell_train *train);
 
+/* One train for `count` modes at once: that of the shaper for each of them, one after the other. Its length is the sum of theirs. With
+ * no mode it changes nothing. QUELL_TRAIN where it has more than QUELL_TAPS taps. */
+quell_status quell_design_modes(const char *shaper, const quell_mode *modes, size_t count, double sample_time,
+                                quell_train *train);
+
 /* The train that does what both do, for two modes at once. `both` may be one of the two. */
 quell_status quell_convolve(const quell_train *first, const quell_train *second, quell_train *both);
 

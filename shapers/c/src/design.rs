@@ -4,7 +4,7 @@ use crate::data::{PlainMode, PlainTrain};
 use crate::memory::{slice, write};
 use crate::status::{Status, code};
 use core::ffi::{CStr, c_char};
-use quell_shapers::shaper_by_name;
+use quell_shapers::{GridTrain, Shaper, shaper_by_name};
 
 /// `quell_design` of the header.
 ///
@@ -18,18 +18,52 @@ pub unsafe extern "C" fn quell_design(
     train: *mut PlainTrain,
 ) -> i32 {
     let design = || {
-        if shaper.is_null() {
-            return Err(Status::Null);
-        }
-        // SAFETY: not null, and a string by the contract.
-        let name = unsafe { CStr::from_ptr(shaper) };
-        let shaper = name.to_str().ok().and_then(shaper_by_name);
-        let found = shaper.ok_or(Status::UnknownShaper)?;
+        // SAFETY: as the caller promises.
+        let found = unsafe { named(shaper)? };
         let found = found.on_grid(mode.checked()?, sample_time)?;
         // SAFETY: as the caller promises.
         unsafe { write(train, PlainTrain::from(&found)) }
     };
     code(design())
+}
+
+/// `quell_design_modes` of the header.
+///
+/// # Safety
+/// `shaper` is null or a string that ends; `modes` is null or to `count` modes; `train` is null or a place for a train.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn quell_design_modes(
+    shaper: *const c_char,
+    modes: *const PlainMode,
+    count: usize,
+    sample_time: f64,
+    train: *mut PlainTrain,
+) -> i32 {
+    let design = || {
+        // SAFETY: as the caller promises.
+        let (found, modes) = unsafe { (named(shaper)?, slice(modes, count)?) };
+        let mut all = GridTrain::identity(sample_time)?;
+        for mode in modes {
+            all = all.convolve(&found.on_grid(mode.checked()?, sample_time)?)?;
+        }
+        // SAFETY: as the caller promises.
+        unsafe { write(train, PlainTrain::from(&all)) }
+    };
+    code(design())
+}
+
+/// The shaper of a name.
+///
+/// # Safety
+/// `shaper` is null or a string that ends.
+unsafe fn named(shaper: *const c_char) -> Result<&'static dyn Shaper, Status> {
+    if shaper.is_null() {
+        return Err(Status::Null);
+    }
+    // SAFETY: not null, and a string by the contract.
+    let name = unsafe { CStr::from_ptr(shaper) };
+    let found = name.to_str().ok().and_then(shaper_by_name);
+    found.ok_or(Status::UnknownShaper)
 }
 
 /// `quell_convolve` of the header.

@@ -117,14 +117,21 @@ fn retune(filter: &mut AdaptiveFilter) {
 fn the_example_in_c_gives_what_rust_gives() {
     let printed = example();
     let line = |word: &str| printed.lines().find(|line| line.starts_with(word)).unwrap();
-    let taps: Vec<Tap> = numbers(line("train"))
-        .chunks(2)
-        .map(|pair| Tap {
+    let train = |word: &str| {
+        let taps = numbers(line(word));
+        let taps = taps.chunks(2).map(|pair| Tap {
             delay: pair[0] as u32,
             amplitude: pair[1],
-        })
-        .collect();
-    let first = GridTrain::from_taps(&taps, TICK).unwrap();
+        });
+        GridTrain::from_taps(&taps.collect::<Vec<_>>(), TICK).unwrap()
+    };
+    let first = train("train");
+    let both = train("both");
+    for (hertz, damping) in [(8.0, 0.05), (19.0, 0.03)] {
+        let mode = Mode::from_hertz(hertz, damping).unwrap();
+        let left = both.residual_vibration(mode.natural_frequency(), mode.damping_ratio());
+        assert!(left < 1e-12, "{hertz} Hz: {left}");
+    }
     let mut filter = AdaptiveFilter::new(TICK, 128, 1024);
     filter.install(&first).unwrap();
     let steps: Vec<_> = printed

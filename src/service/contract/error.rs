@@ -164,6 +164,14 @@ pub enum ErrorKind {
 }
 
 impl ServiceError {
+    /// No joint has that name; there are these.
+    pub fn unknown_joint<'a>(joint: &str, known: impl Iterator<Item = &'a str>) -> Self {
+        Self::UnknownJoint {
+            joint: joint.to_owned(),
+            known: known.collect::<Vec<_>>().join(", "),
+        }
+    }
+
     /// Whose matter it is.
     pub fn kind(&self) -> ErrorKind {
         match self {

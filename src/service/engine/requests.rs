@@ -151,17 +151,9 @@ impl Engine {
     }
 
     pub(super) fn index_of(&self, name: &str) -> Result<usize, ServiceError> {
-        let mut names = self.joints.iter().map(|joint| joint.config.name.as_str());
-        let found = names.position(|known| known == name);
-        found.ok_or_else(|| ServiceError::UnknownJoint {
-            joint: name.to_owned(),
-            known: self
-                .joints
-                .iter()
-                .map(|joint| joint.config.name.clone())
-                .collect::<Vec<_>>()
-                .join(", "),
-        })
+        let names = self.joints.iter().map(|joint| joint.config.name.as_str());
+        let found = names.clone().position(|known| known == name);
+        found.ok_or_else(|| ServiceError::unknown_joint(name, names))
     }
 
     fn change_shaping(&mut self, change: &ShapingChange) -> Result<Accepted, ServiceError> {

@@ -71,6 +71,7 @@ pub struct Feed {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
+    /// Its mass, kg, 0 or more.
     mass_kg: f64,
 }
 

@@ -29,7 +29,9 @@ const REPORT_POLICY: &str = "sandbox allow-scripts; default-src 'none'; script-s
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wanted {
+    /// Name of the recording.
     recording: String,
+    /// The model, as in `model.toml`; one of the mode that is shaped for where absent.
     model: Option<String>,
 }
 

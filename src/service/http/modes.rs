@@ -43,13 +43,6 @@ fn of(app: &App, name: &str) -> Result<Arc<JointMap>, ServiceError> {
     let snapshot = app.handle.snapshot();
     let found = snapshot.joints.iter().find(|joint| joint.name == name);
     let map = found.map(|joint| Arc::clone(&joint.map));
-    map.ok_or_else(|| ServiceError::UnknownJoint {
-        joint: name.to_owned(),
-        known: snapshot
-            .joints
-            .iter()
-            .map(|joint| joint.name.clone())
-            .collect::<Vec<_>>()
-            .join(", "),
-    })
+    let names = snapshot.joints.iter().map(|joint| joint.name.as_str());
+    map.ok_or_else(|| ServiceError::unknown_joint(name, names))
 }

@@ -20,14 +20,18 @@ use crate::service::recorder::{Recorder, Shelf, ShelfError};
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
+    /// The joint; the first one where absent.
     joint: Option<String>,
+    /// Whether to record from now on.
     recording: bool,
 }
 
 /// Which recording was begun or ended.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Recorded {
+    /// Its name.
     name: String,
+    /// Whether it was begun.
     recording: bool,
 }
 

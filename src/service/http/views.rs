@@ -12,16 +12,26 @@ use serde::Serialize;
 use super::App;
 use crate::service::contract::{EstimateView, JointSnapshot, ModeValue, Snapshot, TrainView};
 
+/// What is known of a joint's mode in motion.
 #[derive(Serialize, JsonSchema)]
 pub struct Estimate<'a> {
+    /// Name of the joint.
     joint: &'a str,
+    /// Whether the train follows the estimate.
     adaptation: bool,
+    /// Whether adaptation waits, because a sensor is not to be trusted.
     adaptation_frozen: bool,
+    /// The estimate; absent before there is one.
     estimate: &'a Option<EstimateView>,
+    /// The mode that is shaped for.
     mode: Option<ModeValue>,
+    /// Since when, seconds since 1970.
     mode_since_s: f64,
+    /// Name of the shaper, `none` for unshaped.
     shaper: &'static str,
+    /// The train in force.
     train: &'a TrainView,
+    /// The mode of the simulated arm; absent for a real one.
     true_mode: Option<ModeValue>,
 }
 

@@ -111,7 +111,10 @@ fn fields(schema: &Value, properties: &serde_json::Map<String, Value>) -> String
             format!("`{name}`"),
             kind(value),
             needed.into(),
-            words(value),
+            match value["const"].is_string() {
+                true => "Says which one it is.".into(),
+                false => words(value),
+            },
         ]
     });
     table(["key", "type", "always", "what"], rows)
