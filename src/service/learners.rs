@@ -16,6 +16,8 @@ use crate::learning::{
     Account, Learner, LearnerSettings, Memory, ModeOnWay, Prescription, Seen, Surroundings,
 };
 
+use crate::tolerance::{Fastest, Moving, Tolerance, ToleranceError, fastest};
+
 /// Positions at which a map is drawn.
 const DRAWN: usize = 64;
 
@@ -43,6 +45,16 @@ pub struct Wanted {
     pub in_force: GridTrain,
     /// The train without any adaptation.
     pub base: GridTrain,
+    /// Instead of a train: the move as fast as a tolerance allows.
+    pub within: Option<Within>,
+}
+
+/// A move within a tolerance.
+pub struct Within {
+    /// The joint, with the mode that is known in motion.
+    pub moving: Moving,
+    /// What it may leave.
+    pub tolerance: Tolerance,
 }
 
 /// A move that has ended.
@@ -79,6 +91,15 @@ pub enum Said {
         ticket: u64,
         /// What is in force for it.
         prescription: Box<Prescription>,
+    },
+    /// The move within a tolerance, or why there is none.
+    Within {
+        /// The joint.
+        joint: usize,
+        /// Number of the plan.
+        ticket: u64,
+        /// Its plan.
+        found: Result<Fastest, ToleranceError>,
     },
     /// A move was judged.
     Judged(Box<Judged>),
@@ -175,7 +196,10 @@ impl Learners {
 
     fn do_one(&mut self, job: Job) {
         match job {
-            Job::Prescribe(wanted) => {
+            Job::Prescribe(mut wanted) => {
+                if let Some(within) = wanted.within.take() {
+                    return self.within(&wanted, within);
+                }
                 let (learner, _) = &mut self.joints[wanted.joint];
                 learner.set_base(wanted.base);
                 let prescription =
@@ -193,6 +217,24 @@ impl Learners {
                 self.tell(joint, &Surroundings::default());
             }
         }
+    }
+
+    /// Solves a move within a tolerance, for the modes of its way where they are known.
+    fn within(&self, wanted: &Wanted, within: Within) {
+        let Within {
+            mut moving,
+            tolerance,
+        } = within;
+        let (learner, _) = &self.joints[wanted.joint];
+        let modes = learner.on_way(&wanted.plan, &wanted.surroundings);
+        if !modes.is_empty() {
+            moving.modes = modes.iter().map(ModeOnWay::anywhere).collect();
+        }
+        let _ = self.said.send(Said::Within {
+            joint: wanted.joint,
+            ticket: wanted.ticket,
+            found: fastest(&[moving], tolerance, wanted.plan.period()),
+        });
     }
 
     fn hear(&mut self, ended: &Ended) {

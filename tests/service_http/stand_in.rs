@@ -112,7 +112,7 @@ async fn answer(mut ends: EngineEnds) {
                 let joint = "joint_1".into();
                 Err(ServiceError::ShaperInMotion { joint })
             }
-            Request::Move { .. } => Ok(Accepted::Move {
+            Request::Move { .. } | Request::MoveWithin { .. } => Ok(Accepted::Move {
                 id: 1,
                 duration_s: 1.0,
                 speed: 1.0,

@@ -15,5 +15,6 @@ mod plant;
 mod sequence;
 mod stops;
 mod together;
+mod tolerance;
 mod untimed;
 mod world;

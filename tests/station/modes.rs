@@ -18,7 +18,7 @@ type Traced = (f64, f64, f64, bool);
 /// Ticks for which the arm is watched after a move.
 const WATCHED: usize = 400;
 
-fn settings(data: &Path, belief_hz: f64) -> Config {
+pub fn settings_of(data: &Path, belief_hz: f64) -> Config {
     let mut config = config(data);
     let joint = &mut config.joints[0];
     joint.belief = Mode::from_hertz(belief_hz, 0.05).expect("a mode");
@@ -29,8 +29,8 @@ fn settings(data: &Path, belief_hz: f64) -> Config {
     config
 }
 
-fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
-    let mut world = World::start(settings(data, belief_hz), 1e9, 0.0, true);
+pub fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
+    let mut world = World::start(settings_of(data, belief_hz), 1e9, 0.0, true);
     world.robot.arm = Some(Plant::new(modes, Faults::USUAL, PERIOD, 0.0, 1));
     world.steps(100);
     world.enable();
@@ -38,7 +38,7 @@ fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
     world
 }
 
-fn two() -> [PlantMode; 2] {
+pub fn two() -> [PlantMode; 2] {
     [
         PlantMode::new(8.0, 0.03, 1.0),
         PlantMode::new(19.0, 0.03, 1.0),
@@ -54,8 +54,21 @@ fn posed() -> PlantMode {
 }
 
 /// The result of a move, and the peak of the true deformation once the motor side stands, rad.
-fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64) {
-    let (done, trace) = watched(world, target, shaper);
+pub fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64) {
+    run(world, of_target(target, shaper), target)
+}
+
+fn of_target(target: f64, shaper: Option<&str>) -> Request {
+    Request::Move {
+        joint: "joint_1".into(),
+        target,
+        shaper: shaper.map(Into::into),
+    }
+}
+
+/// The same of a request that moves to a target.
+pub fn run(world: &mut World, request: Request, target: f64) -> (MoveResult, f64) {
+    let (done, trace) = watch(world, request);
     let away = |(_, motor, ..): &Traced| (motor - target).abs() > 1e-6;
     let end = trace.iter().rposition(away).map_or(0, |last| last + 1);
     let peak = trace[end..]
@@ -66,11 +79,11 @@ fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64)
 
 /// The result of a move, and the true deformation once the motor side stands, rad.
 fn watched(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, Vec<Traced>) {
-    world.ask(Request::Move {
-        joint: "joint_1".into(),
-        target,
-        shaper: shaper.map(Into::into),
-    });
+    watch(world, of_target(target, shaper))
+}
+
+fn watch(world: &mut World, request: Request) -> (MoveResult, Vec<Traced>) {
+    world.ask(request);
     let begun = (0..PATIENCE)
         .find_map(|_| world.step().pop())
         .expect("an answer");
@@ -207,7 +220,7 @@ fn the_map_survives_a_restart_and_is_forgotten() {
     drop(first);
 
     let stands = arm.as_ref().map_or(0.0, Plant::motor);
-    let mut again = World::start(settings(data.path(), 9.0), 1e9, stands, true);
+    let mut again = World::start(settings_of(data.path(), 9.0), 1e9, stands, true);
     again.robot.arm = arm;
     again.steps(100);
     again.enable();
@@ -243,7 +256,7 @@ fn the_map_survives_a_restart_and_is_forgotten() {
     assert!(forgotten.learning.modes.is_empty() && forgotten.map.modes.is_empty());
     assert!((forgotten.mode.expect("a mode").frequency_hz - 9.0).abs() < 1e-9);
     drop(again);
-    let mut last = World::start(settings(data.path(), 9.0), 1e9, 0.0, true);
+    let mut last = World::start(settings_of(data.path(), 9.0), 1e9, 0.0, true);
     last.steps(30);
     assert!(last.joint().map.modes.is_empty());
 }

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EnableState;
+use crate::tolerance::Tolerance;
 
 /// The requests of the outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,15 @@ pub enum Request {
         target: f64,
         /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
         shaper: Option<String>,
+    },
+    /// Move a joint from rest, as fast as a tolerance allows.
+    MoveWithin {
+        /// Name of the joint.
+        joint: String,
+        /// Where it shall end, rad.
+        target: f64,
+        /// What it may leave.
+        tolerance: Tolerance,
     },
     /// Move several joints from rest, so that they begin and end together.
     MoveTogether {

@@ -88,6 +88,7 @@ impl Engine {
             target,
             shaper,
             speed,
+            tolerance: None,
         };
         Ok(Some((index, what)))
     }

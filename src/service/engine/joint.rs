@@ -13,6 +13,7 @@ use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
 use crate::service::tick::{AxisReport, JointReport, Together, Train};
 use crate::signal::DeformationSensor;
+use crate::tolerance::Tolerance;
 
 /// Where the answer to a request goes, if anybody waits for it.
 pub type Reply = oneshot::Sender<Result<Accepted, ServiceError>>;
@@ -143,6 +144,8 @@ pub enum What {
         shaper: Option<Option<&'static dyn Shaper>>,
         /// Most speed of the plan, rad/s; infinite where only the limits bound it.
         speed: f64,
+        /// What it may leave, where it is to be as fast as that allows.
+        tolerance: Option<Tolerance>,
     },
     /// A stop.
     Stop,
@@ -226,6 +229,9 @@ impl Joint {
         }
     }
 }
+
+/// What stands in the place of a rule's name where a plan was made within a tolerance.
+pub const WITHIN: &str = "tolerance";
 
 /// Name of a rule, `none` for no shaping.
 pub fn name_of(shaper: Option<&'static dyn Shaper>) -> &'static str {

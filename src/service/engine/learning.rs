@@ -6,7 +6,7 @@
 use quell_shapers::UncertainMode;
 
 use super::axis::train;
-use super::joint::{Asked, What, name_of};
+use super::joint::{Asked, WITHIN, What, name_of};
 use super::learned::CARRIED;
 use super::planning::{Planned, standing_train};
 use super::running::Running;
@@ -15,11 +15,14 @@ use crate::learning::{Account, Hold, Memory, Prescription, Surroundings, Way};
 use crate::service::contract::{
     Accepted, Event as Told, KnownMode, LearningView, MoveResult, ServiceError,
 };
-use crate::service::learners::{Ended, Job, Judged, Said, Wanted};
+use crate::service::learners::{Ended, Job, Judged, Said, Wanted, Within};
 use crate::service::tick::{Start, Train};
+use crate::tolerance::{Fastest, Moving, ToleranceError};
 
 /// Time that a move waits for its train, s: a person notices no less.
 const PATIENCE: f64 = 0.1;
+/// Time in which a plan within a tolerance has to be solved, s: five times what the longest takes, and less than a plan is tried for.
+const SOLVED: f64 = 2.0;
 /// Time that the result of a move waits to be judged, s: a fit takes up to 0.48 s on a busy machine, and those of several joints stand
 /// behind one another.
 const JUDGED: f64 = 2.0;
@@ -51,8 +54,12 @@ impl Engine {
             ticket: asked.ticket,
             ..wanted
         };
+        let patience = match wanted.within {
+            Some(_) => SOLVED,
+            None => PATIENCE,
+        };
         let joint = &mut self.joints[index];
-        joint.learning.waits = Some((asked.ticket, self.clock.now() + PATIENCE));
+        joint.learning.waits = Some((asked.ticket, self.clock.now() + patience));
         joint.asked = Some(asked);
         // It lives as long as the engine.
         let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
@@ -64,10 +71,11 @@ impl Engine {
         let is_whole = matches!(asked.what, What::Move { speed, .. } if speed.is_infinite());
         let own = name_of(planned.shaper) == name_of(joint.standing_shaper());
         let learns = joint.adaptation && joint.learning.modes > 0 && planned.shaper.is_some();
+        let within = self.within(index, asked, planned);
         let Start::Rest(in_force) = &planned.start else {
             return None;
         };
-        if !(is_whole && own && learns) {
+        if within.is_none() && !(is_whole && own && learns) {
             return None;
         }
         let believed = UncertainMode::believed(joint.config.belief);
@@ -78,7 +86,29 @@ impl Engine {
             in_force: in_force.train.clone(),
             base: train(planned.shaper, &believed, self.config.period).ok()?,
             plan: planned.samples.clone(),
+            within,
         })
+    }
+
+    /// The move within a tolerance that is asked for, for the mode as the joint knows it.
+    fn within(&self, index: usize, asked: &Asked, planned: &Planned) -> Option<Within> {
+        let What::Move {
+            target,
+            tolerance: Some(tolerance),
+            ..
+        } = asked.what
+        else {
+            return None;
+        };
+        let joint = &self.joints[index];
+        let start = planned.samples.positions(0).first();
+        let moving = Moving {
+            ends: [*start?, target],
+            limits: self.fed(joint.config.limits, f64::INFINITY),
+            modes: vec![joint.known()],
+            lever: joint.sensor.arc().map_or(1.0, |arc| arc.radius()),
+        };
+        Some(Within { moving, tolerance })
     }
 
     /// What there is along the way of a joint: the other joints, from where they were (rad) to where they are, and the payload.
@@ -104,6 +134,11 @@ impl Engine {
                     ticket,
                     prescription,
                 } => self.prescribed(joint, ticket, *prescription),
+                Said::Within {
+                    joint,
+                    ticket,
+                    found,
+                } => self.found_within(joint, ticket, found),
                 Said::Judged(judged) => self.judged(*judged),
                 Said::Known {
                     joint,
@@ -159,6 +194,34 @@ impl Engine {
         self.joints[index].learning.prescribed = asked.map(|asked| asked.ticket);
     }
 
+    /// The plan within a tolerance is solved, or there is none. It is sent as it is: nothing is retuned.
+    fn found_within(&mut self, index: usize, ticket: u64, found: Result<Fastest, ToleranceError>) {
+        let joint = &mut self.joints[index];
+        let waits = joint.learning.waits.take_if(|waits| waits.0 == ticket);
+        let asked = joint.asked.take_if(|asked| asked.ticket == ticket);
+        let (Some(_), Some(asked)) = (waits, asked) else {
+            return;
+        };
+        let planned = self.planned(index, asked.what, asked.ahead, asked.effort);
+        let planned = planned.and_then(|planned| {
+            let refused = |reason: String| ServiceError::Plan { reason };
+            let found = found.map_err(|error| refused(error.to_string()))?;
+            let samples = found.plans.into_iter().next().unwrap_or(planned.samples);
+            let joint = &self.joints[index];
+            let train = standing_train(joint, None, self.config.period)?;
+            Ok(Planned {
+                samples,
+                start: Start::Rest(Box::new(train)),
+                speed: 1.0,
+                shaper: None,
+            })
+        });
+        match planned {
+            Ok(planned) => self.order(index, asked, planned),
+            Err(error) => super::orders::answer(asked.reply, Err(error)),
+        }
+    }
+
     /// Orders what has waited for its train.
     fn order_waiting(&mut self, index: usize, asked: Asked) {
         match self.planned(index, asked.what, asked.ahead, asked.effort) {
@@ -175,8 +238,15 @@ impl Engine {
             let Some((ticket, _)) = joint.learning.waits.take_if(|waits| now > waits.1) else {
                 continue;
             };
-            if let Some(asked) = joint.asked.take_if(|asked| asked.ticket == ticket) {
-                self.order_waiting(index, asked);
+            let Some(asked) = joint.asked.take_if(|asked| asked.ticket == ticket) else {
+                continue;
+            };
+            match asked.what {
+                // A tolerance is not dropped.
+                What::Move {
+                    tolerance: Some(_), ..
+                } => super::orders::answer(asked.reply, Err(ServiceError::Busy)),
+                _ => self.order_waiting(index, asked),
             }
         }
     }
@@ -306,6 +376,8 @@ fn put_account(result: &mut MoveResult, account: Option<Account>, radius: Option
         (result.residual_m, result.vibration_m) = (along_arc(left), along_arc(vibration));
     }
     let [unshaped, all] = match result.shaped {
+        // Of the move that would have been made unshaped nothing is known.
+        _ if result.shaper == WITHIN => [None, None],
         true => [
             account.map(|a| a.unshaped),
             account.map(|a| a.unshaped_vibration),

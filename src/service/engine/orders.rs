@@ -6,7 +6,7 @@
 
 use super::Engine;
 use super::cruise::Cruise;
-use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
+use super::joint::{Asked, Ordered, Reply, WITHIN, What, Withdrawn, name_of};
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
@@ -345,7 +345,12 @@ impl Engine {
             unix_time_s: self.clock.unix_time(),
             from_rad: from,
             target_rad: joint.position,
-            shaper: name_of(asked.shaper).to_owned(),
+            shaper: match asked.what {
+                What::Move {
+                    tolerance: Some(_), ..
+                } => WITHIN.to_owned(),
+                _ => name_of(asked.shaper).to_owned(),
+            },
             recording,
         };
         self.batch.events.push(Told::MoveStarted(start.clone()));

@@ -7,6 +7,7 @@ use super::axis::train;
 use super::joint::What;
 use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
 use crate::service::tick::ToTick;
+use crate::tolerance::Tolerance;
 
 /// Largest payload of the embedded arm, kg: its class carries 60, and twice that is still an arm.
 const HEAVIEST: f64 = 120.0;
@@ -39,6 +40,20 @@ impl Engine {
                 target,
                 shaper,
             } => match self.check_move(&joint, target, shaper.as_deref()) {
+                Ok((index, what)) => {
+                    self.end_hold(index);
+                    return self.ask(index, what, Some(reply));
+                }
+                Err(error) => Err(error),
+            },
+            Request::MoveWithin { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::MoveWithin {
+                joint,
+                target,
+                tolerance,
+            } => match self.check_within(&joint, target, tolerance) {
                 Ok((index, what)) => {
                     self.end_hold(index);
                     return self.ask(index, what, Some(reply));
@@ -129,8 +144,36 @@ impl Engine {
                 target,
                 shaper,
                 speed,
+                tolerance: None,
             },
         ))
+    }
+
+    /// A move within a tolerance begins at rest, and where millimetres are told the tip's distance from the axis is known.
+    fn check_within(
+        &self,
+        name: &str,
+        target: f64,
+        tolerance: Tolerance,
+    ) -> Result<(usize, What), ServiceError> {
+        let (index, _) = self.check_move(name, target, None)?;
+        let joint = &self.joints[index];
+        if !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty() {
+            let joint = name.to_owned();
+            return Err(ServiceError::InMotion { joint });
+        }
+        if tolerance.deviation.is_some() && joint.sensor.arc().is_none() {
+            let reason = format!("where the tip of {name} is, is not known: give no deviation");
+            return Err(ServiceError::Plan { reason });
+        }
+        let (shaper, speed) = (None, f64::INFINITY);
+        let what = What::Move {
+            target,
+            shaper,
+            speed,
+            tolerance: Some(tolerance),
+        };
+        Ok((index, what))
     }
 
     /// The joints of a move of several, and its rule, if it has one of its own.

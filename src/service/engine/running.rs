@@ -4,6 +4,7 @@ use quell_shapers::Mode;
 use quell_trajectories::{AxisState, SampledTrajectory};
 
 use super::cruise::Cruise;
+use super::joint::WITHIN;
 use crate::estimators::Sample;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
@@ -123,13 +124,17 @@ impl Running {
             .map(|&(time, value, _)| (time, value))
             .collect();
         let residual = ringing::amplitude(&samples, mode, sure);
+        // The plan of a move within a tolerance is not the one that would have been made unshaped.
+        let within = self.start.shaper == WITHIN;
         let unshaped = match self.shaped {
+            _ if within => None,
             true => Some(ringing::unshaped(self.planned_motion(), period, mode)),
             false => residual,
         };
         let cruise = self.cruise.vibration(mode, sure);
         let vibration = residual.map(|residual| cruise.map_or(residual, |most| most.max(residual)));
         let unshaped_vibration = match self.shaped {
+            _ if within => None,
             true => Some(ringing::unshaped_in_all(
                 self.planned_motion(),
                 period,

@@ -81,6 +81,7 @@ impl Engine {
                     target,
                     shaper: group.shaper,
                     speed: f64::INFINITY,
+                    tolerance: None,
                 },
                 id: self.state.last_move,
                 ticket: 0,

@@ -15,6 +15,7 @@ use super::answer::Refused;
 use super::body::{Json, Nothing};
 use crate::service::contract::{Accepted, JointSnapshot, Request, ShapingChange, Snapshot, Target};
 use crate::service::demo;
+use crate::tolerance::Tolerance;
 
 /// Time in which the engine answers: a correction takes a second at most.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -33,6 +34,10 @@ pub struct Travel {
     joints: Option<Vec<One>>,
     /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
     shaper: Option<String>,
+    /// Instead of a shaper, of one joint from rest: as fast as it may be when it leaves so much vibration, percent of the unshaped.
+    residual_percent: Option<f64>,
+    /// The same when the tip vibrates at its end by so much, mm.
+    deviation_mm: Option<f64>,
 }
 
 /// One joint of several that move together.
@@ -86,7 +91,14 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
         target_rad,
         joints,
         shaper,
+        residual_percent,
+        deviation_mm,
     } = body;
+    let tolerance = tolerance(residual_percent, deviation_mm)?;
+    if tolerance.is_some() && (joints.is_some() || shaper.is_some()) {
+        let sentence = "residual_percent and deviation_mm are of one joint, without a shaper";
+        return Err(Refused::value(sentence));
+    }
     let single = |joint: String| One {
         joint,
         target_deg,
@@ -95,10 +107,17 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
     let request = match (joint, joints) {
         (Some(joint), None) => {
             let Target { joint, target } = single(joint).target(&snapshot)?;
-            Request::Move {
-                joint,
-                target,
-                shaper,
+            match tolerance {
+                Some(tolerance) => Request::MoveWithin {
+                    joint,
+                    target,
+                    tolerance,
+                },
+                None => Request::Move {
+                    joint,
+                    target,
+                    shaper,
+                },
             }
         }
         (None, Some(joints)) if (target_deg, target_rad) == (None, None) => {
@@ -117,6 +136,21 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
         }
     };
     ask(&app, request).await
+}
+
+/// What a move may leave; none where nothing is said.
+fn tolerance(residual: Option<f64>, deviation: Option<f64>) -> Result<Option<Tolerance>, Refused> {
+    for (name, value) in [("residual_percent", residual), ("deviation_mm", deviation)] {
+        if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+            let sentence = format!("{name} is {value}, it must be above 0");
+            return Err(Refused::value(sentence));
+        }
+    }
+    let tolerance = Tolerance {
+        residual: residual.map(|percent| 1e-2 * percent),
+        deviation: deviation.map(|millimetres| 1e-3 * millimetres),
+    };
+    Ok((tolerance != Tolerance::default()).then_some(tolerance))
 }
 
 /// `POST /api/v1/jog`.
