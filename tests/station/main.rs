@@ -17,4 +17,5 @@ mod stops;
 mod together;
 mod tolerance;
 mod untimed;
+mod ways;
 mod world;

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use quell::service::config::Config;
-use quell::service::contract::{Accepted, JointMap, MoveResult, Phase, Request, ShapingChange};
+use quell::service::contract::{
+    Accepted, JointMap, MoveResult, Phase, Request, ShapingChange, Target,
+};
 use quell::service::following::FOLLOWED;
 use quell_shapers::Mode;
 
@@ -46,7 +48,7 @@ pub fn two() -> [PlantMode; 2] {
 }
 
 /// 8 Hz at 0 degrees, 11 Hz at 60.
-fn posed() -> PlantMode {
+pub fn posed() -> PlantMode {
     PlantMode {
         slope: 3.0 / 8.0 / 60f64.to_radians(),
         ..PlantMode::new(8.0, 0.03, 1.0)
@@ -64,6 +66,14 @@ fn of_target(target: f64, shaper: Option<&str>) -> Request {
         target,
         shaper: shaper.map(Into::into),
     }
+}
+
+/// The same of a move of several joints, of which there is one.
+pub fn of_together(world: &mut World, target: f64) -> (MoveResult, f64) {
+    let joint = "joint_1".to_owned();
+    let targets = vec![Target { joint, target }];
+    let shaper = None;
+    run(world, Request::MoveTogether { targets, shaper }, target)
 }
 
 /// The same of a request that moves to a target.
@@ -87,8 +97,10 @@ fn watch(world: &mut World, request: Request) -> (MoveResult, Vec<Traced>) {
     let begun = (0..PATIENCE)
         .find_map(|_| world.step().pop())
         .expect("an answer");
-    let Ok(Accepted::Move { id, .. }) = begun.answer else {
-        panic!("{:?}", begun.answer);
+    let id = match begun.answer {
+        Ok(Accepted::Move { id, .. }) => id,
+        Ok(Accepted::Together { moves, .. }) => moves[0].id,
+        other => panic!("{other:?}"),
     };
     let (mut trace, mut quiet) = (Vec::new(), 0);
     while quiet < WATCHED {

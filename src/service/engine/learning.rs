@@ -20,7 +20,7 @@ use crate::service::tick::{Start, Train};
 use crate::tolerance::{Fastest, Moving, ToleranceError};
 
 /// Time that a move waits for its train, s: a person notices no less.
-const PATIENCE: f64 = 0.1;
+pub(super) const PATIENCE: f64 = 0.1;
 /// Time in which a plan within a tolerance has to be solved, s: five times what the longest takes, and less than a plan is tried for.
 const SOLVED: f64 = 2.0;
 /// Time that the result of a move waits to be judged, s: a fit takes up to 0.48 s on a busy machine, and those of several joints stand
@@ -112,7 +112,7 @@ impl Engine {
     }
 
     /// What there is along the way of a joint: the other joints, from where they were (rad) to where they are, and the payload.
-    fn surroundings(&self, index: usize, before: Option<&[f64]>) -> Surroundings {
+    pub(super) fn surroundings(&self, index: usize, before: Option<&[f64]>) -> Surroundings {
         let others = (0..self.joints.len()).filter(|other| *other != index);
         let way = |other: usize| {
             let now = self.joints[other].position;
@@ -133,7 +133,10 @@ impl Engine {
                     joint,
                     ticket,
                     prescription,
-                } => self.prescribed(joint, ticket, *prescription),
+                } => match self.waits_together(ticket) {
+                    true => self.prescribed_together(joint, ticket, *prescription),
+                    false => self.prescribed(joint, ticket, *prescription),
+                },
                 Said::Within {
                     joint,
                     ticket,
@@ -175,6 +178,15 @@ impl Engine {
         let (Some(_), Some(asked)) = (waits, asked) else {
             return;
         };
+        self.take_prescription(index, prescription);
+        self.order_waiting(index, asked);
+        let asked = self.joints[index].asked.as_ref();
+        self.joints[index].learning.prescribed = asked.map(|asked| asked.ticket);
+    }
+
+    /// From now on the train that was solved stands.
+    pub(super) fn take_prescription(&mut self, index: usize, prescription: Prescription) {
+        let joint = &mut self.joints[index];
         joint.learning.view = view(&prescription);
         match standing_train(joint, joint.standing_shaper(), self.config.period) {
             Ok(standing) => {
@@ -189,9 +201,6 @@ impl Engine {
             }
             Err(error) => tracing::warn!(joint = joint.config.name, "{error}"),
         }
-        self.order_waiting(index, asked);
-        let asked = self.joints[index].asked.as_ref();
-        self.joints[index].learning.prescribed = asked.map(|asked| asked.ticket);
     }
 
     /// The plan within a tolerance is solved, or there is none. It is sent as it is: nothing is retuned.
@@ -233,6 +242,7 @@ impl Engine {
     /// Has what has waited for its train for too long go with the one that stands.
     pub(super) fn wait_no_longer(&mut self, now: f64) {
         self.tell_endings(|ending| now > ending.until);
+        self.begin_waiting(|waiting| now > waiting.until);
         for index in 0..self.joints.len() {
             let joint = &mut self.joints[index];
             let Some((ticket, _)) = joint.learning.waits.take_if(|waits| now > waits.1) else {

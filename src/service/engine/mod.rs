@@ -22,6 +22,7 @@ mod requests;
 mod running;
 mod standstill;
 mod together;
+mod together_trains;
 mod trains;
 
 use std::collections::VecDeque;
@@ -39,6 +40,7 @@ pub use registration::Registrar;
 use enabling::Enabling;
 use learning::Ending;
 use together::Group;
+use together_trains::Waiting;
 
 use super::clock::ServiceClock;
 use super::config::Config;
@@ -86,6 +88,8 @@ pub struct Engine {
     enabling: Enabling,
     /// Moves of several joints that the tick has not begun yet.
     groups: Vec<Group>,
+    /// Moves of several joints that wait for their trains.
+    waiting: Vec<Waiting>,
     /// Share of full speed at which moves are planned, 0 to 1.
     feed: f64,
     lessons: Lessons,
@@ -143,6 +147,7 @@ impl Engine {
             last_stop: None,
             stopping: None,
             groups: Vec::new(),
+            waiting: Vec::new(),
             feed: 1.0,
             lessons: parts.lessons,
             endings: Vec::new(),

@@ -20,8 +20,10 @@ use crate::service::tick::{NotTaken, Plan, Start, ToTick, Together, Train};
 pub struct Group {
     id: u64,
     /// The joints and where they shall end, rad.
-    members: Vec<(usize, f64)>,
-    shaper: Option<Option<&'static dyn Shaper>>,
+    pub members: Vec<(usize, f64)>,
+    pub shaper: Option<Option<&'static dyn Shaper>>,
+    /// Joints whose trains were solved for this move.
+    pub prescribed: Vec<usize>,
     /// Plans that the tick has not answered.
     waiting: usize,
     begun: Vec<Begun>,
@@ -32,11 +34,11 @@ pub struct Group {
     /// Whether a plan was only out of date: it is made anew then.
     outdated: bool,
     deadline: f64,
-    reply: Option<Reply>,
+    pub reply: Option<Reply>,
 }
 
 impl Engine {
-    /// Plans for joints at rest, and orders; whoever asked hears once the tick has begun all of it.
+    /// Plans for joints at rest, once their trains are solved, and orders; whoever asked hears once the tick has begun all of it.
     pub(super) fn ask_together(
         &mut self,
         members: Vec<(usize, f64)>,
@@ -48,6 +50,7 @@ impl Engine {
             id: self.tickets,
             members,
             shaper,
+            prescribed: Vec::new(),
             waiting: 0,
             begun: Vec::new(),
             duration: 0.0,
@@ -56,10 +59,10 @@ impl Engine {
             deadline: self.clock.now() + TRIED,
             reply: Some(reply),
         };
-        self.begin_together(group);
+        self.have_trains(group);
     }
 
-    fn begin_together(&mut self, mut group: Group) {
+    pub(super) fn begin_together(&mut self, mut group: Group) {
         let planned = match self.planned_together(&group) {
             Ok((planned, duration)) => {
                 group.duration = duration;
@@ -93,6 +96,10 @@ impl Engine {
                 reply: None,
             };
             self.order(index, asked, planned);
+            if group.prescribed.contains(&index) {
+                let joint = &mut self.joints[index];
+                joint.learning.prescribed = joint.asked.as_ref().map(|asked| asked.ticket);
+            }
         }
         self.groups.push(group);
     }
@@ -112,7 +119,7 @@ impl Engine {
     }
 
     /// The quickest plan of one joint.
-    fn planned_alone(
+    pub(super) fn planned_alone(
         &self,
         index: usize,
         target: f64,
@@ -261,11 +268,11 @@ impl Engine {
 }
 
 /// The quickest plan of one joint, and its train.
-struct Alone {
-    plan: Trajectory,
+pub struct Alone {
+    pub plan: Trajectory,
     ends: [AxisState; 2],
     limits: Limits,
-    train: Train,
+    pub train: Train,
 }
 
 impl Alone {

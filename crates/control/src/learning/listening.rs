@@ -127,17 +127,13 @@ impl Learner {
         let Some(Pending { adapted, is_base }) = pending.filter(|one| one.adapted != *base) else {
             return;
         };
-        let measured = monitor::ringing(samples, fit) / unshaped;
-        self.monitor.take(match is_base {
-            true => Outcome {
-                base: measured,
-                adapted: left.by(&adapted),
-            },
-            false => Outcome {
-                base: left.by(base),
-                adapted: measured,
-            },
-        });
+        let (amplitude, std) = monitor::ringing(samples, fit);
+        let (measured, std) = (amplitude / unshaped, std / unshaped);
+        let (base, adapted) = match is_base {
+            true => (measured, left.by(&adapted)),
+            false => (left.by(base), measured),
+        };
+        self.monitor.take(Outcome { base, adapted, std });
     }
 }
 

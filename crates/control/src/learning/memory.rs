@@ -17,6 +17,9 @@ pub struct Memory {
     pub modes: Vec<ModeMemory>,
     /// Sums over moves of what was left without adaptation and with it, and their weight.
     pub outcomes: [f64; 3],
+    /// Variance of their difference.
+    #[serde(default)]
+    pub variance: f64,
     /// Part of the unshaped vibration that the modes leave unexplained, squared.
     pub unexplained: f64,
 }
@@ -56,10 +59,12 @@ impl Learner {
             base,
             adapted,
             weight,
+            variance,
         } = self.monitor;
         Memory {
             modes: self.modes.iter().map(ModeMemory::of).collect(),
             outcomes: [base, adapted, weight],
+            variance,
             unexplained: self.unexplained,
         }
     }
@@ -67,7 +72,8 @@ impl Learner {
     /// Takes what was kept in the place of what it knows. Takes nothing, and says so, of what is no such knowledge.
     pub fn remember(&mut self, memory: &Memory) -> bool {
         let modes: Option<Vec<ModeMap>> = memory.modes.iter().map(ModeMemory::map).collect();
-        let numbers = memory.outcomes.iter().chain([&memory.unexplained]);
+        let others = [&memory.unexplained, &memory.variance];
+        let numbers = memory.outcomes.iter().chain(others);
         let sound = numbers.clone().all(|x| x.is_finite() && *x >= 0.0);
         let Some(modes) = modes.filter(|modes| sound && modes.len() <= MOST) else {
             return false;
@@ -79,6 +85,7 @@ impl Learner {
             base,
             adapted,
             weight,
+            variance: memory.variance,
         };
         self.unexplained = memory.unexplained;
         true

@@ -1,7 +1,8 @@
 //! Whether what was learned leaves less than no adaptation.
 //!
 //! Of each move there is what it left, and what the other train would have left, by the model that was fitted to that very
-//! move. The sums of both, older moves discounted, say which of the two is followed: the rule of following the leader.
+//! move. The sums of both, older moves discounted, say which of the two is followed: the rule of following the leader. What was
+//! left is measured beside the noise of the sensor: a difference that this explains decides nothing.
 //!
 //! Source: N. Cesa-Bianchi, G. Lugosi, Prediction, Learning, and Games, 2006, ch. 2 and 3.
 
@@ -12,8 +13,11 @@ use crate::estimators::Sample;
 
 /// Weight of a move against the one after it: some three moves count.
 const DISCOUNT: f64 = 0.7;
-/// Distance from its end within which the motor side stands, as a part of its way.
-const STANDS: f64 = 1e-4;
+/// Standard deviations of the noise within which the motor side stands. Its fast motion shows in the deformation as itself, as the link
+/// does not follow it, and would be taken for vibration. A step of an encoder that makes all of the noise is `sqrt(12)` of them.
+const STANDS: f64 = 3.5;
+/// Standard deviations of a difference that chance does not explain.
+const CERTAIN: f64 = 2.0;
 
 /// Shares of the unshaped vibration of one move.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +26,8 @@ pub struct Outcome {
     pub base: f64,
     /// With it.
     pub adapted: f64,
+    /// One standard deviation of the one that was measured.
+    pub std: f64,
 }
 
 /// Sums over moves.
@@ -30,43 +36,63 @@ pub struct Monitor {
     pub(super) base: f64,
     pub(super) adapted: f64,
     pub(super) weight: f64,
+    /// Variance of the difference of the sums.
+    pub(super) variance: f64,
 }
 
 impl Monitor {
     /// Takes a move. One counts for no more than the whole vibration.
     pub fn take(&mut self, outcome: Outcome) {
-        let Outcome { base, adapted } = outcome;
-        if !(base.is_finite() && adapted.is_finite()) {
+        let Outcome { base, adapted, std } = outcome;
+        if !(base.is_finite() && adapted.is_finite() && std.is_finite()) {
             return;
         }
         self.base = DISCOUNT * self.base + base.min(1.0);
         self.adapted = DISCOUNT * self.adapted + adapted.min(1.0);
         self.weight = DISCOUNT * self.weight + 1.0;
+        self.variance = DISCOUNT * DISCOUNT * self.variance + std.min(1.0).powi(2);
     }
 
-    /// Whether adaptation has left more, by more than the dead band.
+    /// Whether adaptation has left more, by more than the dead band and than the noise explains.
     pub fn prefers_base(&self, dead_band: f64) -> bool {
-        self.adapted > self.base + dead_band * self.weight
+        let chance = CERTAIN * self.variance.sqrt();
+        self.adapted > self.base + dead_band * self.weight + chance
     }
 }
 
-/// Amplitude of what rings once the motor side stands, over the slowest mode's first period there, rad.
-pub fn ringing(samples: &[Sample], fit: &Fit) -> f64 {
-    let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
-        return 0.0;
+/// Amplitude of what rings once the motor side stands, over the slowest mode's first period there, and one standard deviation of it, rad.
+pub fn ringing(samples: &[Sample], fit: &Fit) -> (f64, f64) {
+    let Some(last) = samples.last() else {
+        return (0.0, 0.0);
     };
-    let reach = STANDS * (last.motor_position - first.motor_position).abs();
+    // White noise is no vibration; what the model does not explain is.
+    let noise = fit.variance / fit.inflation;
+    let reach = STANDS * noise.sqrt();
     let away = |s: &Sample| (s.motor_position - last.motor_position).abs() > reach;
     let stands = samples.iter().rposition(away).map_or(0, |k| k + 1);
     let slowest = fit.modes.iter().map(|m| m.point.log_w[NODES - 1].exp());
     let period = std::f64::consts::TAU / slowest.fold(f64::INFINITY, f64::min);
     let from = samples.get(stands).map_or(last.time, |s| s.time);
-    let seen: Vec<(f64, f64)> = samples[stands..]
-        .iter()
-        .zip(&fit.residual[stands..])
+    let seen = samples[stands..].iter().zip(&fit.residual[stands..]);
+    let seen: Vec<&Sample> = seen
         .filter(|(s, r)| s.time <= from + period && r.is_finite())
-        .map(|(s, _)| (s.time, s.deformation))
+        .map(|(s, _)| s)
         .collect();
-    // White noise is no vibration; what the model does not explain is.
-    amplitude(&seen, fit.variance / fit.inflation).unwrap_or(0.0)
+    // What it still moves by is no vibration of the link, either.
+    let n = seen.len().max(1) as f64;
+    let mean = seen.iter().map(|s| s.motor_position).sum::<f64>() / n;
+    let moved = seen.iter().map(|s| (s.motor_position - mean).powi(2));
+    let noise = noise + moved.sum::<f64>() / n;
+    let seen: Vec<(f64, f64)> = seen.iter().map(|s| (s.time, s.deformation)).collect();
+    let left = amplitude(&seen, noise).unwrap_or(0.0);
+    (left, doubt(left, noise, seen.len()))
+}
+
+/// One standard deviation of an amplitude `a` that was measured over `n` samples beside white noise of this variance: its square has
+/// that of twice the mean square, `2 sqrt(2 s^4 / n + 2 a^2 s^2 / n)`.
+fn doubt(amplitude: f64, noise: f64, n: usize) -> f64 {
+    let square = amplitude * amplitude;
+    let std = 2.0 * (2.0 * noise * (noise + square) / n.max(1) as f64).sqrt();
+    let at = |side: f64| (square + side * std).max(0.0).sqrt();
+    0.5 * (at(1.0) - at(-1.0))
 }

@@ -1,0 +1,121 @@
+//! Trains for the ways of a move of several joints: each learner solves that of its joint, and the move waits for all of them.
+
+use quell_shapers::UncertainMode;
+
+use super::Engine;
+use super::axis::train;
+use super::joint::name_of;
+use super::learning::PATIENCE;
+use super::orders::answer;
+use super::together::Group;
+use crate::learning::{Prescription, Way};
+use crate::service::contract::ServiceError;
+use crate::service::learners::{Job, Wanted};
+
+/// A move of several joints that waits for its trains.
+pub struct Waiting {
+    group: Group,
+    /// Numbers of the plans whose trains are not solved yet.
+    tickets: Vec<u64>,
+    /// Until when it waits, s.
+    pub until: f64,
+    /// The last stop that it was asked after, and the permit under which it was.
+    last_stop: Option<u64>,
+    permit: u64,
+}
+
+impl Engine {
+    /// Begins a move, where its joints know modes once the trains for its ways are solved.
+    pub(super) fn have_trains(&mut self, group: Group) {
+        let mut tickets = Vec::new();
+        for &(index, target) in &group.members {
+            let Some(wanted) = self.wanted_together(index, target, &group) else {
+                continue;
+            };
+            self.tickets += 1;
+            tickets.push(self.tickets);
+            let wanted = Wanted {
+                ticket: self.tickets,
+                ..wanted
+            };
+            // It lives as long as the engine.
+            let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
+        }
+        if tickets.is_empty() {
+            return self.begin_together(group);
+        }
+        self.waiting.push(Waiting {
+            group,
+            tickets,
+            until: self.clock.now() + PATIENCE,
+            last_stop: self.last_stop,
+            permit: self.enabling.permit,
+        });
+    }
+
+    /// The quickest plan of a joint as its learner wants it; none where its train is not to be solved.
+    fn wanted_together(&self, index: usize, target: f64, group: &Group) -> Option<Wanted> {
+        let joint = &self.joints[index];
+        let rule = group.shaper.unwrap_or(joint.standing_shaper());
+        let own = name_of(rule) == name_of(joint.standing_shaper());
+        if !(own && rule.is_some() && joint.adaptation && joint.learning.modes > 0) {
+            return None;
+        }
+        let alone = self.planned_alone(index, target, group.shaper).ok()?;
+        let mut surroundings = self.surroundings(index, None);
+        // The others are on their way, too.
+        let others = (0..self.joints.len()).filter(|other| *other != index);
+        for (way, other) in surroundings.others.iter_mut().zip(others) {
+            let mut members = group.members.iter();
+            if let Some((_, target)) = members.find(|(member, _)| *member == other) {
+                *way = Way::new(self.joints[other].position, *target);
+            }
+        }
+        let believed = UncertainMode::believed(joint.config.belief);
+        Some(Wanted {
+            joint: index,
+            ticket: 0,
+            plan: alone.plan.sample(self.config.period).ok()?,
+            surroundings,
+            in_force: alone.train.train,
+            base: train(rule, &believed, self.config.period).ok()?,
+            within: None,
+        })
+    }
+
+    /// Whether a move of several joints waits for the train of this plan.
+    pub(super) fn waits_together(&self, ticket: u64) -> bool {
+        let mut waiting = self.waiting.iter();
+        waiting.any(|waiting| waiting.tickets.contains(&ticket))
+    }
+
+    /// The train of one joint is solved.
+    pub(super) fn prescribed_together(
+        &mut self,
+        index: usize,
+        ticket: u64,
+        prescription: Prescription,
+    ) {
+        self.take_prescription(index, prescription);
+        for waiting in &mut self.waiting {
+            if waiting.tickets.contains(&ticket) {
+                waiting.tickets.retain(|one| *one != ticket);
+                waiting.group.prescribed.push(index);
+            }
+        }
+        self.begin_waiting(|waiting| waiting.tickets.is_empty());
+    }
+
+    /// Begins the moves that wait no longer. Where a stop was asked for meanwhile, or the permit has ended, they do not begin.
+    pub(super) fn begin_waiting(&mut self, which: impl Fn(&Waiting) -> bool) {
+        while let Some(at) = self.waiting.iter().position(&which) {
+            let waiting = self.waiting.remove(at);
+            let same =
+                (waiting.last_stop, waiting.permit) == (self.last_stop, self.enabling.permit);
+            match self.stopping.is_none() && same {
+                true => self.begin_together(waiting.group),
+                false => answer(waiting.group.reply, Err(ServiceError::Stopped)),
+            }
+        }
+    }
+}
