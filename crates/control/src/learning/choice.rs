@@ -16,7 +16,7 @@ impl Learner {
         &self,
         forecast: &Forecast<'_>,
         modes: &[Expected],
-        (in_force, band): (&GridTrain, f64),
+        in_force: &GridTrain,
         period: f64,
     ) -> (Option<GridTrain>, f64) {
         let slowest = modes.iter().map(|m| m.point.log_w.map(f64::exp));
@@ -51,7 +51,7 @@ impl Learner {
         let now = self.left_by(forecast, in_force);
         match best {
             Some((train, expected))
-                if self.is_worth([now, expected], (in_force, band), &train, quarter) =>
+                if self.is_worth([now, expected], in_force, &train, quarter) =>
             {
                 (Some(train), expected)
             }
@@ -63,17 +63,17 @@ impl Learner {
         forecast.left_of(&[train]).by(train)
     }
 
-    /// Whether that in force leaves more than a dead band and another less, or another as little with less delay.
+    /// Whether another train leaves less than that in force by more than is not worth a change, or as little with less delay.
     fn is_worth(
         &self,
         [now, expected]: [f64; 2],
-        (in_force, band): (&GridTrain, f64),
+        in_force: &GridTrain,
         train: &GridTrain,
         quarter: f64,
     ) -> bool {
         let goal = GOAL * self.settings.dead_band;
         let shorter = train.duration() + quarter < in_force.duration();
-        let worse = now > band && expected < 0.9 * now;
+        let worse = now - expected > self.settings.dead_band;
         worse || (shorter && expected <= goal.max(now))
     }
 }

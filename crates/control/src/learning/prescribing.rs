@@ -10,10 +10,6 @@ use super::point::{OF_A_MODE, Point};
 use super::prescription::{Hold, ModeOnWay, Prescription};
 use super::{Learner, Pending, Surroundings};
 
-/// Dead bands that a train may be expected to leave where adaptation in motion follows: it is expected by two standard
-/// deviations, and adaptation retunes beyond one dead band.
-const FOLLOWED: f64 = 2.0;
-
 /// Two standard deviations of a belief: a quarter of the frequency, the whole of the damping ratio.
 const BELIEF: (f64, f64) = (0.125, 0.5);
 
@@ -50,10 +46,7 @@ impl Learner {
         if !shaped.is_empty() {
             shaped.push(self.unknown(&shaped));
             let forecast = Forecast::new(plan, way, &shaped);
-            // Where nothing holds the train, adaptation in motion makes up for what is little.
-            let band = self.settings.dead_band * if hold.is_none() { FOLLOWED } else { 1.0 };
-            let given = (in_force, band);
-            let (train, expected) = self.choose(&forecast, &shaped, given, plan.period());
+            let (train, expected) = self.choose(&forecast, &shaped, in_force, plan.period());
             prescription.expected = Some(expected);
             if let Some(train) = &train {
                 adapted = train.clone();
