@@ -20,9 +20,9 @@ const ALLOWED: [f64; 3] = [0.01, 0.02, 0.05];
 struct Problem {
     moving: Moving,
     train: GridTrain,
-    /// Until the command rests with ZVD, s, and without; periods of the mode.
+    /// Until the command rests with ZVD, s.
     shaped: f64,
-    planned: f64,
+    /// Periods of the mode that the unshaped move lasts.
     periods: f64,
 }
 
@@ -54,7 +54,6 @@ impl Problem {
         Self {
             shaped: planned + train.duration(),
             periods: planned / mode.damped_period(),
-            planned,
             moving,
             train,
         }

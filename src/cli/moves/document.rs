@@ -99,7 +99,7 @@ pub fn at_most(bounds: Option<Bounds>) -> String {
         return String::new();
     };
     let path = match bounds.departure {
-        none if none == 0.0 => String::new(),
+        0.0 => String::new(),
         departure => format!(" and {:.3} mm from its path", 1e3 * departure),
     };
     format!(

@@ -230,9 +230,6 @@ impl Joint {
     }
 }
 
-/// What stands in the place of a rule's name where a plan was made within a tolerance.
-pub const WITHIN: &str = "tolerance";
-
 /// Name of a rule, `none` for no shaping.
 pub fn name_of(shaper: Option<&'static dyn Shaper>) -> &'static str {
     shaper.map_or("none", |shaper| shaper.name())

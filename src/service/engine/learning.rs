@@ -6,8 +6,8 @@
 use quell_shapers::UncertainMode;
 
 use super::axis::train;
-use super::joint::{Asked, WITHIN, What, name_of};
-use super::learned::CARRIED;
+use super::joint::{Asked, What, name_of};
+use super::learned::{CARRIED, WITHIN};
 use super::planning::{Planned, standing_train};
 use super::running::Running;
 use super::{Engine, MOVES};

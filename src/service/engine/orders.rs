@@ -6,7 +6,8 @@
 
 use super::Engine;
 use super::cruise::Cruise;
-use super::joint::{Asked, Ordered, Reply, WITHIN, What, Withdrawn, name_of};
+use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
+use super::learned::WITHIN;
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};

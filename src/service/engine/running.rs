@@ -4,7 +4,7 @@ use quell_shapers::Mode;
 use quell_trajectories::{AxisState, SampledTrajectory};
 
 use super::cruise::Cruise;
-use super::joint::WITHIN;
+use super::learned::WITHIN;
 use crate::estimators::Sample;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
