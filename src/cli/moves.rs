@@ -40,7 +40,7 @@ shaper of its own, and all with the shapers of all, one after the other, which k
 latter two there is a first move and the next one, with what was learned.
 
 --residual and --deviation add the first move once more, as fast as both allow for the modes that
-were learned, wherever within two standard deviations they are. No other train is then sent. The
+were learned, wherever within two standard deviations they are. No train is then sent. The
 deviation is the distance of the commanded tip from the straight line in joint space, and the
 amplitude at the tip after the end; without it several joints keep the line.")]
 pub struct Args {

@@ -55,11 +55,13 @@ pub struct Args {
     pub data: Option<PathBuf>,
 }
 
+/// All of them are taken: one that is not built in is refused in a sentence. It is not listed.
 fn robots() -> impl clap::builder::TypedValueParser<Value = RobotKind> {
-    use clap::builder::{PossibleValuesParser, TypedValueParser};
-    let built = |kind: &&RobotKind| service::ZENOH || **kind != RobotKind::Zenoh;
-    let names = RobotKind::ALL.iter().filter(built).map(|kind| kind.name());
-    PossibleValuesParser::new(names).try_map(|name| {
+    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+    let built = |kind: RobotKind| service::ZENOH || kind != RobotKind::Zenoh;
+    let value = |kind: &RobotKind| PossibleValue::new(kind.name()).hide(!built(*kind));
+    let values = RobotKind::ALL.iter().map(value);
+    PossibleValuesParser::new(values).try_map(|name| {
         let found = RobotKind::ALL.iter().find(|kind| kind.name() == name);
         found.copied().ok_or("there is no such robot")
     })
