@@ -93,7 +93,11 @@ impl CliError {
 impl From<RecordingError> for CliError {
     fn from(error: RecordingError) -> Self {
         let help = match &error.problem {
-            Problem::NotAManifest | Problem::NoManifest => Some(MANIFEST_HELP.to_owned()),
+            Problem::NoManifest => Some(MANIFEST_HELP.to_owned()),
+            Problem::Uncertain { .. } => Some(format!(
+                "quell inspect {} writes a recording.toml with what it guesses; correct it there",
+                error.place.file.display()
+            )),
             Problem::NoJoints => Some(TOPIC_HELP.to_owned()),
             Problem::UnknownRole { .. } => Some(format!(
                 "roles: {}",
@@ -114,7 +118,7 @@ impl From<RecordingError> for CliError {
 }
 
 const MANIFEST_HELP: &str = "\
-write beside the CSV file a recording.toml such as
+quell inspect FILE.csv proposes one; it is a text file beside the CSV file, recording.toml, such as
     name = \"arm 7\"
     [[channel]]
     role = \"motor_position\"

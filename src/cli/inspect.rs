@@ -1,29 +1,37 @@
 //! `quell inspect`: what a recording holds and what looks wrong with it.
 
+mod propose;
 mod topics;
 
+use super::out::Force;
 use super::{CliError, output};
 use crate::page::{columns, fixed};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
-use crate::recording::{Channel, McapFile, Recording, mcap_and_joint, plain as short};
+use crate::recording::{
+    Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
+};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Tells what a recording holds, and what looks wrong with it.
+/// Tells what a recording holds, and what looks wrong with it; proposes the manifest of a CSV file.
 ///
-/// Channels, rates, gaps, clock jitter, noise, quantisation, flat stretches, jumps and spikes.
+/// Channels, rates, gaps, clock jitter, noise, quantisation, flat stretches, jumps and spikes. Of a CSV file, or a folder
+/// of them without a recording.toml, it writes recording.toml beside them, with what it guesses marked.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   quell inspect arm7/recording.toml
   quell inspect arm7 --json        (the folder of a recording.toml)
+  quell inspect decay.csv          (writes recording.toml beside it)
   quell inspect run.mcap           (its topics, too; run.mcap#joint_2 takes one of several joints)
 
 Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
 jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.")]
 pub struct Args {
-    /// The manifest, the folder that holds its recording.toml, or an MCAP file.
+    /// The manifest (recording.toml), its folder, an MCAP file, or a CSV file.
     pub recording: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Prints JSON instead of tables.
     #[arg(long)]
     pub json: bool,
@@ -38,12 +46,44 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if McapFile::is_named(&path) {
         return mcap(&McapFile::open(&path)?, joint.as_deref(), args.json);
     }
+    if is_csv(&path) || (path.is_dir() && !path.join(MANIFEST).exists()) {
+        return proposed(&path, &args);
+    }
     let recording = Recording::from_path(&args.recording)?;
     let figures: Vec<Health> = recording.channels.iter().map(health).collect();
     if args.json {
         output::json(&document(&recording, &figures))
     } else {
         output::text(&page(&recording, &figures))
+    }
+}
+
+/// The manifests that are proposed for CSV files, and what is in the first of them.
+fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
+    let written = propose::write(path, args.force)?;
+    let Some((manifest, _)) = written.manifests.first() else {
+        return Ok(());
+    };
+    let manifest = manifest.display();
+    let next = match written.open.is_empty() {
+        true => format!("Next: quell identify {manifest}\n"),
+        false => format!("Next: correct {manifest}, then quell identify {manifest}\n"),
+    };
+    let read = Recording::from_path(&written.manifests[0].0);
+    let (text, mut all) = match &read {
+        Ok(recording) => {
+            let figures: Vec<Health> = recording.channels.iter().map(health).collect();
+            (page(recording, &figures), document(recording, &figures))
+        }
+        Err(error) => (
+            format!("It cannot be read yet: {error}\n"),
+            json!({"refused": error.to_string()}),
+        ),
+    };
+    all["proposal"] = written.document();
+    match args.json {
+        true => output::json(&all),
+        false => output::text(&format!("{}\n{text}\n{next}", written.text())),
     }
 }
 

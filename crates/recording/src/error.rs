@@ -1,7 +1,13 @@
 //! Why a recording is refused: the place and the problem.
 
+mod words;
+
+pub(super) use words::closest;
+pub use words::nearest;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
+use words::{columns, hint, quoted, suggestion};
 
 /// Why a recording cannot be read or written, with its place in the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,9 +45,23 @@ pub enum Problem {
     /// The folder holds no `recording.toml`.
     #[error("this folder has no recording.toml")]
     NoManifest,
-    /// A CSV file was given where its manifest is expected.
-    #[error("this is a CSV file; a recording is described by a manifest (a .toml file)")]
-    NotAManifest,
+    /// A CSV file that does not say by itself what its columns are.
+    #[error("what its columns are is not certain: {open}")]
+    Uncertain {
+        /// What is not known, in a few words.
+        open: String,
+    },
+    /// A format that is known, and not read.
+    #[error("{} is not read: {}", .0.name, .0.remedy)]
+    Foreign(super::foreign::Foreign),
+    /// A cell is no time of this unit.
+    #[error("{} is no time in {unit}", quoted(.text))]
+    NotATime {
+        /// The cell.
+        text: String,
+        /// The unit's name in a manifest.
+        unit: &'static str,
+    },
     /// The operating system refused to read or write it.
     #[error("{0}")]
     Io(String),
@@ -83,6 +103,9 @@ pub enum Problem {
     /// The file has no bytes, or only blank lines.
     #[error("the file is empty")]
     Empty,
+    /// A text without rows of numbers.
+    #[error("there are no rows of numbers in this file")]
+    NoNumbers,
     /// The file has a header and no rows.
     #[error("the file has a header but no rows")]
     NoRows,
@@ -93,7 +116,7 @@ pub enum Problem {
     #[error("the text is not UTF-8")]
     NotUtf8,
     /// The column is not in the header.
-    #[error("no such column; the columns are: {}", present.join(", "))]
+    #[error("no such column; {}", columns(present))]
     NoColumn {
         /// The columns that are there.
         present: Vec<String>,
@@ -110,21 +133,22 @@ pub enum Problem {
         header: usize,
     },
     /// A cell does not hold a number.
-    #[error("{text:?} is not a number{}", hint(.text))]
+    #[error("{} is not a number{}", quoted(.text), hint(.text))]
     NotANumber {
         /// The cell.
         text: String,
     },
     /// A cell holds NaN or an infinity.
-    #[error("{text:?} is not a finite number")]
+    #[error("{} is not a finite number", quoted(.text))]
     NotFinite {
         /// The cell.
         text: String,
     },
     /// The time of a row is not above the time of the row before.
     #[error(
-        "time {} (\"{text}\" after {} s)",
+        "time {} ({} after {} s)",
         if .repeats == &true { "repeats" } else { "runs backwards" },
+        quoted(.text),
         super::plain(*.previous)
     )]
     Clock {
@@ -245,48 +269,4 @@ impl fmt::Display for Place {
         }
         f.write_str(" ")
     }
-}
-
-fn suggestion(nearest: &Option<&'static str>) -> String {
-    nearest
-        .map(|name| format!("; did you mean \"{name}\"?"))
-        .unwrap_or_default()
-}
-
-fn hint(text: &str) -> &'static str {
-    let is_decimal_comma =
-        text.matches(',').count() == 1 && text.replace(',', ".").parse::<f64>().is_ok();
-    match text {
-        "" => " (the cell is empty)",
-        _ if is_decimal_comma => " (decimal commas are not read: write a decimal point)",
-        _ => "",
-    }
-}
-
-/// The candidate that a misspelt name resembles most, if any does: at most a third of its letters
-/// differ, by insertions, deletions, substitutions and swaps.
-pub fn nearest(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'static str>,
-) -> Option<&'static str> {
-    closest(name, candidates)
-}
-
-/// The same among candidates that live as long as they may.
-pub(super) fn closest<'a>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
-    let name = name.to_lowercase();
-    candidates
-        .into_iter()
-        .map(|candidate| {
-            (
-                strsim::damerau_levenshtein(&name, &candidate.to_lowercase()),
-                candidate,
-            )
-        })
-        .filter(|(distance, candidate)| *distance <= candidate.len().max(3) / 3)
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, candidate)| candidate)
 }

@@ -34,14 +34,18 @@
 
 mod carries;
 mod error;
+mod foreign;
 pub mod health;
+mod layout;
 mod manifest;
 mod mcap;
 mod preferred;
 #[cfg(test)]
 mod properties;
+mod propose;
 mod role;
 mod sink;
+mod stamp;
 mod syntax;
 mod table;
 mod unit;
@@ -49,10 +53,14 @@ mod write;
 
 pub use carries::plain;
 pub use error::{Place, Problem, RecordingError, nearest};
+pub use foreign::{FOREIGN, Foreign};
+pub use layout::Layout;
 pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mended, Topic};
 pub use preferred::Preferred;
+pub use propose::{Proposal, Proposed, is_csv, propose};
 pub use role::{ROLES, Role, RoleEntry};
 pub use sink::Sink;
+pub use stamp::{Origin, TIME_UNITS, TimeUnit};
 pub use syntax::SyntaxError;
 pub use table::Table;
 pub use unit::{Dimension, UNITS, Unit};
@@ -90,8 +98,8 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a recording: a manifest, a folder that has a `recording.toml`, or an MCAP file with Quell's own
-    /// topics. Of a file with several joints `run.mcap#joint_2` takes one.
+    /// Reads a recording: a manifest, a folder that has a `recording.toml`, an MCAP file with Quell's own
+    /// topics, or a CSV file that can only mean one thing. Of a file with several joints `run.mcap#joint_2` takes one.
     ///
     /// Values are converted to SI. File names in the manifest are relative to its folder.
     ///

@@ -3,13 +3,14 @@
 
 mod csv;
 mod topic;
+mod values;
 
 use super::error::{Problem, RecordingError, from_io, nearest};
+use super::layout::Layout;
 use super::mcap::McapFile;
-use super::role::{ROLES, Role};
+use super::stamp::Origin;
 use super::table::Table;
-use super::unit::{UNITS, Unit};
-use super::{Channel, MANIFEST, Recording};
+use super::{Channel, MANIFEST, Recording, foreign, propose};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -17,8 +18,31 @@ use toml::Spanned;
 
 /// The keys of a manifest and of its channels, for suggestions.
 const KEYS: &[&str] = &[
-    "name", "payload", "rows", "channel", "role", "file", "time", "rate_hz", "column", "columns",
-    "topic", "field", "fields", "unit", "scale", "offset",
+    "name",
+    "payload",
+    "rows",
+    "csv",
+    "channel",
+    "role",
+    "file",
+    "time",
+    "time_unit",
+    "rate_hz",
+    "column",
+    "columns",
+    "topic",
+    "field",
+    "fields",
+    "unit",
+    "scale",
+    "offset",
+    "delimiter",
+    "decimal",
+    "comment",
+    "skip",
+    "header",
+    "missing",
+    "only",
 ];
 
 /// The whole file.
@@ -31,6 +55,8 @@ struct Manifest {
     payload: Option<String>,
     /// Only these rows below the header, `[first, last)`, counted from 0; they keep their stamps.
     rows: Option<Rows>,
+    /// How its CSV files are written, where they are not plain.
+    csv: Option<Layout>,
     /// The channels.
     channel: Vec<Entry>,
 }
@@ -48,6 +74,9 @@ struct Entry {
     file: Spanned<PathBuf>,
     /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
     time: Option<Spanned<String>>,
+    /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`, or `iso` for dates of ISO 8601; `s` where absent. With this key
+    /// stamps since an epoch are told from the first one's whole second on. CSV only.
+    time_unit: Option<Spanned<String>>,
     /// Samples a second, Hz, instead of `time`; CSV only.
     rate_hz: Option<Spanned<f64>>,
     /// Column of the values.
@@ -64,6 +93,8 @@ struct Entry {
     unit: Spanned<String>,
     /// Rows of this channel, instead of the recording's.
     rows: Option<Rows>,
+    /// How this channel's file is written, instead of the recording's `csv`.
+    csv: Option<Layout>,
     /// Factor: the value is `cell * scale + offset`, in `unit`; 1 where absent.
     scale: Option<Spanned<f64>>,
     /// Offset, in `unit`; 0 where absent.
@@ -73,8 +104,10 @@ struct Entry {
 /// The files that a manifest names, each read once.
 #[derive(Default)]
 struct Files {
-    tables: HashMap<PathBuf, Table>,
+    tables: HashMap<PathBuf, (Layout, Table)>,
     mcap: HashMap<PathBuf, McapFile>,
+    /// Where stamps since an epoch begin.
+    origin: Origin,
 }
 
 /// Stamps and columns as they stand in a file.
@@ -83,27 +116,33 @@ type Numbers = (Vec<f64>, Vec<Vec<f64>>);
 /// Reads the recording that a manifest (or the folder of a `recording.toml`) describes.
 pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
     let path = locate(path)?;
+    if propose::is_csv(&path) {
+        return read_text(&path, &propose::certain(&path)?);
+    }
     let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::InvalidData => Problem::NotUtf8.in_file(&path),
         _ => from_io(&error).in_file(&path),
     })?;
-    let source = Source {
-        path: &path,
-        text: &text,
-    };
+    read_text(&path, &text)
+}
+
+/// The recording that the text of a manifest describes, with files beside `path`.
+pub(super) fn read_text(path: &Path, text: &str) -> Result<Recording, RecordingError> {
+    let source = Source { path, text };
     let manifest: Manifest = toml::from_str(&text).map_err(|error| source.syntax(&error))?;
     if manifest.channel.is_empty() {
-        return Err(key("channel", "there is none").in_file(&path));
+        return Err(key("channel", "there is none").in_file(path));
     }
     let mut files = Files::default();
     let channels = manifest
         .channel
         .iter()
-        .map(|entry| source.channel(entry, manifest.rows.as_ref(), &mut files));
+        .map(|entry| source.channel(entry, &manifest, &mut files));
+    let channels = channels.collect::<Result<_, _>>()?;
     Ok(Recording {
         name: manifest.name,
         payload: manifest.payload,
-        channels: channels.collect::<Result<_, _>>()?,
+        channels,
     })
 }
 
@@ -116,11 +155,12 @@ fn locate(path: &Path) -> Result<PathBuf, RecordingError> {
             Err(Problem::NoManifest.in_file(path))
         };
     }
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    match extension {
-        _ if !path.exists() => Err(Problem::Missing.in_file(path)),
-        Some("csv" | "gz") => Err(Problem::NotAManifest.in_file(path)),
-        _ => Ok(path.into()),
+    if !path.exists() {
+        return Err(Problem::Missing.in_file(path));
+    }
+    match foreign::by_ending(path) {
+        Some(format) => Err(Problem::Foreign(format).in_file(path)),
+        None => Ok(path.into()),
     }
 }
 
@@ -167,7 +207,7 @@ impl Source<'_> {
     fn channel(
         &self,
         entry: &Entry,
-        rows: Option<&Rows>,
+        manifest: &Manifest,
         files: &mut Files,
     ) -> Result<Channel, RecordingError> {
         let role = self.role(&entry.role)?;
@@ -180,14 +220,21 @@ impl Source<'_> {
         let path = self.file(entry)?;
         let (mut time, mut columns) = match McapFile::is_named(&path) {
             true => self.messages(entry, role, path, files)?,
-            false => self.cells(entry, role, path, files)?,
+            false => {
+                let layout = entry.csv.as_ref().or(manifest.csv.as_ref());
+                self.cells((entry, layout), role, path, files)?
+            }
         };
-        if let Some(rows) = entry.rows.as_ref().or(rows) {
+        if let Some(rows) = entry.rows.as_ref().or(manifest.rows.as_ref()) {
             let [first, last] = self.rows(rows, time.len())?;
             for values in columns.iter_mut().chain([&mut time]) {
                 values.truncate(last);
                 values.drain(..first);
             }
+        }
+        without_missing(&mut time, &mut columns);
+        if time.is_empty() {
+            return Err(Problem::NoRows.in_file(self.path));
         }
         for value in columns.iter_mut().flatten() {
             *value = unit.to_si(*value * scale.unwrap_or(1.0) + offset.unwrap_or(0.0));
@@ -203,85 +250,6 @@ impl Source<'_> {
         })
     }
 
-    fn role(&self, name: &Spanned<String>) -> Result<Role, RecordingError> {
-        Role::from_name(name.get_ref()).ok_or_else(|| {
-            let nearest = nearest(name.get_ref(), ROLES.iter().map(|entry| entry.name));
-            let problem = Problem::UnknownRole {
-                role: name.get_ref().clone(),
-                nearest,
-            };
-            self.at(name.span().start, problem)
-        })
-    }
-
-    fn unit(&self, name: &Spanned<String>) -> Result<&'static Unit, RecordingError> {
-        Unit::from_name(name.get_ref()).ok_or_else(|| {
-            let names = UNITS.iter().flat_map(|unit| unit.names.iter().copied());
-            let nearest = nearest(name.get_ref(), names);
-            let problem = Problem::UnknownUnit {
-                unit: name.get_ref().clone(),
-                nearest,
-            };
-            self.at(name.span().start, problem)
-        })
-    }
-
-    fn finite(
-        &self,
-        name: &'static str,
-        value: &Option<Spanned<f64>>,
-    ) -> Result<Option<f64>, RecordingError> {
-        match value.as_ref().map(|value| *value.get_ref()) {
-            Some(number) if !number.is_finite() => Err(self.at(
-                start(value),
-                key(name, format!("{number} is not a finite number")),
-            )),
-            number => Ok(number),
-        }
-    }
-
-    /// The range, where it lies in a file of so many rows.
-    fn rows(&self, rows: &Rows, count: usize) -> Result<[usize; 2], RecordingError> {
-        let [first, last] = *rows.get_ref();
-        let reason = if first >= last {
-            format!("from row {first} up to before row {last} there is no row")
-        } else if last > count {
-            format!("the file has {count} rows, so it ends before row {last}")
-        } else {
-            return Ok([first, last]);
-        };
-        Err(self.at(rows.span().start, key("rows", reason)))
-    }
-
-    /// The names of a channel's columns or fields, under the one key or the other.
-    fn names<'e>(
-        &self,
-        entry: &'e Entry,
-        role: Role,
-        [one, many]: [&'static str; 2],
-        names: (&'e Option<String>, &'e Option<Vec<String>>),
-    ) -> Result<Vec<&'e str>, RecordingError> {
-        let names: Vec<&str> = match names {
-            (Some(name), None) => vec![name],
-            (None, Some(names)) => names.iter().map(String::as_str).collect(),
-            _ => {
-                let reason = format!("give either {one} = \"...\" or {many} = [...]");
-                return Err(self.at(entry.role.span().start, key(one, reason)));
-            }
-        };
-        let allowed = role.entry().columns;
-        if allowed.contains(&names.len()) {
-            return Ok(names);
-        }
-        let allowed: Vec<String> = allowed.iter().map(usize::to_string).collect();
-        let reason = format!(
-            "{role} takes {} {one}(s), not {}",
-            allowed.join(" or "),
-            names.len()
-        );
-        Err(self.at(entry.role.span().start, key(many, reason)))
-    }
-
     /// The entry's file, which is there.
     fn file(&self, entry: &Entry) -> Result<PathBuf, RecordingError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
@@ -291,6 +259,22 @@ impl Source<'_> {
         }
         let reason = format!("there is no file {}", path.display());
         Err(self.at(entry.file.span().start, key("file", reason)))
+    }
+}
+
+/// Leaves out the rows of which the stamp or a value is missing.
+fn without_missing(time: &mut Vec<f64>, columns: &mut [Vec<f64>]) {
+    let is_there = |row: usize| !(time[row].is_nan() || columns.iter().any(|c| c[row].is_nan()));
+    let kept: Vec<bool> = (0..time.len()).map(is_there).collect();
+    if kept.iter().all(|kept| *kept) {
+        return;
+    }
+    for values in columns.iter_mut().chain([time]) {
+        let mut row = 0;
+        values.retain(|_| {
+            row += 1;
+            kept[row - 1]
+        });
     }
 }
 

@@ -20,7 +20,7 @@ pub enum Role {
     LinkVelocity,
     /// Acceleration of the link (rad/s^2 or m/s^2).
     LinkAcceleration,
-    /// Acceleration of the tip (m/s^2), one or three columns.
+    /// Acceleration of the tip (m/s^2), one to three columns.
     TipAcceleration,
     /// Force (N).
     Force,
@@ -78,7 +78,7 @@ pub const ROLES: &[RoleEntry] = &[
         Role::TipAcceleration,
         "tip_acceleration",
         &[Acceleration],
-        &[1, 3],
+        &[1, 2, 3],
     ),
     entry(Role::Force, "force", &[Force], &[1]),
     entry(Role::Torque, "torque", &[Torque], &[1]),

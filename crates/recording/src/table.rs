@@ -1,24 +1,31 @@
 //! CSV and gzipped CSV as a table of text, and its columns as numbers.
 
-use super::error::{Problem, RecordingError, from_io};
-use flate2::read::MultiGzDecoder;
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+mod text;
 
-/// The first two bytes of a gzip stream (RFC 1952).
-const GZIP: [u8; 2] = [0x1f, 0x8b];
+pub(super) use text::text;
+
+use super::error::{Problem, RecordingError};
+use super::layout::Layout;
+use super::stamp::{Origin, TimeUnit};
+use std::path::{Path, PathBuf};
+use text::{count_line_ends, first_row, line_start, single_spaces};
 
 /// A CSV file in memory: a header, and rows that are read when asked for.
 ///
-/// The separator is the one of `,` `;` and tab that the header has most of. A byte order mark is
-/// dropped and blank lines are skipped.
+/// A byte order mark is dropped, blank lines are skipped, and a `#` before the first name of the header is no part of it.
 #[derive(Clone, Debug)]
 pub struct Table {
     path: PathBuf,
     text: String,
+    layout: Layout,
     delimiter: u8,
     header: Vec<String>,
+    /// Line of the header, counted from 1.
+    header_line: usize,
+    /// Where the rows begin.
+    body: Offset,
+    /// Columns and the cells that a row has in them; other rows are left out.
+    only: Vec<(usize, String)>,
 }
 
 /// Where a row begins in the text; its line is counted only for an error.
@@ -30,34 +37,59 @@ impl Table {
     /// # Errors
     /// [`RecordingError`] where the file is missing, empty, damaged or not UTF-8.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
-        let bytes = bytes(path).map_err(|problem| problem.in_file(path))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-            Problem::NotUtf8.at_line(path, 1 + count_line_ends(valid))
-        })?;
-        let mut text = text;
-        if let Some(marked) = text.strip_prefix('\u{feff}') {
-            text.drain(..text.len() - marked.len());
-        }
-        Self::from_text(path, text)
+        Self::open_as(path, &Layout::default())
     }
 
-    fn from_text(path: &Path, text: String) -> Result<Self, RecordingError> {
-        let first = text.lines().find(|line| !line.trim().is_empty());
-        let first = first.ok_or_else(|| Problem::Empty.in_file(path))?;
-        let delimiter = delimiter(first);
+    /// The same of a file that is written in this form.
+    ///
+    /// # Errors
+    /// As [`Table::open`], and where the form names a column that is not there.
+    pub fn open_as(path: &Path, layout: &Layout) -> Result<Self, RecordingError> {
+        Self::from_text(path, text(path)?, layout)
+    }
+
+    /// A table of a text that is read already.
+    ///
+    /// # Errors
+    /// As [`Table::open_as`].
+    pub(super) fn from_text(
+        path: &Path,
+        mut text: String,
+        layout: &Layout,
+    ) -> Result<Self, RecordingError> {
+        if layout.delimiter == Some(' ') {
+            text = single_spaces(&text);
+        }
+        let empty = || Problem::Empty.in_file(path);
+        let named = layout.header_line(&text);
+        let first = named
+            .or_else(|| first_row(&text, layout))
+            .ok_or_else(empty)?;
+        let line = text.lines().nth(first).ok_or_else(empty)?;
+        let below = first + usize::from(named.is_some());
         let mut table = Self {
             path: path.into(),
-            text,
-            delimiter,
+            delimiter: layout.delimiter_of(line) as u8,
+            layout: layout.clone(),
             header: Vec::new(),
+            header_line: 1 + first,
+            body: line_start(&text, below),
+            only: Vec::new(),
+            text: line
+                .trim_start()
+                .trim_start_matches(marks(layout))
+                .to_owned(),
         };
-        let header = table
-            .records()
-            .next()
-            .unwrap_or_else(|| Err(Problem::Empty.in_file(path)))?
-            .1;
-        table.header = header.iter().map(|cell| cell.trim().to_owned()).collect();
+        let row = table.records(0).next().unwrap_or_else(|| Err(empty()))?.1;
+        table.header = match named {
+            Some(_) => row.iter().map(|cell| cell.trim().to_owned()).collect(),
+            None => (1..=row.len()).map(|column| column.to_string()).collect(),
+        };
+        table.text = text;
+        for (column, cell) in layout.only.iter().flatten() {
+            let index = table.index(column)?;
+            table.only.push((index, cell.clone()));
+        }
         Ok(table)
     }
 
@@ -84,7 +116,7 @@ impl Table {
         self.body().map(|row| row.map(|(_, record)| record))
     }
 
-    /// Columns as finite numbers, in the order of `names`.
+    /// Columns as finite numbers, in the order of `names`; NaN for a cell that says that there is none.
     ///
     /// # Errors
     /// [`RecordingError`] with line and column.
@@ -113,14 +145,55 @@ impl Table {
     pub fn stamps(&self, name: &str) -> Result<Vec<f64>, RecordingError> {
         let index = self.index(name)?;
         let stamps = self.numbers(&[name])?.swap_remove(0);
-        if let Some(after) = stamps.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let (previous, repeats) = (stamps[after], stamps[after + 1] == stamps[after]);
-            let problem = |text| Problem::Clock {
-                text,
-                previous,
-                repeats,
-            };
-            return Err(self.at_row(after + 1, index, problem));
+        self.advances(index, stamps)
+    }
+
+    /// The same of stamps in a unit of time. Those since an epoch are told from `origin` on, which the first file gives.
+    ///
+    /// # Errors
+    /// As [`Self::stamps`].
+    pub fn stamps_in(
+        &self,
+        name: &str,
+        unit: TimeUnit,
+        origin: &mut Origin,
+    ) -> Result<Vec<f64>, RecordingError> {
+        let index = self.index(name)?;
+        let mut stamps = Vec::new();
+        for row in self.body() {
+            let (offset, record) = row?;
+            let cell = record[index].trim();
+            if self.layout.is_missing(cell) {
+                stamps.push(f64::NAN);
+                continue;
+            }
+            let point = self.layout.decimal == Some(',');
+            let cell = if point { &cell.replace(',', ".") } else { cell };
+            let stamp = unit.seconds(cell, origin).ok_or_else(|| {
+                let unit = unit.name();
+                let text = cell.into();
+                let problem = Problem::NotATime { text, unit };
+                problem.at_cell(&self.path, self.line(offset), &self.header[index])
+            })?;
+            stamps.push(stamp);
+        }
+        self.advances(index, stamps)
+    }
+
+    /// The stamps, where each that is there is above the one before.
+    fn advances(&self, index: usize, stamps: Vec<f64>) -> Result<Vec<f64>, RecordingError> {
+        let mut previous = f64::NEG_INFINITY;
+        for (row, &stamp) in stamps.iter().enumerate().filter(|(_, s)| !s.is_nan()) {
+            if stamp <= previous {
+                let repeats = stamp == previous;
+                let problem = |text| Problem::Clock {
+                    text,
+                    previous,
+                    repeats,
+                };
+                return Err(self.at_row(row, index, problem));
+            }
+            previous = stamp;
         }
         Ok(stamps)
     }
@@ -161,21 +234,16 @@ impl Table {
         problem(text).at_cell(&self.path, line, &self.header[column])
     }
 
-    /// Where a column is in the header.
+    /// Where a column is in the header; a `#` before the first name may be written or not.
     ///
     /// # Errors
     /// [`RecordingError`] where the header does not have it, or has it more than once.
     pub fn index(&self, name: &str) -> Result<usize, RecordingError> {
-        let at_header = |problem: Problem| {
-            let offset = self
-                .records()
-                .next()
-                .and_then(Result::ok)
-                .map_or(0, |row| row.0);
-            Err(problem.at_cell(&self.path, self.line(offset), name))
-        };
-        let count = self.header.iter().filter(|column| *column == name).count();
-        match self.header.iter().position(|column| column == name) {
+        let at_header = |problem: Problem| Err(problem.at_cell(&self.path, self.header_line, name));
+        let bare = name.trim_start_matches(marks(&self.layout));
+        let is_named = |column: &String| column == name || column == bare;
+        let count = self.header.iter().filter(|column| is_named(column)).count();
+        match self.header.iter().position(is_named) {
             Some(index) if count == 1 => Ok(index),
             Some(_) => at_header(Problem::AmbiguousColumn(count)),
             None => at_header(Problem::NoColumn {
@@ -184,8 +252,13 @@ impl Table {
         }
     }
 
+    /// The rows that are not left out.
     fn body(&self) -> impl Iterator<Item = Result<(Offset, csv::StringRecord), RecordingError>> {
-        self.records().skip(1).map(|row| {
+        let is_meant = |record: &csv::StringRecord| {
+            let holds = |(index, cell): &(usize, String)| record[*index].trim() == cell;
+            self.only.iter().all(holds)
+        };
+        let rows = self.records(self.body).map(|row| {
             let (offset, record) = row?;
             let (cells, header) = (record.len(), self.header.len());
             if cells == header {
@@ -194,30 +267,41 @@ impl Table {
                 let problem = Problem::Ragged { cells, header };
                 Err(problem.at_line(&self.path, self.line(offset)))
             }
-        })
+        });
+        rows.filter(move |row| row.as_ref().map_or(true, |(_, record)| is_meant(record)))
     }
 
-    /// The header and the rows, each with the place where it begins.
-    fn records(&self) -> impl Iterator<Item = Result<(Offset, csv::StringRecord), RecordingError>> {
+    /// The rows from an offset on, each with the place where it begins.
+    fn records(
+        &self,
+        from: Offset,
+    ) -> impl Iterator<Item = Result<(Offset, csv::StringRecord), RecordingError>> {
         csv::ReaderBuilder::new()
             .delimiter(self.delimiter)
+            .comment(self.layout.comment.map(|mark| mark as u8))
             .has_headers(false)
             .flexible(true)
-            .from_reader(self.text.as_bytes())
+            .from_reader(&self.text.as_bytes()[from..])
             .into_records()
             .filter(|record| !matches!(record, Ok(record) if is_blank(record)))
-            .map(|record| match record {
-                Ok(record) => Ok((record.position().map_or(0, |p| p.byte() as usize), record)),
+            .map(move |record| match record {
+                Ok(record) => {
+                    let place = record.position().map_or(0, |p| p.byte() as usize);
+                    Ok((from + place, record))
+                }
                 Err(error) => Err(Problem::Io(error.to_string()).in_file(&self.path)),
             })
     }
 
     fn number(&self, offset: Offset, column: usize, cell: &str) -> Result<f64, RecordingError> {
         let text = cell.trim();
-        let problem = match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => return Ok(value),
-            Ok(_) => Problem::NotFinite { text: text.into() },
-            Err(_) => Problem::NotANumber { text: text.into() },
+        if self.layout.is_missing(text) {
+            return Ok(f64::NAN);
+        }
+        let problem = match self.layout.number(text) {
+            Some(value) if value.is_finite() => return Ok(value),
+            Some(_) => Problem::NotFinite { text: text.into() },
+            None => Problem::NotANumber { text: text.into() },
         };
         Err(problem.at_cell(&self.path, self.line(offset), &self.header[column]))
     }
@@ -239,34 +323,8 @@ fn is_blank(record: &csv::StringRecord) -> bool {
     record.len() == 1 && record[0].trim().is_empty()
 }
 
-fn count_line_ends(bytes: &[u8]) -> usize {
-    bytes.iter().filter(|&&byte| byte == b'\n').count()
-}
-
-fn delimiter(header: &str) -> u8 {
-    // The last of equals wins, so a header with none of them counts as comma-separated.
-    let count = |delimiter: &u8| header.bytes().filter(|byte| byte == delimiter).count();
-    [b'\t', b';', b',']
-        .into_iter()
-        .max_by_key(count)
-        .unwrap_or(b',')
-}
-
-fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {
-    let mut bytes = Vec::new();
-    let mut file = File::open(path).map_err(|error| from_io(&error))?;
-    file.read_to_end(&mut bytes)
-        .map_err(|error| from_io(&error))?;
-    let is_named_gzip = path.extension().is_some_and(|extension| extension == "gz");
-    if bytes.is_empty() || !(is_named_gzip || bytes.starts_with(&GZIP)) {
-        return Ok(bytes);
-    }
-    let mut text = Vec::new();
-    match MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut text) {
-        Ok(_) => Ok(text),
-        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-            Err(Problem::Gzip("it ends early, the file is cut off".into()))
-        }
-        Err(error) => Err(Problem::Gzip(error.to_string())),
-    }
+/// Marks before the first name of a header that are no part of it.
+fn marks(layout: &Layout) -> impl Fn(char) -> bool + Copy {
+    let comment = layout.comment;
+    move |letter: char| letter == '#' || Some(letter) == comment || letter == ' '
 }

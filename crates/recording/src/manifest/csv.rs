@@ -1,6 +1,8 @@
 //! Channels from the columns of CSV files.
 
 use super::{Entry, Files, Numbers, Source, key};
+use crate::layout::Layout;
+use crate::stamp::{Origin, TIME_UNITS, TimeUnit};
 use crate::{RecordingError, Role, Table};
 use std::path::PathBuf;
 
@@ -8,7 +10,7 @@ impl Source<'_> {
     /// Stamps and columns of an entry with a CSV file.
     pub(super) fn cells(
         &self,
-        entry: &Entry,
+        (entry, layout): (&Entry, Option<&Layout>),
         role: Role,
         path: PathBuf,
         files: &mut Files,
@@ -19,13 +21,16 @@ impl Source<'_> {
         }
         let keys = ["column", "columns"];
         let names = self.names(entry, role, keys, (&entry.column, &entry.columns))?;
-        if !files.tables.contains_key(&path) {
+        let layout = layout.cloned().unwrap_or_default();
+        if files.tables.get(&path).is_none_or(|held| held.0 != layout) {
             tracing::info!(file = %path.display(), "reading");
-            files.tables.insert(path.clone(), Table::open(&path)?);
+            let table = Table::open_as(&path, &layout)?;
+            files.tables.insert(path.clone(), (layout, table));
         }
-        let table = &files.tables[&path];
+        let table = &files.tables[&path].1;
         let columns = table.numbers(&names)?;
-        Ok((self.time(entry, table, columns[0].len())?, columns))
+        let time = self.time(entry, table, columns[0].len(), &mut files.origin)?;
+        Ok((time, columns))
     }
 
     fn time(
@@ -33,9 +38,21 @@ impl Source<'_> {
         entry: &Entry,
         table: &Table,
         samples: usize,
+        origin: &mut Origin,
     ) -> Result<Vec<f64>, RecordingError> {
         match (&entry.time, &entry.rate_hz) {
-            (Some(name), None) => table.stamps(name.get_ref()),
+            (Some(name), None) => match &entry.time_unit {
+                None => table.stamps(name.get_ref()),
+                Some(unit) => {
+                    let known = TimeUnit::from_name(unit.get_ref()).ok_or_else(|| {
+                        let names: Vec<_> = TIME_UNITS.iter().map(|line| line.1).collect();
+                        let reason =
+                            format!("\"{}\" is none of {}", unit.get_ref(), names.join(", "));
+                        self.at(unit.span().start, key("time_unit", reason))
+                    })?;
+                    table.stamps_in(name.get_ref(), known, origin)
+                }
+            },
             (None, Some(rate)) => {
                 let rate_hz = *rate.get_ref();
                 if !(rate_hz.is_finite() && rate_hz > 0.0) {

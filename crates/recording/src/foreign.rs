@@ -1,0 +1,73 @@
+//! Formats that are known, and not read: what to do with each.
+
+use std::path::Path;
+
+/// A format that is not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Foreign {
+    /// Its name, with an article.
+    pub name: &'static str,
+    /// What makes of it something that is read.
+    pub remedy: &'static str,
+    /// Endings of its files.
+    endings: &'static [&'static str],
+    /// Its first bytes.
+    magic: &'static [&'static [u8]],
+}
+
+/// Formats that are known, and not read.
+pub const FOREIGN: &[Foreign] = &[
+    Foreign {
+        name: "a MATLAB file",
+        remedy: "write it as CSV in MATLAB: writetable(table(t, y), \"run.csv\")",
+        endings: &["mat"],
+        magic: &[
+            b"MATLAB 5.0 MAT-file",
+            b"MATLAB 7.3 MAT-file",
+            b"\x89HDF\r\n\x1a\n",
+        ],
+    },
+    Foreign {
+        name: "a ROS 2 bag (SQLite)",
+        remedy: "convert it to MCAP, which is read: ros2 bag convert -i BAG -o out.yaml, with storage_id: mcap",
+        endings: &["db3"],
+        magic: &[b"SQLite format 3\0"],
+    },
+    Foreign {
+        name: "a ROS 1 bag",
+        remedy: "convert it to MCAP, which is read: mcap convert run.bag run.mcap",
+        endings: &["bag"],
+        magic: &[b"#ROSBAG V"],
+    },
+    Foreign {
+        name: "a Parquet file",
+        remedy: "write it as CSV with Python: pandas.read_parquet(\"run.parquet\").to_csv(\"run.csv\", index=False)",
+        endings: &["parquet"],
+        magic: &[b"PAR1"],
+    },
+    Foreign {
+        name: "a spreadsheet",
+        remedy: "save its sheet as CSV (UTF-8)",
+        endings: &["xlsx", "xls", "ods"],
+        magic: &[b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"],
+    },
+    Foreign {
+        name: "a NumPy file",
+        remedy: "write it as CSV with Python: numpy.savetxt(\"run.csv\", data, delimiter=\",\")",
+        endings: &["npy", "npz"],
+        magic: &[b"\x93NUMPY"],
+    },
+];
+
+/// The format of a file by its ending, else by its first bytes; none where it may be text.
+pub(super) fn of(path: &Path, bytes: &[u8]) -> Option<Foreign> {
+    let begins = |format: &&Foreign| format.magic.iter().any(|magic| bytes.starts_with(magic));
+    by_ending(path).or_else(|| FOREIGN.iter().find(begins).copied())
+}
+
+/// The format that a file has by its ending.
+pub(super) fn by_ending(path: &Path) -> Option<Foreign> {
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    let ends = |format: &&Foreign| format.endings.contains(&ending.as_str());
+    FOREIGN.iter().find(ends).copied()
+}

@@ -1,0 +1,86 @@
+//! The form of a CSV file, where it is not a plain one.
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// `[csv]`: how a CSV file is written, where it is not a header with rows of numbers.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layout {
+    /// Separator of the cells: `,`, `;`, a tab, `|`, or a space for any number of them; where absent the one that the
+    /// header has most of.
+    pub delimiter: Option<char>,
+    /// Decimal mark, `.` or `,`; a point where absent.
+    pub decimal: Option<char>,
+    /// Lines that begin with it are left out. Of them the last above the numbers may be the header.
+    pub comment: Option<char>,
+    /// Lines above the header that are left out; 0 where absent.
+    pub skip: Option<usize>,
+    /// Whether there is a header; without one the columns are called `1`, `2`, `3`. True where absent.
+    pub header: Option<bool>,
+    /// Cells that say that there is no sample, such as `["", "NaN"]`; where absent there is none.
+    pub missing: Option<Vec<String>>,
+    /// Only rows with these cells, such as `{ test = "3" }`, where a file has several tests.
+    pub only: Option<BTreeMap<String, String>>,
+}
+
+/// Separators that a file may have. Of equals the last wins, so that a header with none counts as comma-separated.
+pub(super) const DELIMITERS: [char; 5] = ['|', ' ', '\t', ';', ','];
+
+impl Layout {
+    /// The separator: the one that is given, else the one of tab, `;` and `,` that the header has most of.
+    pub(super) fn delimiter_of(&self, header: &str) -> char {
+        let count = |delimiter: &char| header.matches(*delimiter).count();
+        let usual = DELIMITERS.into_iter().skip(2).max_by_key(count);
+        self.delimiter.or(usual).unwrap_or(',')
+    }
+
+    /// Whether a cell says that there is no sample.
+    pub(super) fn is_missing(&self, cell: &str) -> bool {
+        let cells = self.missing.as_deref().unwrap_or_default();
+        cells.iter().any(|missing| missing == cell)
+    }
+
+    /// A cell as a number, with its decimal mark.
+    pub(super) fn number(&self, cell: &str) -> Option<f64> {
+        match self.decimal {
+            Some(',') => cell.replace(',', ".").parse().ok(),
+            _ => cell.parse().ok(),
+        }
+    }
+
+    /// The line with the names, by its number from 0, and whether it is one of the comments; none without a header.
+    pub(super) fn header_line(&self, text: &str) -> Option<usize> {
+        if self.header == Some(false) {
+            return None;
+        }
+        let lines = text.lines().enumerate().skip(self.skip.unwrap_or(0));
+        let mut above = None;
+        for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+            if self.is_comment(line) {
+                above = Some(number);
+                continue;
+            }
+            // Numbers below a comment: the comment has the names.
+            return match above {
+                Some(comment) if self.is_numbers(line) => Some(comment),
+                _ => Some(number),
+            };
+        }
+        above
+    }
+
+    /// Whether a line is left out.
+    pub(super) fn is_comment(&self, line: &str) -> bool {
+        let line = line.trim_start();
+        self.comment.is_some_and(|mark| line.starts_with(mark))
+    }
+
+    /// Whether a line has numbers, and cells that are missing, only.
+    pub(super) fn is_numbers(&self, line: &str) -> bool {
+        let delimiter = self.delimiter_of(line);
+        let mut cells = line.split(delimiter).map(str::trim).peekable();
+        let holds = |cell: &str| cell.is_empty() || self.number(cell).is_some();
+        !line.trim().is_empty() && cells.all(holds)
+    }
+}

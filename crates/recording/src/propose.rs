@@ -1,0 +1,129 @@
+//! A manifest for CSV files that have none: what their columns may be, by their form, their names and their numbers.
+
+mod clock;
+mod columns;
+mod content;
+mod form;
+mod name;
+mod render;
+
+use super::error::{Problem, RecordingError};
+use super::{MANIFEST, foreign};
+use content::Content;
+use std::path::{Path, PathBuf};
+
+/// Endings of files that are read as text with columns.
+const ENDINGS: &[&str] = &["csv", "tsv", "txt", "dat", "asc", "log", "gz"];
+
+/// A manifest that is proposed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposed {
+    /// Its file name.
+    pub name: String,
+    /// Its text; lines that are guessed say so.
+    pub text: String,
+}
+
+/// What CSV files may be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Proposal {
+    /// One manifest for each recording: a file may have several tests, and a folder several runs.
+    pub manifests: Vec<Proposed>,
+    /// What is not certain, and matters: a role, a unit of time, a rate. A sentence each, without an end.
+    pub open: Vec<String>,
+}
+
+/// Something that may be guessed.
+#[derive(Clone, Debug)]
+struct Guess<T> {
+    value: T,
+    /// Why it is thought so, where it does not stand in the file.
+    why: Option<String>,
+}
+
+impl<T> Guess<T> {
+    fn known(value: T) -> Self {
+        Self { value, why: None }
+    }
+
+    fn guessed(value: T, why: impl Into<String>) -> Self {
+        let why = Some(why.into());
+        Self { value, why }
+    }
+}
+
+/// Whether a file is one that has columns as text.
+pub fn is_csv(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| ENDINGS.contains(&ending.to_ascii_lowercase().as_str()))
+}
+
+/// Proposes manifests for a CSV file, or for all CSV files of a folder.
+///
+/// # Errors
+/// [`RecordingError`] where a file cannot be read as text, or has no numbers.
+///
+/// # Example
+/// ```
+/// let folder = tempfile::tempdir().unwrap();
+/// let file = folder.path().join("decay.csv");
+/// std::fs::write(&file, "t [ms];accel_x [g]\n0,0;0,11\n0,5;-0,02\n1,0;0,07\n").unwrap();
+/// let proposal = quell_recording::propose(&file).unwrap();
+/// let text = &proposal.manifests[0].text;
+/// assert!(text.contains("decimal = \",\"") && text.contains("time_unit = \"ms\""));
+/// assert!(proposal.open.is_empty());
+/// ```
+pub fn propose(path: &Path) -> Result<Proposal, RecordingError> {
+    let files = match path.is_dir() {
+        true => csv_files(path)?,
+        false => vec![path.to_path_buf()],
+    };
+    let mut contents = Vec::new();
+    for file in &files {
+        if let Some(format) = foreign::by_ending(file) {
+            return Err(Problem::Foreign(format).in_file(file));
+        }
+        contents.push(Content::read(file)?);
+    }
+    if contents.is_empty() {
+        return Err(Problem::NoManifest.in_file(path));
+    }
+    Ok(render::proposal(path, &contents))
+}
+
+/// The manifest of a CSV file that can only mean one thing.
+pub(super) fn certain(path: &Path) -> Result<String, RecordingError> {
+    let mut proposal = propose(path)?;
+    let several = proposal.manifests.len();
+    if several > 1 {
+        proposal.open.insert(0, format!("it has {several} tests"));
+    }
+    match proposal.open.is_empty() {
+        true => Ok(proposal.manifests.swap_remove(0).text),
+        false => {
+            let open = proposal.open.join("; ");
+            Err(Problem::Uncertain { open }.in_file(path))
+        }
+    }
+}
+
+/// CSV files of a folder, by their names.
+fn csv_files(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    let entries = std::fs::read_dir(folder).map_err(|error| RecordingError::io(folder, &error))?;
+    let files = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<PathBuf> = files.filter(|file| is_csv(file)).collect();
+    files.sort();
+    Ok(files)
+}
+
+/// The name of the manifest of one recording of several; of the only one it is [`MANIFEST`].
+fn manifest_name(only: bool, stem: &str) -> String {
+    let safe = |letter: char| match letter.is_alphanumeric() || "-_.".contains(letter) {
+        true => letter,
+        false => '_',
+    };
+    match only {
+        true => MANIFEST.into(),
+        false => format!("{}.toml", stem.chars().map(safe).collect::<String>()),
+    }
+}

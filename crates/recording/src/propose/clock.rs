@@ -1,0 +1,187 @@
+//! Which column has the time, and in what unit; and which column tells tests apart.
+
+use super::super::stamp::TimeUnit;
+use super::Guess;
+use super::content::{Column, Content};
+use super::name;
+
+/// Rate, Hz, below which stamps are not taken for seconds without being told: of a vibration of a few hertz, the slowest
+/// of a robot, it has not two samples a period.
+const SLOWEST: f64 = 5.0;
+/// Seconds since 1970 in the years 2001 to 2286: ten digits.
+const EPOCH: [f64; 2] = [1e9, 1e10];
+
+/// The clock of a file.
+pub enum Clock {
+    /// A column with stamps; where their unit is not certain, why that matters.
+    Stamps {
+        column: usize,
+        unit: Guess<TimeUnit>,
+        open: Option<String>,
+    },
+    /// A rate, Hz.
+    Rate(f64),
+    /// Nothing tells the time.
+    None,
+}
+
+impl Clock {
+    /// Whether a column is the clock's.
+    pub fn has(&self, index: usize) -> bool {
+        matches!(self, Self::Stamps { column, .. } if *column == index)
+    }
+}
+
+/// The clock of a file.
+pub fn of(content: &Content) -> Clock {
+    if let Some(rate) = content.told_rate_hz {
+        return Clock::Rate(rate);
+    }
+    let columns = &content.columns;
+    let named = columns
+        .iter()
+        .position(|column| column.name.is_time() && is_clock(column));
+    let dated = || columns.iter().position(|column| is_date(&column.first));
+    let unnamed = || {
+        let first = columns.first()?;
+        let is_other = first.name.is_count() || first.name.role().is_some();
+        let even = first.is_numeric() && first.grows(0..first.numbers.len());
+        (columns.len() > 1 && even && !is_other).then_some(0)
+    };
+    if let Some(column) = named.or_else(dated) {
+        let (unit, open) = match content.is_klipper() {
+            true => (Guess::known(TimeUnit::Seconds), None),
+            false => unit(&columns[column]),
+        };
+        return Clock::Stamps { column, unit, open };
+    }
+    match unnamed() {
+        None => Clock::None,
+        Some(column) => {
+            let (unit, open) = unit(&columns[column]);
+            let grows = "the first column, whose values grow, has the time";
+            let open = Some(open.map_or(grows.into(), |open| format!("{grows}; {open}")));
+            let unit = Guess::guessed(unit.value, grows);
+            Clock::Stamps { column, unit, open }
+        }
+    }
+}
+
+fn is_clock(column: &Column) -> bool {
+    column.is_numeric() || is_date(&column.first)
+}
+
+fn is_date(cell: &str) -> bool {
+    cell.contains(':') && TimeUnit::Iso.seconds(cell, &mut Some(0)).is_some()
+}
+
+/// The unit of a column of stamps, and what is not certain of it.
+fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
+    if is_date(&column.first) && column.texts > 0 {
+        return (Guess::known(TimeUnit::Iso), None);
+    }
+    let words = column
+        .name
+        .words
+        .iter()
+        .find_map(|word| name::time_unit(word).filter(|_| word.len() > 1));
+    let told = column.name.unit.as_deref().and_then(name::time_unit);
+    let first = column
+        .numbers
+        .iter()
+        .copied()
+        .find(|stamp| stamp.is_finite())
+        .unwrap_or(0.0);
+    let numbers = [
+        TimeUnit::Seconds,
+        TimeUnit::Milliseconds,
+        TimeUnit::Microseconds,
+        TimeUnit::Nanoseconds,
+    ];
+    let since_1970 = |unit: &TimeUnit| {
+        let seconds = first * unit.in_seconds();
+        (EPOCH[0]..EPOCH[1]).contains(&seconds)
+    };
+    if let Some(unit) = told.or(words) {
+        return (Guess::known(unit), None);
+    }
+    if let Some(unit) = numbers.into_iter().find(since_1970) {
+        return (Guess::known(unit), None);
+    }
+    let step = step(column);
+    let rate = |unit: &TimeUnit| 1.0 / (step * unit.in_seconds());
+    let fits = |unit: &TimeUnit| rate(unit) >= SLOWEST;
+    match numbers.into_iter().find(fits) {
+        Some(TimeUnit::Seconds) => {
+            let why = format!("that is {:.4} samples a second", rate(&TimeUnit::Seconds));
+            (Guess::guessed(TimeUnit::Seconds, why), None)
+        }
+        Some(unit) => {
+            let why = format!(
+                "in seconds it were one sample in {step} s, in {} it is {:.4} Hz",
+                unit.name(),
+                rate(&unit)
+            );
+            let open = format!("the unit of column {:?}: {why}", column.title);
+            (Guess::guessed(unit, why), Some(open))
+        }
+        None => {
+            let open = format!("the unit of column {:?}", column.title);
+            (
+                Guess::guessed(TimeUnit::Seconds, "nothing says it"),
+                Some(open),
+            )
+        }
+    }
+}
+
+/// The median step of the stamps that grow.
+fn step(column: &Column) -> f64 {
+    let pairs = column.numbers.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = pairs.filter(|step| *step > 0.0).collect();
+    let middle = steps.len() / 2;
+    match steps.is_empty() {
+        true => 1.0,
+        false => *steps.select_nth_unstable_by(middle, f64::total_cmp).1,
+    }
+}
+
+/// The column that tells tests apart, where the time of a file begins again: within each of its values time grows.
+pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
+    let Clock::Stamps {
+        column: time, unit, ..
+    } = clock
+    else {
+        return None;
+    };
+    let stamps = &content.columns[*time];
+    let rows = stamps.numbers.len();
+    if unit.value == TimeUnit::Iso || stamps.grows(0..rows) {
+        return None;
+    }
+    // Where each stretch of growing time begins.
+    let falls = |row: &usize| stamps.numbers[*row] <= stamps.numbers[*row - 1];
+    let begins = (1..rows).filter(falls).count() + 1;
+    let parts = |column: &Column| {
+        let mut values = column.distinct.clone();
+        values.sort();
+        values.dedup();
+        values.len() == column.distinct.len() && values.len() > 1 && values.len() >= begins
+    };
+    (0..content.columns.len()).find(|&index| {
+        index != *time
+            && parts(&content.columns[index])
+            && content.columns[index].distinct.len() < rows
+    })
+}
+
+/// Whether the time of a file runs backwards, or repeats.
+pub fn runs_back(content: &Content, clock: &Clock) -> bool {
+    match clock {
+        Clock::Stamps { column, unit, .. } if unit.value != TimeUnit::Iso => {
+            let stamps = &content.columns[*column];
+            !stamps.grows(0..stamps.numbers.len())
+        }
+        _ => false,
+    }
+}

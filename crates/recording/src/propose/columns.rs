@@ -1,0 +1,239 @@
+//! Which channels the columns of a file may be.
+
+use super::super::role::Role;
+use super::super::unit::Dimension;
+use super::Guess;
+use super::clock::Clock;
+use super::content::Content;
+use super::name;
+
+/// Standard acceleration of free fall, m/s^2.
+const G_N: f64 = 9.80665;
+/// Share by which the mean of an accelerometer at rest may differ from that: its offset, and the other axes' tilt.
+const OFFSET: f64 = 0.05;
+
+/// A channel that is proposed.
+pub struct Channel {
+    /// Its role.
+    pub role: Guess<Role>,
+    /// Its columns, by their place in the file.
+    pub columns: Vec<usize>,
+    /// Its unit.
+    pub unit: Guess<String>,
+}
+
+/// What the columns may be.
+#[derive(Default)]
+pub struct Channels {
+    /// The channels.
+    pub found: Vec<Channel>,
+    /// Columns that are not used.
+    pub unused: Vec<usize>,
+    /// What is not certain.
+    pub open: Vec<String>,
+}
+
+/// The channels of a file, without the columns of its clock and its tests.
+pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
+    let mut channels = Channels::default();
+    for (index, column) in content.columns.iter().enumerate() {
+        if clock.has(index) || tests == Some(index) {
+            continue;
+        }
+        if !column.is_numeric() || column.name.is_count() || column.name.is_time() {
+            channels.unused.push(index);
+            continue;
+        }
+        match role(content, index) {
+            Some(role) => channels.take(content, index, role),
+            None => channels.unused.push(index),
+        }
+    }
+    if channels.found.is_empty() {
+        channels.only_one(content);
+    }
+    for channel in &mut channels.found {
+        if channel.unit.value.is_empty() {
+            channel.unit = unit(content, channel);
+        }
+    }
+    channels.alone();
+    if channels.found.is_empty() {
+        let rest = channels
+            .unused
+            .iter()
+            .take(12)
+            .map(|&index| content.columns[index].title.as_str());
+        let names: Vec<&str> = rest.collect();
+        channels
+            .open
+            .push(format!("which columns are meant of {}", names.join(", ")));
+    }
+    channels
+}
+
+impl Channels {
+    /// Adds a column, to the channel whose other axes are there already.
+    fn take(&mut self, content: &Content, index: usize, (role, certain): (Role, bool)) {
+        let column = &content.columns[index];
+        let same = self
+            .found
+            .iter_mut()
+            .find(|channel| channel.role.value == role);
+        let is_vector = role.entry().columns.contains(&3);
+        match same {
+            Some(channel)
+                if is_vector && column.name.axis().is_some() && channel.columns.len() < 3 =>
+            {
+                channel.columns.push(index);
+            }
+            Some(_) => self.unused.push(index),
+            None => {
+                let told = column.name.unit.as_deref().and_then(name::unit);
+                let unit = told.map_or(String::new(), |unit| unit.names[0].to_owned());
+                let role = match certain {
+                    true => Guess::known(role),
+                    false => Guess::guessed(role, format!("by the name {:?}", column.title)),
+                };
+                let unit = Guess::known(unit);
+                self.found.push(Channel {
+                    role,
+                    columns: vec![index],
+                    unit,
+                });
+            }
+        }
+    }
+
+    /// One column of numbers, of which nothing is known: what vibrates.
+    fn only_one(&mut self, content: &Content) {
+        let numeric = |index: &&usize| {
+            let column = &content.columns[**index];
+            column.is_numeric() && !column.name.is_count()
+        };
+        let mut rest = self.unused.iter().filter(numeric);
+        if let (Some(&index), None) = (rest.next(), rest.next()) {
+            self.unused.retain(|unused| *unused != index);
+            self.take(content, index, (Role::Deformation, false));
+        }
+    }
+
+    /// What is guessed, and matters. A tip sensor has three axes: with fewer it is a deflection.
+    fn alone(&mut self) {
+        for channel in &mut self.found {
+            if channel.role.value == Role::TipPosition && channel.columns.len() != 3 {
+                channel.role = Guess::guessed(Role::Deformation, "fewer than three axes of a tip");
+                channel.columns.truncate(1);
+            }
+        }
+        // One channel alone is what vibrates, whatever its role.
+        if self.found.len() == 1 {
+            return;
+        }
+        let guessed = self
+            .found
+            .iter()
+            .filter(|channel| channel.role.why.is_some());
+        let words = guessed.map(|channel| format!("whether it is a {}", channel.role.value));
+        self.open.extend(words.collect::<Vec<_>>());
+    }
+}
+
+/// The role of a column, and whether it is certain.
+fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
+    let name = &content.columns[index].name;
+    // RepRapFirmware calls the axes of its accelerometer X, Y and Z.
+    if content.told_rate_hz.is_some() && name.axis().is_some() {
+        return Some((Role::TipAcceleration, true));
+    }
+    let dimension = name
+        .unit
+        .as_deref()
+        .and_then(name::unit)
+        .map(|unit| unit.dimension);
+    let named = name.role();
+    // A tool that has an acceleration's unit has an accelerometer.
+    match (named, dimension) {
+        (Some((role, true)), _) => Some((role, true)),
+        (_, Some(Dimension::Acceleration)) => Some((Role::TipAcceleration, true)),
+        (Some((role, false)), Some(dimension)) => {
+            let fits = role.entry().dimensions.contains(&dimension);
+            fits.then_some((role, false))
+                .or_else(|| by_dimension(dimension))
+        }
+        (Some(found), None) => Some(found),
+        (None, Some(dimension)) => by_dimension(dimension),
+        (None, None) => None,
+    }
+}
+
+/// The role that a quantity has most often.
+fn by_dimension(dimension: Dimension) -> Option<(Role, bool)> {
+    match dimension {
+        Dimension::Angle => Some((Role::MotorPosition, false)),
+        Dimension::Length => Some((Role::Deformation, false)),
+        Dimension::Velocity | Dimension::AngularVelocity => Some((Role::LinkVelocity, false)),
+        Dimension::AngularAcceleration => Some((Role::LinkAcceleration, false)),
+        Dimension::Acceleration => Some((Role::TipAcceleration, true)),
+        Dimension::Force => Some((Role::Force, true)),
+        Dimension::Torque => Some((Role::Torque, true)),
+        Dimension::Current => Some((Role::MotorCurrent, true)),
+        Dimension::Voltage => Some((Role::MotorVoltage, true)),
+        Dimension::Number => None,
+    }
+}
+
+/// The unit of a channel whose names do not say it.
+fn unit(content: &Content, channel: &Channel) -> Guess<String> {
+    let role = channel.role.value;
+    if role != Role::TipAcceleration {
+        let usual = role.entry().dimensions[0];
+        let raw = Guess::guessed("raw".into(), "no unit in its name");
+        return match usual {
+            Dimension::Angle | Dimension::Length => raw,
+            dimension => by_role(dimension)
+                .map_or(raw, |si| Guess::guessed(si.into(), "no unit in its name")),
+        };
+    }
+    if content.told_rate_hz.is_some() {
+        return Guess::known("g".into());
+    }
+    if content.is_klipper() {
+        return Guess::known("mm/s^2".into());
+    }
+    let mean = |index: &usize| {
+        let there = content.columns[*index]
+            .numbers
+            .iter()
+            .filter(|value| !value.is_nan());
+        there.clone().sum::<f64>() / there.count().max(1) as f64
+    };
+    let pull = channel
+        .columns
+        .iter()
+        .map(mean)
+        .map(|mean| mean * mean)
+        .sum::<f64>()
+        .sqrt();
+    for (unit, gravity) in [
+        ("m/s^2", G_N),
+        ("g", 1.0),
+        ("mm/s^2", 1e3 * G_N),
+        ("mg", 1e3),
+    ] {
+        if (pull / gravity - 1.0).abs() < OFFSET {
+            return Guess::guessed(unit.into(), "its mean is the gravity of the earth");
+        }
+    }
+    Guess::guessed(
+        "raw".into(),
+        "no unit in its name; a frequency does not need one",
+    )
+}
+
+fn by_role(dimension: Dimension) -> Option<&'static str> {
+    let of = super::super::unit::UNITS
+        .iter()
+        .find(|unit| unit.dimension == dimension);
+    of.map(|unit| unit.si)
+}

@@ -1,0 +1,163 @@
+//! A CSV file as it is read before anyone said what it is.
+
+use super::super::error::{Problem, RecordingError};
+use super::super::layout::Layout;
+use super::super::table::{self, Table};
+use super::form;
+use super::name::{self, Name};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Cells that say by custom that there is none.
+const MISSING: &[&str] = &["", "NaN", "nan", "NAN", "NA", "N/A", "null", "None", "-"];
+/// Most values of a column that tells tests apart.
+const MOST_TESTS: usize = 1000;
+
+/// A file, its form, and its columns.
+pub struct Content {
+    /// The file.
+    pub path: PathBuf,
+    /// Its form.
+    pub layout: Layout,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// Samples a second that RepRapFirmware tells at the end of its files.
+    pub told_rate_hz: Option<f64>,
+}
+
+/// A column.
+pub struct Column {
+    /// What a manifest calls it.
+    pub called: String,
+    /// What stands in the header, where there is one.
+    pub title: String,
+    /// The title, taken apart.
+    pub name: Name,
+    /// Its numbers; NaN for any other cell.
+    pub numbers: Vec<f64>,
+    /// How many cells are neither numbers nor missing.
+    pub texts: usize,
+    /// The first cell.
+    pub first: String,
+    /// The cells that it has, in their order, where they are few.
+    pub distinct: Vec<String>,
+}
+
+impl Content {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`RecordingError`] where it cannot be read, or has no numbers.
+    pub fn read(path: &Path) -> Result<Self, RecordingError> {
+        let text = table::text(path)?;
+        if text.trim().is_empty() {
+            return Err(Problem::Empty.in_file(path));
+        }
+        let form = form::of(&text).ok_or_else(|| Problem::NoNumbers.in_file(path))?;
+        let mut layout = form.layout;
+        let last = text.trim_end().lines().last().unwrap_or_default();
+        let told_rate_hz = told_rate(last);
+        let table = Table::from_text(path, text, &layout)?;
+        let titles = form.names.unwrap_or_else(|| table.header().to_vec());
+        let mut columns: Vec<Column> = Vec::new();
+        for (called, title) in table.header().iter().zip(&titles) {
+            columns.push(Column::new(called, title));
+        }
+        let mut missing = BTreeSet::new();
+        for row in table.rows() {
+            for (column, cell) in columns.iter_mut().zip(&row?) {
+                if column.take(cell.trim(), &layout) {
+                    missing.insert(cell.trim().to_owned());
+                }
+            }
+        }
+        if columns
+            .first()
+            .is_none_or(|column| column.numbers.is_empty())
+        {
+            return Err(Problem::NoRows.in_file(path));
+        }
+        layout.missing = (!missing.is_empty()).then(|| missing.into_iter().collect());
+        let path = path.into();
+        Ok(Self {
+            path,
+            layout,
+            columns,
+            told_rate_hz,
+        })
+    }
+
+    /// Whether it is Klipper's raw data of an accelerometer: s and mm/s^2.
+    pub fn is_klipper(&self) -> bool {
+        let titles = self.columns.iter().map(|column| column.title.as_str());
+        titles.eq(["time", "accel_x", "accel_y", "accel_z"])
+    }
+
+    /// The file's name without its endings.
+    pub fn stem(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        name.split('.').next().unwrap_or_default().into()
+    }
+}
+
+impl Column {
+    fn new(called: &str, title: &str) -> Self {
+        Self {
+            called: called.into(),
+            title: title.into(),
+            name: name::parse(title),
+            numbers: Vec::new(),
+            texts: 0,
+            first: String::new(),
+            distinct: Vec::new(),
+        }
+    }
+
+    /// Takes a cell, and says whether it is missing.
+    fn take(&mut self, cell: &str, layout: &Layout) -> bool {
+        if self.numbers.is_empty() {
+            self.first = cell.into();
+        }
+        let number = layout.number(cell).filter(|number| number.is_finite());
+        let missing = number.is_none() && MISSING.contains(&cell);
+        self.texts += usize::from(number.is_none() && !missing);
+        self.numbers.push(number.unwrap_or(f64::NAN));
+        let is_new = self.distinct.last().is_none_or(|last| last != cell);
+        if is_new && self.distinct.len() <= MOST_TESTS {
+            self.distinct.push(cell.into());
+        }
+        missing
+    }
+
+    /// Whether its cells are numbers, or missing.
+    pub fn is_numeric(&self) -> bool {
+        self.texts == 0 && self.numbers.iter().any(|number| number.is_finite())
+    }
+
+    /// Whether the numbers of these rows grow from each to the next.
+    pub fn grows(&self, rows: impl Iterator<Item = usize>) -> bool {
+        let mut before = f64::NEG_INFINITY;
+        for value in rows
+            .map(|row| self.numbers[row])
+            .filter(|value| !value.is_nan())
+        {
+            if value <= before {
+                return false;
+            }
+            before = value;
+        }
+        before.is_finite()
+    }
+}
+
+/// `Rate 1344, overflows 0`
+fn told_rate(line: &str) -> Option<f64> {
+    let rate: f64 = line
+        .strip_prefix("Rate ")?
+        .split(',')
+        .next()?
+        .trim()
+        .parse()
+        .ok()?;
+    (rate.is_finite() && rate > 0.0).then_some(rate)
+}

@@ -1,0 +1,153 @@
+//! The form of a CSV file by its first lines: separator, decimal mark, comments, header.
+
+use super::super::layout::Layout;
+
+/// Lines that are looked at.
+const LOOKED_AT: usize = 300;
+/// Share of the rows of a column that are numbers, where the column is one of numbers.
+const MOST: f64 = 0.9;
+/// Marks of comments.
+const MARKS: [char; 3] = ['#', '%', '/'];
+/// Separators, in the order in which they are believed, and decimal marks beside them.
+const FORMS: [(char, char); 8] = [
+    (',', '.'),
+    (';', '.'),
+    (';', ','),
+    ('\t', '.'),
+    ('\t', ','),
+    ('|', '.'),
+    (' ', '.'),
+    (' ', ','),
+];
+
+/// A form, and the names that stand above the numbers where there are units below them.
+pub struct Form {
+    /// The form.
+    pub layout: Layout,
+    /// Names of the columns, where the layout has no header because a row of units stands below it.
+    pub names: Option<Vec<String>>,
+}
+
+/// The form of a text; none where it has no rows of numbers.
+pub fn of(text: &str) -> Option<Form> {
+    let lines: Vec<&str> = text.lines().take(LOOKED_AT).collect();
+    let plain = |line: &&&str| !line.trim().is_empty() && !line.trim_start().starts_with(MARKS);
+    let rows: Vec<&str> = lines.iter().filter(plain).copied().collect();
+    let score = |&(delimiter, decimal): &(char, char)| columns(&rows, delimiter, decimal);
+    // The first of equals is taken.
+    let (delimiter, decimal) = FORMS.into_iter().rev().max_by_key(score)?;
+    if columns(&rows, delimiter, decimal) == 0 {
+        return None;
+    }
+    let mut layout = Layout {
+        delimiter: (delimiter != Layout::default().delimiter_of(rows[0])).then_some(delimiter),
+        decimal: (decimal == ',').then_some(','),
+        ..Layout::default()
+    };
+    let cells = |line: &str| split(line, delimiter).len();
+    let count = usual(rows.iter().map(|line| cells(line)));
+    let is_row = |line: &str| cells(line) == count && numbers(line, delimiter, decimal) > 0;
+    let first = lines.iter().position(|line| is_row(line))?;
+    let marked = |line: &&str| line.trim_start().starts_with(MARKS);
+    let mut names = None;
+    let mut above = (0..first)
+        .rev()
+        .filter(|&line| !lines[line].trim().is_empty());
+    let header = above.next().filter(|&line| cells(lines[line]) == count);
+    match header {
+        None => layout.header = Some(false),
+        Some(line) if is_units(lines[line], delimiter) => {
+            // Names, then units: the columns are called by their numbers, with both told.
+            let over = above.next().filter(|&line| cells(lines[line]) == count);
+            names = over.map(|over| joined(lines[over], lines[line], delimiter));
+            layout.header = Some(false);
+            layout.skip = Some(first);
+        }
+        Some(line) if (0..line).any(|l| !lines[l].trim().is_empty() && !marked(&lines[l])) => {
+            layout.skip = Some(line);
+        }
+        Some(_) => {}
+    }
+    let commented = lines.iter().enumerate().find(|(line, text)| {
+        marked(text) && Some(*line) != header && layout.skip.is_none_or(|skip| *line >= skip)
+    });
+    layout.comment = commented.and_then(|(_, text)| text.trim_start().chars().next());
+    // RepRapFirmware ends its file so.
+    if text
+        .trim_end()
+        .lines()
+        .last()
+        .is_some_and(|line| line.starts_with("Rate "))
+    {
+        layout.comment = Some('R');
+    }
+    Some(Form { layout, names })
+}
+
+/// Rows times columns of numbers, by this separator and decimal mark.
+fn columns(rows: &[&str], delimiter: char, decimal: char) -> usize {
+    let cells: Vec<Vec<&str>> = rows.iter().map(|line| split(line, delimiter)).collect();
+    let count = usual(cells.iter().map(Vec::len));
+    let of_count: Vec<_> = cells.iter().filter(|row| row.len() == count).collect();
+    let column = |column: usize| {
+        let good = of_count
+            .iter()
+            .filter(|row| is_number(row[column], decimal));
+        let blank = of_count.iter().filter(|row| row[column].is_empty());
+        let good = good.count();
+        let rows = of_count.len().saturating_sub(1).max(1);
+        good > 0 && (good + blank.count()) as f64 >= MOST * rows as f64
+    };
+    of_count.len() * (0..count).filter(|c| column(*c)).count()
+}
+
+/// The number that most have.
+fn usual(counts: impl Iterator<Item = usize>) -> usize {
+    let mut counts: Vec<usize> = counts.collect();
+    counts.sort_unstable();
+    let groups = counts.chunk_by(|a, b| a == b);
+    groups
+        .max_by_key(|group| group.len())
+        .map_or(0, |group| group[0])
+}
+
+/// The cells of a line.
+pub fn split(line: &str, delimiter: char) -> Vec<&str> {
+    match delimiter {
+        ' ' => line.split_whitespace().collect(),
+        _ => line
+            .split(delimiter)
+            .map(|cell| cell.trim().trim_matches('"'))
+            .collect(),
+    }
+}
+
+fn is_number(cell: &str, decimal: char) -> bool {
+    match decimal {
+        ',' => !cell.contains('.') && cell.replace(',', ".").parse::<f64>().is_ok(),
+        _ => cell.parse::<f64>().is_ok(),
+    }
+}
+
+fn numbers(line: &str, delimiter: char, decimal: char) -> usize {
+    let is_one = |cell: &&&str| is_number(cell, decimal);
+    split(line, delimiter).iter().filter(is_one).count()
+}
+
+/// Whether a line has units only, more than one of them.
+fn is_units(line: &str, delimiter: char) -> bool {
+    let cells = split(line, delimiter);
+    let bare = |cell: &&str| cell.trim_matches(['(', ')', '[', ']']).to_owned();
+    cells.len() > 1 && cells.iter().all(|cell| super::name::is_unit(&bare(cell)))
+}
+
+/// `name [unit]` of each column.
+fn joined(names: &str, units: &str, delimiter: char) -> Vec<String> {
+    let pairs = split(names, delimiter)
+        .into_iter()
+        .zip(split(units, delimiter));
+    let bare = |unit: &str| unit.trim_matches(['(', ')', '[', ']']).to_owned();
+    pairs
+        .map(|(name, unit)| format!("{name} [{}]", bare(unit)))
+        .collect()
+}

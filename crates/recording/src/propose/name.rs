@@ -1,0 +1,263 @@
+//! What the name of a column says: a role, an axis, a unit.
+
+use super::super::role::{ROLES, Role};
+use super::super::stamp::TimeUnit;
+use super::super::unit::Unit;
+
+/// A name, taken apart.
+#[derive(Clone, Debug, Default)]
+pub struct Name {
+    /// Its words, in small letters, without the unit.
+    pub words: Vec<String>,
+    /// Its unit as it is written, where it has one.
+    pub unit: Option<String>,
+}
+
+/// Words that say a role, in the order in which they are asked: all of the first and one of the second must be there.
+/// The last says whether they can mean nothing else.
+const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
+    (
+        Role::LinkAcceleration,
+        &["link"],
+        &["acc", "accel", "acceleration"],
+        true,
+    ),
+    (
+        Role::TipAcceleration,
+        &[],
+        &[
+            "acc",
+            "accel",
+            "acceleration",
+            "accelerometer",
+            "adxl",
+            "vibration",
+        ],
+        true,
+    ),
+    (Role::TipAcceleration, &[], &["ax", "ay", "az"], true),
+    (Role::Deformation, &[], &["deformation", "deflection"], true),
+    (
+        Role::Deformation,
+        &[],
+        &["strain", "flex", "bending"],
+        false,
+    ),
+    (Role::MotorCurrent, &[], &["current", "amps"], true),
+    (Role::MotorVoltage, &[], &["voltage", "volts"], true),
+    (Role::Torque, &[], &["torque", "tau", "effort"], true),
+    (Role::Force, &[], &["force"], true),
+    (
+        Role::CommandPosition,
+        &[],
+        &[
+            "command",
+            "cmd",
+            "commanded",
+            "setpoint",
+            "target",
+            "reference",
+            "ref",
+            "desired",
+        ],
+        false,
+    ),
+    (
+        Role::LinkVelocity,
+        &["link"],
+        &["velocity", "vel", "speed"],
+        true,
+    ),
+    (
+        Role::LinkPosition,
+        &["link"],
+        &["position", "pos", "angle"],
+        true,
+    ),
+    (Role::LinkPosition, &[], &["link", "load", "arm"], false),
+    (
+        Role::TipPosition,
+        &[],
+        &["tip", "tcp", "tool", "ee", "tracker", "laser"],
+        false,
+    ),
+    (
+        Role::MotorPosition,
+        &["motor"],
+        &["position", "pos", "angle", "encoder"],
+        true,
+    ),
+    (
+        Role::MotorPosition,
+        &[],
+        &[
+            "motor", "encoder", "enc", "joint", "theta", "q", "position", "pos", "angle",
+        ],
+        false,
+    ),
+];
+
+/// Words that say time, and those that only count.
+const TIME: &[&str] = &[
+    "time",
+    "t",
+    "timestamp",
+    "stamp",
+    "zeit",
+    "seconds",
+    "millis",
+    "micros",
+    "date",
+    "datetime",
+];
+const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "count"];
+
+/// A name, taken apart: `accel_x [mm/s^2]`, `tipY_mm`, `motor_speed_rad_s`.
+pub fn parse(name: &str) -> Name {
+    let name = name.trim();
+    let bracket = name.find(['[', '(']).filter(|at| *at > 0);
+    if let Some(at) = bracket {
+        let unit = name[at + 1..].trim_end_matches([')', ']']).trim();
+        let words = words(&name[..at])
+            .iter()
+            .map(|word| word.to_lowercase())
+            .collect();
+        return Name {
+            words,
+            unit: Some(unit.into()),
+        };
+    }
+    let parts = words(name);
+    // The longest tail that is a unit: of `rad_s` it is rad/s, and not s.
+    for from in 1..parts.len() {
+        let tail = parts[from..].join("/");
+        let tail = tail
+            .replace("s/2", "s2")
+            .replace("per/", "")
+            .replace("N/m", "N.m");
+        if is_unit(&tail) {
+            let words = parts[..from]
+                .iter()
+                .map(|word| word.to_lowercase())
+                .collect();
+            return Name {
+                words,
+                unit: Some(tail),
+            };
+        }
+    }
+    let words = parts.iter().map(|word| word.to_lowercase()).collect();
+    Name { words, unit: None }
+}
+
+/// The words of a name: parted by what is no letter or digit, and where a small letter meets a capital one.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for letter in name.chars() {
+        let is_hump = before.is_lowercase() && letter.is_uppercase();
+        if is_hump || !(letter.is_alphanumeric() || letter == '\u{b0}') {
+            words.push(String::new());
+        }
+        if letter.is_alphanumeric() || letter == '\u{b0}' {
+            if let Some(word) = words.last_mut() {
+                word.push(letter);
+            }
+        }
+        before = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// Whether a text is a unit of values or of time.
+pub fn is_unit(text: &str) -> bool {
+    unit(text).is_some() || time_unit(text).is_some()
+}
+
+/// The unit that a text means, however it is written.
+pub fn unit(text: &str) -> Option<&'static Unit> {
+    let text = text
+        .replace("sec", "s")
+        .replace("**", "^")
+        .replace("degrees", "deg");
+    let plain = text.replace('\u{b2}', "2").replace(' ', "");
+    Unit::from_name(&text)
+        .or_else(|| Unit::from_name(&plain))
+        .or_else(|| Unit::from_name(&plain.to_lowercase()))
+}
+
+/// The unit of time that a text means.
+pub fn time_unit(text: &str) -> Option<TimeUnit> {
+    let plain = text.trim().to_lowercase();
+    match plain.as_str() {
+        "sec" | "second" | "seconds" => Some(TimeUnit::Seconds),
+        "msec" | "millis" | "milliseconds" => Some(TimeUnit::Milliseconds),
+        "usec" | "\u{b5}s" | "\u{3bc}s" | "micros" | "microseconds" => Some(TimeUnit::Microseconds),
+        "nsec" | "nanos" | "nanoseconds" => Some(TimeUnit::Nanoseconds),
+        "minutes" => Some(TimeUnit::Minutes),
+        "iso" => None,
+        other => TimeUnit::from_name(other),
+    }
+}
+
+impl Name {
+    /// The role of a column of this name, and whether it can be no other.
+    pub fn role(&self) -> Option<(Role, bool)> {
+        let said = self.without_axis().join("_");
+        if let Some(entry) = ROLES.iter().find(|entry| entry.name == said) {
+            return Some((entry.role, true));
+        }
+        let has = |word: &&str| {
+            self.words
+                .iter()
+                .any(|own| own.trim_end_matches(char::is_numeric) == *word)
+        };
+        let holds = |line: &&(Role, &[&str], &[&str], bool)| {
+            line.1.iter().all(|word| has(&word)) && line.2.iter().any(|word| has(&word))
+        };
+        let found = WORDS.iter().find(holds)?;
+        Some((found.0, found.3))
+    }
+
+    /// Which of x, y, z the name says.
+    pub fn axis(&self) -> Option<usize> {
+        let last = self.words.last()?;
+        let ends = ["x", "y", "z"].iter().position(|axis| last == axis);
+        let acceleration = ["ax", "ay", "az"].iter().position(|axis| last == axis);
+        ends.or(acceleration).or_else(|| {
+            ["accx", "accy", "accz"]
+                .iter()
+                .position(|axis| last == axis)
+        })
+    }
+
+    fn without_axis(&self) -> &[String] {
+        let is_axis = self
+            .words
+            .last()
+            .is_some_and(|last| ["x", "y", "z"].contains(&last.as_str()));
+        &self.words[..self.words.len() - usize::from(is_axis)]
+    }
+
+    /// Whether the name says time.
+    pub fn is_time(&self) -> bool {
+        self.words
+            .first()
+            .is_some_and(|word| TIME.contains(&word.as_str()))
+            || (self
+                .words
+                .last()
+                .is_some_and(|word| ["time", "timestamp", "stamp"].contains(&word.as_str())))
+            || (self.words.is_empty()
+                && self
+                    .unit
+                    .as_deref()
+                    .is_some_and(|unit| time_unit(unit).is_some()))
+    }
+
+    /// Whether the name says that the column counts the rows.
+    pub fn is_count(&self) -> bool {
+        self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str())
+    }
+}

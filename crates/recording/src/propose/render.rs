@@ -1,0 +1,268 @@
+//! A proposal as the text of manifests.
+
+use super::super::layout::Layout;
+use super::super::stamp::TimeUnit;
+use super::clock::{self, Clock};
+use super::columns::{self, Channel, Channels};
+use super::content::Content;
+use super::{Guess, Proposal, Proposed, manifest_name};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::Path;
+
+/// A file and what it may be.
+struct Read<'a> {
+    content: &'a Content,
+    clock: Clock,
+    tests: Option<usize>,
+    channels: Channels,
+}
+
+/// The proposal for the files of `path`, which is one of them or their folder.
+pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
+    let files: Vec<Read> = contents.iter().map(read).collect();
+    let mut open = Vec::new();
+    for file in &files {
+        let place = match contents.len() {
+            1 => String::new(),
+            _ => format!("{}: ", name(file.content)),
+        };
+        let sentences = file.open();
+        open.extend(
+            sentences
+                .into_iter()
+                .map(|sentence| place.clone() + &sentence),
+        );
+    }
+    let mut manifests = Vec::new();
+    if are_one_run(&files) {
+        let title = match path.is_dir() {
+            true => path
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned()),
+            false => None,
+        };
+        let title = title.unwrap_or_else(|| files[0].content.stem());
+        manifests.push(manifest(manifest_name(true, ""), &title, &files, None));
+    } else {
+        let mut all = Vec::new();
+        for file in &files {
+            let stem = file.content.stem();
+            let tests = file
+                .tests
+                .map(|index| &file.content.columns[index].distinct);
+            match tests {
+                None => all.push((stem, file, None)),
+                Some(tests) => {
+                    let one = |test: &String| (format!("{stem}_{test}"), file, Some(test.clone()));
+                    all.extend(tests.iter().map(one));
+                }
+            }
+        }
+        for (number, (stem, file, test)) in all.iter().enumerate() {
+            let name = manifest_name(number == 0 && files.len() == 1, stem);
+            let one = std::slice::from_ref(*file);
+            manifests.push(manifest(name, stem, one, test.as_deref()));
+        }
+    }
+    Proposal { manifests, open }
+}
+
+fn read(content: &Content) -> Read<'_> {
+    let clock = clock::of(content);
+    let tests = clock::tests(content, &clock);
+    let channels = columns::of(content, &clock, tests);
+    Read {
+        content,
+        clock,
+        tests,
+        channels,
+    }
+}
+
+/// Whether the files are channels of one run: no role is in two of them, and none has several tests.
+fn are_one_run(files: &[Read]) -> bool {
+    let mut roles = BTreeSet::new();
+    let mut found = files.iter().flat_map(|file| &file.channels.found);
+    found.all(|channel| roles.insert(channel.role.value.name()))
+        && files.iter().all(|file| file.tests.is_none())
+}
+
+impl Read<'_> {
+    /// What is not certain, and matters.
+    fn open(&self) -> Vec<String> {
+        let mut open = self.channels.open.clone();
+        match &self.clock {
+            Clock::None => open.push("no column has the time: rate_hz is needed".into()),
+            Clock::Stamps {
+                open: Some(why), ..
+            } => open.push(why.clone()),
+            _ => {}
+        }
+        if self.tests.is_none() && clock::runs_back(self.content, &self.clock) {
+            open.push("its time runs backwards or repeats".into());
+        }
+        open
+    }
+}
+
+/// The text of one manifest.
+fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Proposed {
+    let mut text =
+        String::from("# Proposed by `quell inspect`. Look at what is guessed, and correct it.\n");
+    let _ = writeln!(text, "name = {}", quoted(title));
+    let shared = files
+        .iter()
+        .all(|file| file.content.layout == files[0].content.layout);
+    if shared {
+        text += &layout("[csv]", "\n", &files[0].content.layout, files[0].only(test));
+    }
+    for file in files {
+        for found in &file.channels.found {
+            text += &channel(file, found);
+            if !shared {
+                text += &layout("[channel.csv]", "", &file.content.layout, file.only(test));
+            }
+        }
+        let unused: Vec<_> = file
+            .channels
+            .unused
+            .iter()
+            .map(|i| file.content.columns[*i].title.as_str())
+            .collect();
+        if !unused.is_empty() {
+            let _ = writeln!(
+                text,
+                "\n# Columns of {} that are not used: {}",
+                self::name(file.content),
+                line(&unused.join(", "))
+            );
+        }
+    }
+    Proposed { name, text }
+}
+
+impl Read<'_> {
+    fn only(&self, test: Option<&str>) -> Option<(String, String)> {
+        let column = self.content.columns[self.tests?].called.clone();
+        Some((column, test?.into()))
+    }
+}
+
+/// The table of the form; nothing where it is plain.
+fn layout(head: &str, before: &str, layout: &Layout, only: Option<(String, String)>) -> String {
+    let mut text = String::new();
+    let mark = |mark: char| quoted(&mark.to_string());
+    for (key, value) in [
+        ("delimiter", layout.delimiter),
+        ("decimal", layout.decimal),
+        ("comment", layout.comment),
+    ] {
+        if let Some(value) = value {
+            let _ = writeln!(text, "{key} = {}  # by the form of its lines", mark(value));
+        }
+    }
+    if let Some(skip) = layout.skip {
+        let _ = writeln!(text, "skip = {skip}  # lines above the names");
+    }
+    if layout.header == Some(false) {
+        let _ = writeln!(
+            text,
+            "header = false  # the columns are called \"1\", \"2\", ..."
+        );
+    }
+    if let Some(missing) = &layout.missing {
+        let cells: Vec<_> = missing.iter().map(|cell| quoted(cell)).collect();
+        let _ = writeln!(
+            text,
+            "missing = [{}]  # guessed: such cells are samples that are missing",
+            cells.join(", ")
+        );
+    }
+    if let Some((column, test)) = only {
+        let _ = writeln!(
+            text,
+            "only = {{ {} = {} }}  # guessed: the time begins again with each",
+            quoted(&column),
+            quoted(&test)
+        );
+    }
+    match text.is_empty() {
+        true => text,
+        false => format!("{before}{head}\n{text}"),
+    }
+}
+
+/// `[[channel]]`
+fn channel(file: &Read, channel: &Channel) -> String {
+    let called: Vec<_> = channel
+        .columns
+        .iter()
+        .map(|i| quoted(&file.content.columns[*i].called))
+        .collect();
+    let titles: Vec<_> = channel
+        .columns
+        .iter()
+        .map(|i| file.content.columns[*i].title.as_str())
+        .collect();
+    let mut text = String::from("\n[[channel]]\n");
+    text += &key("role", &quoted(channel.role.value.name()), &channel.role);
+    let _ = writeln!(text, "file = {}", quoted(&name(file.content)));
+    match &file.clock {
+        Clock::Stamps { column, unit, .. } => {
+            let column = &file.content.columns[*column];
+            let _ = writeln!(text, "time = {}", quoted(&column.called));
+            let plain =
+                unit.value == TimeUnit::Seconds && column.numbers.first().is_none_or(|t| *t < 1e8);
+            if !(plain && unit.why.is_none()) {
+                text += &key("time_unit", &quoted(unit.value.name()), unit);
+            }
+        }
+        Clock::Rate(rate) => {
+            let _ = writeln!(
+                text,
+                "rate_hz = {rate}  # the last line of the file says it"
+            );
+        }
+        Clock::None => text += "# rate_hz =   # samples a second: nothing in the file says it\n",
+    }
+    let comment = match called
+        .iter()
+        .zip(&titles)
+        .any(|(called, title)| *called != quoted(title))
+    {
+        true => format!("  # {}", line(&titles.join(", "))),
+        false => String::new(),
+    };
+    let _ = match called.as_slice() {
+        [one] => writeln!(text, "column = {one}{comment}"),
+        several => writeln!(text, "columns = [{}]{comment}", several.join(", ")),
+    };
+    text + &key("unit", &quoted(&channel.unit.value), &channel.unit)
+}
+
+fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {
+    match &guess.why {
+        Some(why) => format!("{key} = {value}  # guessed: {}\n", line(why)),
+        None => format!("{key} = {value}\n"),
+    }
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.into()).to_string()
+}
+
+/// A text that stays on its line.
+fn line(text: &str) -> String {
+    text.replace(['\n', '\r'], " ")
+}
+
+fn name(content: &Content) -> String {
+    content
+        .path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}

@@ -1,0 +1,193 @@
+//! Stamps in other units than seconds: milliseconds, an epoch's nanoseconds, dates of ISO 8601.
+
+use toml::value::Datetime;
+
+/// What a stamp is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// Seconds.
+    Seconds,
+    /// Milliseconds.
+    Milliseconds,
+    /// Microseconds.
+    Microseconds,
+    /// Nanoseconds.
+    Nanoseconds,
+    /// Minutes.
+    Minutes,
+    /// Date and time by ISO 8601, as `2024-05-01T12:00:00.250Z`.
+    Iso,
+}
+
+/// All units of time, with their names in a manifest and the nanoseconds that each has.
+pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
+    (TimeUnit::Seconds, "s", 1_000_000_000),
+    (TimeUnit::Milliseconds, "ms", 1_000_000),
+    (TimeUnit::Microseconds, "us", 1_000),
+    (TimeUnit::Nanoseconds, "ns", 1),
+    (TimeUnit::Minutes, "min", 60_000_000_000),
+    (TimeUnit::Iso, "iso", 1),
+];
+
+/// Where stamps since an epoch begin: the whole second of the first of them, s. All channels of a recording share it.
+pub type Origin = Option<i128>;
+
+/// Stamps from here on, s, are counted from an epoch: no run lasts three years.
+const EPOCH: i128 = 100_000_000;
+/// Nanoseconds a second.
+const GIGA: i128 = 1_000_000_000;
+/// Digits behind the point, beyond nanoseconds, that are kept.
+const DIGITS: usize = 9;
+
+impl TimeUnit {
+    /// The unit of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let found = TIME_UNITS.iter().find(|line| line.1 == name);
+        found.map(|line| line.0)
+    }
+
+    /// Its name in a manifest.
+    pub fn name(self) -> &'static str {
+        TIME_UNITS[self as usize].1
+    }
+
+    /// Seconds that one of them has.
+    pub fn in_seconds(self) -> f64 {
+        TIME_UNITS[self as usize].2 as f64 / GIGA as f64
+    }
+
+    /// A cell in seconds; none where it is no time, or not finite.
+    ///
+    /// A stamp since an epoch is subtracted from the origin before it is rounded: a double has 0.2 us there.
+    pub fn seconds(self, cell: &str, origin: &mut Origin) -> Option<f64> {
+        if self == Self::Iso {
+            return Some(since(nanoseconds(cell)? * 10i128.pow(9), origin));
+        }
+        let value: f64 = cell.parse().ok()?;
+        let nanoseconds = TIME_UNITS[self as usize].2;
+        let seconds = match self {
+            Self::Minutes => value * 60.0,
+            // The power of ten is exact, and so the quotient is rounded once.
+            _ => value / (GIGA / nanoseconds) as f64,
+        };
+        match seconds.is_finite() {
+            false => None,
+            true if seconds < EPOCH as f64 && origin.is_none() => Some(seconds),
+            true => match exact(cell, nanoseconds) {
+                Some(stamp) => Some(since(stamp, origin)),
+                None => Some(seconds - origin.unwrap_or(0) as f64),
+            },
+        }
+    }
+}
+
+/// A number times so many nanoseconds, in units of 1e-18 s; none where it is written with a power of ten.
+fn exact(cell: &str, nanoseconds: i128) -> Option<i128> {
+    let (whole, part) = cell.split_once('.').unwrap_or((cell, ""));
+    let part = &part[..part.len().min(DIGITS)];
+    if !part.bytes().all(|digit| digit.is_ascii_digit()) {
+        return None;
+    }
+    let fraction: i128 = format!("{part:0<DIGITS$}").parse().ok()?;
+    let whole: i128 = whole.parse().ok()?;
+    let scaled = whole.checked_mul(GIGA)?.checked_add(fraction)?;
+    scaled.checked_mul(nanoseconds)
+}
+
+/// Units of 1e-18 s from the origin on, in s.
+fn since(stamp: i128, origin: &mut Origin) -> f64 {
+    let second = GIGA * GIGA;
+    let origin = *origin.get_or_insert(stamp.div_euclid(second));
+    let rest = stamp - origin * second;
+    rest.div_euclid(second) as f64 + rest.rem_euclid(second) as f64 / second as f64
+}
+
+/// A date and time of ISO 8601 as nanoseconds since 1970-01-01; a time zone is subtracted, where there is one.
+fn nanoseconds(cell: &str) -> Option<i128> {
+    let stamp: Datetime = cell.trim().replace(',', ".").parse().ok()?;
+    let (date, time) = (stamp.date?, stamp.time?);
+    let days = days(date.year.into(), date.month.into(), date.day.into());
+    let minutes = match stamp.offset {
+        Some(toml::value::Offset::Custom { minutes }) => i128::from(minutes),
+        _ => 0,
+    };
+    let of_day = 3600 * i128::from(time.hour) + 60 * (i128::from(time.minute) - minutes);
+    let seconds = 86_400 * days + of_day + i128::from(time.second.unwrap_or(0));
+    Some(seconds * GIGA + i128::from(time.nanosecond.unwrap_or(0)))
+}
+
+/// Days of the Gregorian calendar since 1970-01-01.
+///
+/// Source: E. G. Richards in the Explanatory Supplement to the Astronomical Almanac (2013), with March as the first month.
+fn days(year: i128, month: i128, day: i128) -> i128 {
+    let year = if month <= 2 { year - 1 } else { year };
+    let month = (month + 9) % 12;
+    let leap = year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400);
+    365 * year + leap + (153 * month + 2) / 5 + day - 1 - 719_468
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_enum() {
+        for (index, line) in TIME_UNITS.iter().enumerate() {
+            assert_eq!(line.0 as usize, index);
+            assert_eq!(TimeUnit::from_name(line.1), Some(line.0));
+        }
+    }
+
+    #[test]
+    fn val_dates_are_seconds_since_1970() {
+        // `date -u -d ... +%s`
+        for (text, seconds) in [
+            ("1970-01-01T00:00:00Z", 0),
+            ("2000-02-29 12:00:00", 951_825_600),
+            ("2024-05-01T02:00:00+02:00", 1_714_521_600),
+            ("2038-01-19T03:14:07.5Z", 2_147_483_647),
+        ] {
+            assert_eq!(
+                nanoseconds(text).unwrap().div_euclid(GIGA),
+                seconds,
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_epoch_in_any_unit_loses_no_nanosecond() {
+        for (unit, first, second, step) in [
+            (
+                TimeUnit::Nanoseconds,
+                "1700000000000000000",
+                "1700000000000312500",
+                312.5e-6,
+            ),
+            (
+                TimeUnit::Microseconds,
+                "1700000000000000",
+                "1700000000000312.5",
+                312.5e-6,
+            ),
+            (
+                TimeUnit::Seconds,
+                "1700000000.000000001",
+                "1700000000.000312501",
+                312.5e-6,
+            ),
+            (
+                TimeUnit::Milliseconds,
+                "1700000000000",
+                "1700000000001",
+                1e-3,
+            ),
+            (TimeUnit::Milliseconds, "5", "6", 1e-3),
+        ] {
+            let mut origin = None;
+            let times = [first, second].map(|cell| unit.seconds(cell, &mut origin).unwrap());
+            assert!((times[1] - times[0] - step).abs() < 1e-12, "{times:?}");
+            assert!(times[0] < 1.0);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The text of a CSV file and its lines.
+
+use crate::error::{Problem, RecordingError, from_io};
+use crate::layout::Layout;
+use flate2::read::MultiGzDecoder;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The first two bytes of a gzip stream (RFC 1952).
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// The first line with numbers of a file without a header.
+pub fn first_row(text: &str, layout: &Layout) -> Option<usize> {
+    let mut lines = text.lines().enumerate().skip(layout.skip.unwrap_or(0));
+    let is_row = |line: &str| !line.trim().is_empty() && !layout.is_comment(line);
+    lines
+        .find(|(_, line)| is_row(line))
+        .map(|(number, _)| number)
+}
+
+/// Where a line begins, counted from 0; the end where there are fewer.
+pub fn line_start(text: &str, line: usize) -> usize {
+    let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+    match line {
+        0 => 0,
+        line => ends
+            .map(|(at, _)| at + 1)
+            .nth(line - 1)
+            .unwrap_or(text.len()),
+    }
+}
+
+/// A text whose cells are parted by one space each.
+pub fn single_spaces(text: &str) -> String {
+    let mut spaced = String::with_capacity(text.len());
+    for line in text.lines() {
+        for (column, cell) in line.split_whitespace().enumerate() {
+            if column > 0 {
+                spaced.push(' ');
+            }
+            spaced.push_str(cell);
+        }
+        spaced.push('\n');
+    }
+    spaced
+}
+
+/// The text of a file, unpacked, without a byte order mark.
+pub fn text(path: &Path) -> Result<String, RecordingError> {
+    let bytes = bytes(path).map_err(|problem| problem.in_file(path))?;
+    if let Some(format) = crate::foreign::of(path, &bytes) {
+        return Err(Problem::Foreign(format).in_file(path));
+    }
+    let mut text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        Problem::NotUtf8.at_line(path, 1 + count_line_ends(valid))
+    })?;
+    if let Some(marked) = text.strip_prefix('\u{feff}') {
+        text.drain(..text.len() - marked.len());
+    }
+    Ok(text)
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {
+    let mut bytes = Vec::new();
+    let mut file = File::open(path).map_err(|error| from_io(&error))?;
+    file.read_to_end(&mut bytes)
+        .map_err(|error| from_io(&error))?;
+    let is_named_gzip = path.extension().is_some_and(|extension| extension == "gz");
+    if bytes.is_empty() || !(is_named_gzip || bytes.starts_with(&GZIP)) {
+        return Ok(bytes);
+    }
+    let mut text = Vec::new();
+    match MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut text) {
+        Ok(_) => Ok(text),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            Err(Problem::Gzip("it ends early, the file is cut off".into()))
+        }
+        Err(error) => Err(Problem::Gzip(error.to_string())),
+    }
+}
+
+/// Ends of lines in some bytes.
+pub fn count_line_ends(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte == b'\n').count()
+}
