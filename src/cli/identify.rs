@@ -1,8 +1,11 @@
 //! `quell identify`: every estimator over a recording, and the off-line references beside them.
 
+mod alone;
 mod document;
 mod page;
+mod printer;
 mod registrations;
+mod several;
 mod words;
 
 use super::out::{Force, Out};
@@ -25,8 +28,11 @@ Examples:
   quell identify arm7/recording.toml
   quell identify arm7 --model model.toml --out out   (the folder of a recording.toml)
   quell identify arm7 --json
+  quell identify decay.csv                           (an accelerometer alone)
+  quell identify raw_data_x_*.csv raw_data_y_*.csv   (a printer: prints the lines for its firmware)
 
-The recording needs motor_position and one of deformation, link_position, tip_position. A tip sensor
+What vibrates alone, an accelerometer or any channel without motor_position, gives its modes from a free
+decay, a tap, a sweep or the machine at work, and the shaper for them. Else the recording needs motor_position and one of deformation, link_position, tip_position. A tip sensor
 in a frame of its own needs a model with the lever arm:
   kind = \"flexible_joint\"
   natural_frequency_hz = 8.2
@@ -40,8 +46,10 @@ Estimators that know the motor side's motion see the whole recording, of more th
 1e5 in a row whose deformation varies most, if the motion explains the deformation; the others, and
 all where it does not, see the strongest free decay.")]
 pub struct Args {
-    /// The manifest, the folder that holds its recording.toml, or an MCAP file.
-    pub recording: PathBuf,
+    /// The manifest (recording.toml), its folder, an MCAP file, or a CSV file that says what its columns are; several of
+    /// what vibrates alone.
+    #[arg(required = true)]
+    pub recording: Vec<PathBuf>,
     /// The model of the joint, as it is believed.
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
@@ -88,7 +96,17 @@ impl From<IdentificationError> for CliError {
 /// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
 pub fn run(args: Args) -> Result<(), CliError> {
     let out = Out::open(&args.out, ("identify", args.force), &[], [REPORT])?;
-    let recording = Recording::from_path(&args.recording)?;
+    let mut recordings = Vec::new();
+    for path in &args.recording {
+        recordings.push(Recording::from_path(path)?);
+    }
+    let several = recordings.len() > 1;
+    if several || recordings.iter().all(alone::is_alone) {
+        return several::run(&args, out, &recordings);
+    }
+    let Some(recording) = recordings.pop() else {
+        return Ok(());
+    };
     let model = args
         .model
         .as_ref()

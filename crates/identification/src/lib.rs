@@ -3,7 +3,9 @@
 mod amplitude;
 mod evidence;
 mod nominal_model;
+pub mod output_only;
 mod prepare;
+pub mod printer;
 mod run;
 mod stretches;
 mod whole_fit;

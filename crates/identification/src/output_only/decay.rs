@@ -1,0 +1,273 @@
+//! Modes of free decays: how many there are, whether one depends on its amplitude, and how well they are known.
+
+use super::damped::{Bend, Damped, Fit, Segment, amplitudes, fit, residual};
+use super::{Excitation, FoundMode, OutputOnly, Vibration};
+use nalgebra::{DMatrix, DVector};
+use quell_shapers::{Mode, UncertainMode};
+use std::f64::consts::TAU;
+
+/// Steps at most, each a further mode or a dependence on amplitude.
+const STEPS: usize = 7;
+/// Damping ratios from which a mode's fit starts.
+const STARTS: [f64; 5] = [0.003, 0.01, 0.03, 0.08, 0.2];
+/// Bayesian evidence that is very strong (Kass and Raftery 1995).
+const STRONG: f64 = 10.0;
+/// Share of the variance that modes must explain where a stretch is a free decay, and not a machine at work.
+const EXPLAINED: f64 = 0.8;
+/// Samples of a decay beyond which neighbours are averaged: the poles stay what they are.
+const MOST: usize = 30_000;
+/// Places, as shares of a stretch, where its free decay may begin.
+const BEGINS: usize = 6;
+/// Above this damping ratio, or with fewer periods in the record, it is drift and no vibration.
+const DRIFT: f64 = 0.5;
+const PERIODS: f64 = 2.0;
+
+/// The modes of some stretches; none where these are no free decays.
+pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]]) -> Option<OutputOnly> {
+    let stretches: Vec<[usize; 2]> = stretches.iter().map(|s| begun(vibration, *s)).collect();
+    let segments: Vec<Segment> = stretches.iter().map(|s| segment(vibration, *s)).collect();
+    let first = segments.first()?;
+    let total: f64 = residual(&segments, &[])?.norm_squared();
+    let models = grow(&segments)?;
+    let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
+    let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
+    let last = models.last()?;
+    let independent = independent(&last.minimum.residual, count);
+    let score = |model: &Fit| {
+        independent * model.minimum.cost.ln() + unknowns(model, axes) * independent.ln()
+    };
+    let best = models.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+    let explained = 1.0 - best.minimum.cost / total;
+    let found = independent * (total / best.minimum.cost).ln();
+    let needed = unknowns(best, axes) * independent.ln() + STRONG;
+    let shares = amplitudes(&segments, &best.modes)?;
+    let scale = best.minimum.cost / (count as f64 - unknowns(best, axes)).max(1.0) * count as f64
+        / independent;
+    let span = first.period * first.values.nrows() as f64;
+    let modes = told(best, &shares, scale, span);
+    if explained < EXPLAINED || found < needed || modes.is_empty() {
+        return None;
+    }
+    let seconds = |[from, until]: [usize; 2]| [vibration.time(from), vibration.time(until)];
+    Some(OutputOnly {
+        excitation: Excitation::Decay,
+        modes,
+        stretches: stretches.into_iter().map(seconds).collect(),
+        explained,
+        evidence: [found, needed],
+    })
+}
+
+/// Unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
+fn unknowns(model: &Fit, axes: usize) -> f64 {
+    let of = |mode: &Damped| 2 + 2 * usize::from(mode.bend.is_some()) + 2 * axes;
+    model.modes.iter().map(of).sum::<usize>() as f64
+}
+
+/// Models, each with one thing more than the one before: a mode, or a dependence on amplitude. What lowers the cost more
+/// for each of its unknowns is taken.
+fn grow(segments: &[Segment]) -> Option<Vec<Fit>> {
+    let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
+    let mut models: Vec<Fit> = Vec::new();
+    for _ in 0..STEPS {
+        let modes = models.last().map_or(&[][..], |model| &model.modes);
+        let left = residual(segments, modes)?;
+        let worth = |fit: &Fit, unknowns: usize| {
+            (left.norm_squared() / fit.minimum.cost).ln() / unknowns as f64
+        };
+        let further = further(segments, modes, &left).map(|fit| (worth(&fit, 2 + 2 * axes), fit));
+        let bent = bent(segments, modes).map(|fit| (worth(&fit, 2), fit));
+        let better = further
+            .into_iter()
+            .chain(bent)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        match better {
+            Some((worth, fit)) if worth > 0.0 => models.push(fit),
+            _ => break,
+        }
+        // What is left is rounding.
+        if models.last()?.minimum.cost < 1e-20 * left.norm_squared() {
+            break;
+        }
+    }
+    (!models.is_empty()).then_some(models)
+}
+
+/// One mode more, where what is left has its strongest line.
+fn further(segments: &[Segment], modes: &[Damped], left: &DVector<f64>) -> Option<Fit> {
+    let frequency = strongest(segments, left)?;
+    let with = |ratio: f64| {
+        let mode = Damped {
+            frequency,
+            rate: ratio * frequency,
+            bend: None,
+        };
+        [modes, &[mode]].concat()
+    };
+    let cost =
+        |modes: &Vec<Damped>| residual(segments, modes).map_or(f64::INFINITY, |r| r.norm_squared());
+    let start = STARTS
+        .iter()
+        .map(|ratio| with(*ratio))
+        .min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+    fit(segments, &start)
+}
+
+/// The strongest mode that is linear yet, with a dependence on its amplitude.
+fn bent(segments: &[Segment], modes: &[Damped]) -> Option<Fit> {
+    let shares = amplitudes(segments, modes)?;
+    let linear = (0..modes.len()).filter(|k| modes[*k].bend.is_none());
+    let which = linear.max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
+    let with = |power: f64| {
+        let mut modes = modes.to_vec();
+        modes[which].bend = Some(Bend {
+            frequency: 0.0,
+            rate: 0.0,
+            power,
+        });
+        fit(segments, &modes)
+    };
+    [1.0, 2.0]
+        .into_iter()
+        .filter_map(with)
+        .min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost))
+}
+
+/// The angular frequency of the strongest line of a residual, over all axes and decays; rad/s.
+fn strongest(segments: &[Segment], left: &DVector<f64>) -> Option<f64> {
+    let longest = segments
+        .iter()
+        .map(|segment| segment.values.nrows())
+        .max()?;
+    let length = (2 * longest).next_power_of_two();
+    let mut energy = vec![0.0; length / 2 + 1];
+    let mut from = 0;
+    for segment in segments {
+        for _ in 0..segment.values.ncols() {
+            let rows = segment.values.nrows();
+            let mut values = left.rows(from, rows).iter().copied().collect::<Vec<_>>();
+            values.resize(length, 0.0);
+            from += rows;
+            for (sum, line) in energy.iter_mut().zip(quell_signal::fourier(values)) {
+                *sum += line.norm_sqr();
+            }
+        }
+    }
+    let period = segments.first()?.period;
+    // A line that is the drift of the record is no vibration.
+    let lowest = (length as f64 / longest as f64).ceil() as usize;
+    let lines = energy
+        .iter()
+        .enumerate()
+        .skip(lowest.max(1))
+        .take(length * 9 / 20);
+    let (line, _) = lines.max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(TAU * line as f64 / (length as f64 * period))
+}
+
+/// Independent samples of a residual with its first autocorrelation: `N (1 - r) / (1 + r)`.
+fn independent(left: &DVector<f64>, count: usize) -> f64 {
+    let pairs: f64 = left
+        .as_slice()
+        .windows(2)
+        .map(|pair| pair[0] * pair[1])
+        .sum();
+    let r = (pairs / left.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
+}
+
+/// The modes that are told, the strongest first: neither drift nor the harmonics of a stronger one.
+fn told(best: &Fit, shares: &[f64], scale: f64, span: f64) -> Vec<FoundMode> {
+    let largest = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let mut order: Vec<usize> = (0..best.modes.len()).collect();
+    order.sort_by(|a, b| shares[*b].total_cmp(&shares[*a]));
+    let is_vibration = |k: &usize| {
+        let mode = &best.modes[*k];
+        let ratio = mode.rate / mode.frequency.hypot(mode.rate);
+        ratio < DRIFT && mode.frequency * span > TAU * PERIODS
+    };
+    order.retain(is_vibration);
+    let mut kept: Vec<usize> = Vec::new();
+    for k in order {
+        if !kept
+            .iter()
+            .any(|stronger| is_harmonic(&best.modes[k], &best.modes[*stronger]))
+        {
+            kept.push(k);
+        }
+    }
+    let covariance = best.minimum.inverse.as_ref().map(|inverse| inverse * scale);
+    let one = |k: usize| found(best, k, covariance.as_ref(), shares[k] / largest);
+    kept.into_iter().filter_map(one).collect()
+}
+
+/// Whether a mode is a multiple of another: `n` times its frequency, and `n` times its rate, as a distorted decay has.
+fn is_harmonic(mode: &Damped, of: &Damped) -> bool {
+    let order = (mode.frequency / of.frequency).round();
+    let near = |value: f64, whole: f64, share: f64| (value / whole - 1.0).abs() < share;
+    order >= 2.0
+        && near(mode.frequency, order * of.frequency, 0.01)
+        && near(mode.rate, order * of.rate, 0.3)
+}
+
+fn found(best: &Fit, k: usize, covariance: Option<&DMatrix<f64>>, share: f64) -> Option<FoundMode> {
+    let mode = best.modes[k];
+    let place: usize = best.modes[..k]
+        .iter()
+        .map(|m| 2 + 2 * usize::from(m.bend.is_some()))
+        .sum();
+    let natural = mode.frequency.hypot(mode.rate);
+    let ratio = mode.rate / natural;
+    let variance = |a: usize, b: usize| covariance.map_or(f64::NAN, |c| c[(place + a, place + b)]);
+    let ratio_variance = variance(0, 0) + variance(1, 1) - 2.0 * variance(0, 1);
+    Some(FoundMode {
+        known: UncertainMode {
+            mode: Mode::new(natural, ratio).ok()?,
+            natural_frequency_std: natural * variance(0, 0).max(0.0).sqrt(),
+            damping_ratio_std: ratio * ratio_variance.max(0.0).sqrt(),
+        },
+        share,
+        frequency_shift: mode.bend.map_or(0.0, |bend| bend.frequency),
+        frequency_shift_std: mode.bend.map_or(0.0, |_| variance(2, 2).max(0.0).sqrt()),
+        damping_shift: mode.bend.map_or(0.0, |bend| ratio * bend.rate),
+    })
+}
+
+/// A stretch from where its decay is free: the earliest place from which two modes leave no more of it than from later ones.
+fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> [usize; 2] {
+    let places: Vec<usize> = (0..BEGINS)
+        .map(|k| from + k * (until - from) / 20)
+        .collect();
+    let left = |place: &usize| {
+        let segment = [segment(vibration, [*place, until])];
+        let nothing = residual(&segment, &[]).map_or(1.0, |r| r.norm_squared());
+        let one = residual(&segment, &[]).and_then(|left| further(&segment, &[], &left));
+        let modes = one.as_ref().map_or(&[][..], |fit| &fit.modes);
+        let two = residual(&segment, modes).and_then(|left| further(&segment, modes, &left));
+        two.or(one).map_or(1.0, |fit| fit.minimum.cost / nothing)
+    };
+    let left: Vec<f64> = places.iter().map(left).collect();
+    let least = left.iter().copied().fold(f64::INFINITY, f64::min);
+    let good = left.iter().position(|left| *left <= 1.5 * least + 1e-4);
+    [places[good.unwrap_or(0)], until]
+}
+
+/// The samples of a stretch, about their mean.
+fn segment(vibration: &Vibration, [from, until]: [usize; 2]) -> Segment {
+    let until = until.min(vibration.axes[0].len());
+    let average = ((until - from) / MOST).max(1);
+    let rows = (until - from) / average;
+    let mut values = DMatrix::zeros(rows, vibration.axes.len());
+    for (column, axis) in vibration.axes.iter().enumerate() {
+        for row in 0..rows {
+            let some = &axis[from + row * average..from + (row + 1) * average];
+            values[(row, column)] = some.iter().sum::<f64>() / average as f64;
+        }
+        let mean = values.column(column).mean();
+        values.column_mut(column).add_scalar_mut(-mean);
+    }
+    Segment {
+        period: average as f64 / vibration.rate,
+        values,
+    }
+}

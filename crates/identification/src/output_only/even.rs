@@ -1,0 +1,132 @@
+//! A channel as evenly spaced samples.
+
+use crate::IdentificationError;
+use quell_recording::{Channel, Recording, Role};
+use quell_signal::{CubicSpline, End, SignalError};
+
+/// Channels of what vibrates, in the order in which they are taken.
+const ROLES: [Role; 8] = [
+    Role::TipAcceleration,
+    Role::LinkAcceleration,
+    Role::LinkVelocity,
+    Role::Deformation,
+    Role::LinkPosition,
+    Role::TipPosition,
+    Role::Torque,
+    Role::MotorPosition,
+];
+/// Share of a period by which stamps may lie beside evenly spaced ones and be taken as these: a sine of a tenth of the
+/// rate changes by 6 % of its amplitude in it.
+const BESIDE: f64 = 0.1;
+/// Samples in a row that may be missing and are interpolated.
+const HOLE: f64 = 4.5;
+
+/// What vibrates, evenly sampled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vibration {
+    /// The channel's role.
+    pub role: Role,
+    /// Its unit.
+    pub unit: String,
+    /// First stamp, s.
+    pub start: f64,
+    /// Samples a second, Hz.
+    pub rate: f64,
+    /// One to three axes, of one length.
+    pub axes: Vec<Vec<f64>>,
+    /// Share of the recording that is used: of one with holes it is the longest stretch without.
+    pub used: f64,
+}
+
+impl Vibration {
+    /// Whether no axis varies.
+    pub fn is_still(&self) -> bool {
+        let still = |axis: &Vec<f64>| axis.iter().all(|value| *value == axis[0]);
+        self.axes.iter().all(still)
+    }
+
+    /// The instant of a sample, s.
+    pub fn time(&self, sample: usize) -> f64 {
+        self.start + sample as f64 / self.rate
+    }
+}
+
+/// What vibrates in a recording: an accelerometer, else another channel of the link.
+///
+/// # Errors
+/// [`IdentificationError`] where there is no such channel, or its stamps cannot be brought onto an even grid.
+pub fn vibration(recording: &Recording) -> Result<Vibration, IdentificationError> {
+    let found = ROLES.iter().filter_map(|role| recording.channel(*role));
+    let channel = found.clone().find(|channel| channel.varies());
+    let channel =
+        channel
+            .or_else(|| found.clone().next())
+            .ok_or_else(|| SignalError::MissingChannel {
+                recording: recording.name.clone(),
+                channel: "tip_acceleration, or another channel that vibrates",
+            })?;
+    if let Some(value) = channel.impossible() {
+        return Err(IdentificationError::NoMeasurement {
+            channel: channel.role,
+            value,
+            unit: channel.unit.clone(),
+        });
+    }
+    even(channel)
+}
+
+/// The longest stretch of a channel without holes, at even stamps.
+fn even(channel: &Channel) -> Result<Vibration, IdentificationError> {
+    let time = &channel.time;
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut sorted = steps.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
+    let (first, last) = longest(&steps, HOLE * middle);
+    let stamps = &time[first..=last];
+    let samples = stamps.len();
+    let period = match samples {
+        0 | 1 => middle,
+        _ => (stamps[samples - 1] - stamps[0]) / (samples - 1) as f64,
+    };
+    let off = |(k, stamp): (usize, &f64)| (stamp - stamps[0] - k as f64 * period).abs() / period;
+    let is_even = stamps.iter().enumerate().map(off).fold(0.0, f64::max) <= BESIDE;
+    // Where samples are missing the grid has them; where stamps jitter about it, it has as many as they are.
+    let missing = sorted.last().is_some_and(|longest| *longest > 1.5 * middle);
+    let period = if !is_even && missing { middle } else { period };
+    let mut axes = Vec::new();
+    for column in &channel.columns {
+        let values = &column[first..=last];
+        axes.push(match is_even || samples < 5 {
+            true => values.to_vec(),
+            false => {
+                let spline = CubicSpline::new(stamps, values, End::NotAKnot)?;
+                let count = ((stamps[samples - 1] - stamps[0]) / period) as usize + 1;
+                (0..count)
+                    .map(|k| spline.value(stamps[0] + k as f64 * period))
+                    .collect()
+            }
+        });
+    }
+    Ok(Vibration {
+        role: channel.role,
+        unit: channel.unit.clone(),
+        start: stamps[0],
+        rate: 1.0 / period,
+        axes,
+        used: samples as f64 / time.len().max(1) as f64,
+    })
+}
+
+/// First and last sample of the longest stretch whose steps stay below a limit.
+fn longest(steps: &[f64], limit: f64) -> (usize, usize) {
+    let (mut best, mut first) = ((0, 0), 0);
+    for (k, step) in steps.iter().enumerate() {
+        if *step > limit {
+            first = k + 1;
+        } else if k + 1 - first > best.1 - best.0 {
+            best = (first, k + 1);
+        }
+    }
+    best
+}

@@ -1,0 +1,101 @@
+//! Nonlinear least squares of a few unknowns by Levenberg and Marquardt's method.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Iterations at most; the fits here end after ten to thirty.
+const ITERATIONS: usize = 60;
+/// Relative decrease of the cost below which it has ended: the square root of rounding.
+const ENDED: f64 = 1e-9;
+
+/// A minimum.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// Where it is.
+    pub at: Vec<f64>,
+    /// Sum of squares there.
+    pub cost: f64,
+    /// Residuals there.
+    pub residual: DVector<f64>,
+    /// `(J^T J)^-1`, of which `cost / (n - p)` times is the covariance; none where an unknown moves nothing.
+    pub inverse: Option<DMatrix<f64>>,
+}
+
+/// Descends from a start. The Jacobian is by differences of `steps`; none where a residual is not finite at the start.
+pub fn minimise(
+    residual: impl Fn(&[f64]) -> Option<DVector<f64>>,
+    start: &[f64],
+    steps: &[f64],
+) -> Option<Minimum> {
+    let mut at = start.to_vec();
+    let mut now = residual(&at)?;
+    let mut cost = now.norm_squared();
+    let mut damping = 1e-3;
+    for _ in 0..ITERATIONS {
+        let (normal, gradient) = normal(&residual, &at, steps, &now)?;
+        let mut better = None;
+        while damping < 1e12 {
+            let mut damped = normal.clone();
+            for k in 0..at.len() {
+                damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);
+            }
+            let step = damped.cholesky().map(|factor| factor.solve(&gradient));
+            let next = step.map(|step| {
+                at.iter()
+                    .zip(step.iter())
+                    .map(|(x, s)| x - s)
+                    .collect::<Vec<_>>()
+            });
+            let found = next.and_then(|next| residual(&next).map(|r| (next, r)));
+            match found.filter(|(_, r)| r.norm_squared() < cost) {
+                Some(found) => {
+                    better = Some(found);
+                    break;
+                }
+                None => damping *= 4.0,
+            }
+        }
+        let Some((next, left)) = better else {
+            break;
+        };
+        damping = (damping * 0.1).max(1e-12);
+        let before = cost;
+        (at, now) = (next, left);
+        cost = now.norm_squared();
+        if before - cost < ENDED * before {
+            break;
+        }
+    }
+    let inverse = normal(&residual, &at, steps, &now)?
+        .0
+        .cholesky()
+        .map(|factor| factor.inverse());
+    Some(Minimum {
+        at,
+        cost,
+        residual: now,
+        inverse,
+    })
+}
+
+/// `J^T J` and `J^T r`.
+fn normal(
+    residual: &impl Fn(&[f64]) -> Option<DVector<f64>>,
+    at: &[f64],
+    steps: &[f64],
+    now: &DVector<f64>,
+) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    let mut jacobian = DMatrix::zeros(now.len(), at.len());
+    for (k, step) in steps.iter().enumerate() {
+        let mut beside = at.to_vec();
+        beside[k] += step;
+        let column = match residual(&beside) {
+            Some(there) => (there - now) / *step,
+            None => {
+                beside[k] = at[k] - step;
+                (now - residual(&beside)?) / *step
+            }
+        };
+        jacobian.set_column(k, &column);
+    }
+    Some((jacobian.tr_mul(&jacobian), jacobian.tr_mul(now)))
+}

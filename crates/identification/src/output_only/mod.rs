@@ -1,0 +1,97 @@
+//! Modes from what vibrates alone: an accelerometer, or any channel, without a known input.
+//!
+//! A free decay is fitted in time, as damped sinusoids by maximum likelihood. What a sweep or a machine at work excites
+//! is fitted in frequency, as a sum of resonances by Whittle's likelihood. How many modes there are is told by the
+//! Bayesian information criterion.
+
+mod damped;
+mod decay;
+mod density;
+mod even;
+mod events;
+mod least_squares;
+mod resonances;
+
+pub use density::{Density, density};
+pub use even::{Vibration, vibration};
+
+use super::IdentificationError;
+use quell_shapers::UncertainMode;
+
+/// How the modes were excited, and so how they were fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Excitation {
+    /// A free decay, or several: taps, stops.
+    Decay,
+    /// A sine or pulses whose frequency goes from one to another, Hz.
+    Sweep {
+        /// From.
+        from: f64,
+        /// To.
+        to: f64,
+    },
+    /// A machine at work, or noise: the excitation is taken as broad.
+    Work,
+}
+
+/// A mode and what it does in this recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundMode {
+    /// The mode with its standard deviations; of one whose frequency depends on the amplitude, at small amplitude.
+    pub known: UncertainMode,
+    /// Share of the largest mode's amplitude after an impulse.
+    pub share: f64,
+    /// How much the frequency at the greatest amplitude differs, as a share of it; 0 where it is one frequency.
+    pub frequency_shift: f64,
+    /// Standard deviation of that.
+    pub frequency_shift_std: f64,
+    /// How much the damping ratio at the greatest amplitude differs.
+    pub damping_shift: f64,
+}
+
+/// The modes of a vibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputOnly {
+    /// How they were excited.
+    pub excitation: Excitation,
+    /// The modes, the strongest first.
+    pub modes: Vec<FoundMode>,
+    /// Stretches that were fitted, s.
+    pub stretches: Vec<[f64; 2]>,
+    /// Share of the variance in these that the modes explain (of a sweep or work: of the logarithm of the spectrum).
+    pub explained: f64,
+    /// By how much the modes lower the criterion, beside what would be strong evidence.
+    pub evidence: [f64; 2],
+}
+
+/// The modes of a vibration.
+///
+/// # Errors
+/// [`IdentificationError`] where there are too few samples, nothing varies, or no mode stands out of the noise.
+pub fn output_only(vibration: &Vibration) -> Result<OutputOnly, IdentificationError> {
+    let samples = vibration.axes.first().map_or(0, Vec::len);
+    if samples < 32 {
+        return Err(IdentificationError::TooFew {
+            found: samples,
+            needed: 32,
+        });
+    }
+    if vibration.is_still() {
+        return Err(IdentificationError::Still);
+    }
+    let sweep = events::sweep(vibration);
+    if sweep.is_none()
+        && let Some(found) = decay::modes(vibration, &events::decays(vibration))
+    {
+        return Ok(found);
+    }
+    let found = resonances::modes(vibration, sweep)?;
+    match found.modes.is_empty() {
+        false => Ok(found),
+        true => Err(IdentificationError::NotExcited {
+            found: found.evidence[0],
+            needed: found.evidence[1],
+            samples,
+        }),
+    }
+}

@@ -1,0 +1,297 @@
+//! Resonances in the spectrum of what was excited by a sweep or by work, by maximum likelihood.
+//!
+//! `S(f) = f^p |d + sum_k (c_k + j r_k e_k) / (1 - r_k^2 + 2 j xi_k r_k)|^2 + n`, `r_k = f / f_k`: any output of any number
+//! of modes, coherent, over an excitation whose density is a power of the frequency, and the noise of the sensor. A
+//! band of `M` lines has a gamma density of mean `S` (Whittle's likelihood); the sum of its deviances is made small. How
+//! far the deviances exceed what chance gives scales the deviations.
+//!
+//! Source: P. Whittle, Arkiv for Matematik 2 (1953); P. McCullagh and J. A. Nelder, Generalized Linear Models (1989), ch. 8.
+
+use super::density::{Density, density};
+use super::least_squares::{Minimum, minimise};
+use super::{Excitation, FoundMode, OutputOnly, Vibration};
+use crate::IdentificationError;
+use nalgebra::{Complex, DVector};
+use quell_shapers::{Mode, UncertainMode};
+use quell_signal::SignalError;
+
+/// Bands have this share of their frequency: a mode with a damping ratio of 0.005 has four in its half-power width.
+const WIDTH: f64 = 0.0025;
+/// Modes at most.
+const MOST: usize = 6;
+/// Damping ratios from which a mode's fit starts, each with the width over which its peak is looked for.
+const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
+/// Bayesian evidence that is very strong (Kass and Raftery 1995).
+const STRONG: f64 = 10.0;
+/// Unknowns that are no mode's: direct term, noise, power of the frequency; and those of a mode.
+const SHARED: usize = 3;
+const EACH: usize = 4;
+/// Shares of the sweep's ends that are left out: there its spectrum falls.
+const ENDS: [f64; 2] = [1.05, 0.96];
+/// Cycles of the record, and share of the rate, between which modes of a machine at work are looked for.
+const LOWEST: f64 = 8.0;
+const HIGHEST: f64 = 0.4;
+/// Above this it is no vibration, and a mode of less than this share of the strongest is not told.
+const DRIFT: f64 = 0.5;
+const LEAST: f64 = 0.02;
+
+/// The modes; none where none stands out.
+///
+/// # Errors
+/// [`IdentificationError`] where the record is too short for a spectrum.
+pub fn modes(
+    vibration: &Vibration,
+    sweep: Option<[f64; 2]>,
+) -> Result<OutputOnly, IdentificationError> {
+    let seconds = vibration.axes[0].len() as f64 / vibration.rate;
+    let band = match sweep {
+        Some([from, to]) => [from * ENDS[0], to * ENDS[1]],
+        None => [LOWEST / seconds, HIGHEST * vibration.rate],
+    };
+    let density = density(vibration, band, WIDTH, sweep.is_none());
+    let found = density.power.iter().filter(|power| **power > 0.0).count();
+    if found < 32 || found < density.power.len() {
+        let (what, needed) = ("spectrum", 32);
+        return Err(SignalError::TooFew {
+            what,
+            found,
+            needed,
+        }
+        .into());
+    }
+    let problem = Problem {
+        density: &density,
+        is_sweep: sweep.is_some(),
+    };
+    let models = problem.grow();
+    let (best, found, needed) = problem.best(&models);
+    let excitation = sweep.map_or(Excitation::Work, |[from, to]| Excitation::Sweep {
+        from,
+        to,
+    });
+    Ok(OutputOnly {
+        excitation,
+        modes: problem.told(best),
+        stretches: vec![[vibration.start, vibration.start + seconds]],
+        explained: problem.explained(best),
+        evidence: [found, needed],
+    })
+}
+
+/// A density that is to be explained.
+struct Problem<'a> {
+    density: &'a Density,
+    is_sweep: bool,
+}
+
+impl Problem<'_> {
+    /// The frequency at which the excitation's power is 1, Hz: the geometric middle.
+    fn middle(&self) -> f64 {
+        let [first, last] =
+            [0, self.density.frequency.len() - 1].map(|k| self.density.frequency[k]);
+        (first * last).sqrt()
+    }
+
+    /// The density of the model at a band: unknowns are direct term, logarithm of the noise, power of the frequency, and
+    /// of each mode the logarithms of frequency and damping ratio, and two amplitudes.
+    fn model(&self, at: &[f64], frequency: f64) -> f64 {
+        let mut response = Complex::new(at[0], 0.0);
+        for mode in at[SHARED..].chunks_exact(EACH) {
+            let r = frequency / mode[0].exp();
+            let below = Complex::new(1.0 - r * r, 2.0 * mode[1].exp() * r);
+            response += Complex::new(mode[2], r * mode[3]) / below;
+        }
+        let power = if self.is_sweep { at[2] } else { 0.0 };
+        (frequency / self.middle()).powf(power) * response.norm_sqr() + at[1].exp()
+    }
+
+    /// Deviances of the bands, each with the sign of its misfit.
+    fn residual(&self, at: &[f64]) -> Option<DVector<f64>> {
+        let Density {
+            frequency,
+            power,
+            lines,
+            ..
+        } = self.density;
+        let band = |k: usize| {
+            let ratio = power[k] / self.model(at, frequency[k]);
+            let deviance = (ratio - 1.0 - ratio.ln()).max(0.0);
+            (2.0 * lines[k] * deviance).sqrt().copysign(ratio - 1.0)
+        };
+        let residual = DVector::from_iterator(power.len(), (0..power.len()).map(band));
+        residual.iter().all(|r| r.is_finite()).then_some(residual)
+    }
+
+    fn fit(&self, start: &[f64]) -> Option<Minimum> {
+        let size = self
+            .density
+            .power
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
+            .sqrt();
+        let step = |k: usize| match k {
+            0 => 1e-6 * size,
+            1 | 2 => 1e-6,
+            k if (k - SHARED) % EACH < 2 => 1e-6,
+            _ => 1e-7 * size,
+        };
+        let steps: Vec<f64> = (0..start.len()).map(step).collect();
+        let bounds = |at: &[f64]| {
+            let holds = |mode: &[f64]| mode[1] < 0.0 && mode[1] > -9.0;
+            at[SHARED..].chunks_exact(EACH).all(holds)
+        };
+        minimise(|at| self.residual(at).filter(|_| bounds(at)), start, &steps)
+    }
+
+    /// Models of no mode, of one, of two.
+    fn grow(&self) -> Vec<Minimum> {
+        let mut powers = self.density.power.clone();
+        powers.sort_unstable_by(f64::total_cmp);
+        let low = powers[powers.len() / 10];
+        let start = [
+            powers[powers.len() / 2].sqrt(),
+            low.max(f64::MIN_POSITIVE).ln() - 1.0,
+            0.0,
+        ];
+        let mut models: Vec<Minimum> = self.fit(&start).into_iter().collect();
+        while let Some(last) = models.last()
+            && models.len() <= MOST
+        {
+            let starts = STARTS.iter().flat_map(|ratio| self.with(&last.at, *ratio));
+            let fits = starts.filter_map(|start| self.fit(&start));
+            let better = fits
+                .min_by(|a, b| a.cost.total_cmp(&b.cost))
+                .filter(|fit| fit.cost < last.cost);
+            match better {
+                Some(fit) => models.push(fit),
+                None => break,
+            }
+        }
+        models
+    }
+
+    /// A model with one mode more, where bands of a width exceed it most; with either sign.
+    fn with(&self, at: &[f64], ratio: f64) -> [Vec<f64>; 2] {
+        let Density {
+            frequency,
+            power,
+            lines,
+            ..
+        } = self.density;
+        let excess = |k: usize| (power[k] / self.model(at, frequency[k])).ln();
+        let excess: Vec<f64> = (0..power.len()).map(excess).collect();
+        let reach = ((ratio / WIDTH) as usize).clamp(1, power.len() / 4);
+        let sum = |k: usize| {
+            let range = k.saturating_sub(reach)..(k + reach + 1).min(power.len());
+            let weight: f64 = lines[range.clone()].iter().sum();
+            range.map(|i| excess[i] * lines[i]).sum::<f64>() / weight.sqrt()
+        };
+        let best = (0..power.len())
+            .max_by(|a, b| sum(*a).total_cmp(&sum(*b)))
+            .unwrap_or(0);
+        let around = best.saturating_sub(reach / 2)..(best + reach / 2 + 1).min(power.len());
+        let top = around
+            .max_by(|a, b| power[*a].total_cmp(&power[*b]))
+            .unwrap_or(best);
+        let unit = match self.is_sweep {
+            true => (frequency[top] / self.middle()).powf(at[2]),
+            false => 1.0,
+        };
+        let amplitude = 2.0 * ratio * (power[top] / unit).sqrt();
+        [1.0, -1.0].map(|sign| {
+            let mode = [frequency[top].ln(), ratio.ln(), sign * amplitude, 0.0];
+            [at, &mode].concat()
+        })
+    }
+
+    /// The model that the Bayesian criterion takes, its evidence, and what would be strong. Deviances are taken over their
+    /// dispersion in the largest model.
+    fn best<'m>(&self, models: &'m [Minimum]) -> (Option<&'m Minimum>, f64, f64) {
+        let Some(last) = models.last() else {
+            return (None, 0.0, STRONG);
+        };
+        let bands = self.density.power.len() as f64;
+        let dispersion = self.dispersion(last);
+        let score = |model: &&Minimum| model.cost / dispersion + model.at.len() as f64 * bands.ln();
+        let best = models.iter().min_by(|a, b| score(a).total_cmp(&score(b)));
+        let found = best.map_or(0.0, |best| (models[0].cost - best.cost) / dispersion);
+        let unknowns = best.map_or(0, |best| best.at.len() - SHARED);
+        (best, found, unknowns as f64 * bands.ln() + STRONG)
+    }
+
+    /// Deviance for each degree of freedom; it is 1 where chance alone makes it.
+    fn dispersion(&self, model: &Minimum) -> f64 {
+        let freedom = self
+            .density
+            .power
+            .len()
+            .saturating_sub(model.at.len())
+            .max(1);
+        model.cost / freedom as f64
+    }
+
+    fn explained(&self, best: Option<&Minimum>) -> f64 {
+        let Density {
+            frequency, power, ..
+        } = self.density;
+        let Some(best) = best else {
+            return 0.0;
+        };
+        let mean = power.iter().map(|p| p.ln()).sum::<f64>() / power.len() as f64;
+        let all: f64 = power.iter().map(|p| (p.ln() - mean).powi(2)).sum();
+        let left = power
+            .iter()
+            .zip(frequency)
+            .map(|(p, f)| (p / self.model(&best.at, *f)).ln().powi(2));
+        (1.0 - left.sum::<f64>() / all).max(0.0)
+    }
+
+    /// The modes of a model, the strongest first: neither drift nor lines that the record does not resolve.
+    fn told(&self, best: Option<&Minimum>) -> Vec<FoundMode> {
+        let Some(best) = best.filter(|best| best.at.len() > SHARED) else {
+            return Vec::new();
+        };
+        let dispersion = self.dispersion(best).max(1e-6);
+        let variance = |a: usize, b: usize| {
+            best.inverse
+                .as_ref()
+                .map_or(f64::NAN, |i| i[(a, b)] * dispersion)
+        };
+        let mut modes = Vec::new();
+        for (k, mode) in best.at[SHARED..].chunks_exact(EACH).enumerate() {
+            let (frequency, ratio) = (mode[0].exp(), mode[1].exp());
+            let place = SHARED + EACH * k;
+            let narrow = 2.0 * ratio * frequency
+                < (1.5 * self.density.resolution).max(0.5 * WIDTH * frequency);
+            let inside = self.density.frequency.first() < Some(&frequency)
+                && Some(&frequency) < self.density.frequency.last();
+            let Ok(known) = Mode::from_hertz(frequency, ratio) else {
+                continue;
+            };
+            if narrow || !inside || ratio > DRIFT {
+                continue;
+            }
+            modes.push(FoundMode {
+                known: UncertainMode {
+                    mode: known,
+                    natural_frequency_std: known.natural_frequency()
+                        * variance(place, place).sqrt(),
+                    damping_ratio_std: ratio * variance(place + 1, place + 1).sqrt(),
+                },
+                share: mode[2].hypot(mode[3]),
+                frequency_shift: 0.0,
+                frequency_shift_std: 0.0,
+                damping_shift: 0.0,
+            });
+        }
+        let largest = modes
+            .iter()
+            .map(|mode| mode.share)
+            .fold(f64::MIN_POSITIVE, f64::max);
+        modes.iter_mut().for_each(|mode| mode.share /= largest);
+        modes.retain(|mode| mode.share > LEAST);
+        modes.sort_by(|a, b| b.share.total_cmp(&a.share));
+        modes
+    }
+}

@@ -1,0 +1,211 @@
+//! A printer's accelerometer: which axis, and the lines to paste into its firmware.
+
+use crate::cli::CliError;
+use crate::identification::output_only::{FoundMode, Vibration};
+use crate::identification::printer::{Setting, best, settings};
+use crate::page::columns;
+use crate::recording::Role;
+use std::fmt::Write;
+use std::path::Path;
+
+use super::alone::{ACCEPTABLE, Alone};
+
+/// A recording of a printer's axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Printer {
+    /// `x`, `y` or `z`.
+    pub axis: char,
+}
+
+/// A firmware, the names that it gives to the shapers, and its line for an axis.
+struct Firmware {
+    name: &'static str,
+    /// Quell's name and the firmware's, for the shapers that it has.
+    shapers: &'static [(&'static str, &'static str)],
+    line: fn(char, &str, &Setting) -> String,
+}
+
+/// Firmwares, as their documentation of today has them.
+const FIRMWARES: &[Firmware] = &[
+    Firmware {
+        name: "Klipper, in printer.cfg",
+        shapers: &[
+            ("zv", "zv"),
+            ("mzv", "mzv"),
+            ("zvd", "zvd"),
+            ("ei", "ei"),
+            ("ei2", "2hump_ei"),
+            ("ei3", "3hump_ei"),
+        ],
+        line: |axis, name, s| {
+            let (hertz, ratio) = (s.mode.hertz(), s.mode.damping_ratio());
+            format!(
+                "shaper_type_{axis}: {name}\nshaper_freq_{axis}: {hertz:.1}\ndamping_ratio_{axis}: {ratio:.3}"
+            )
+        },
+    },
+    Firmware {
+        name: "Marlin, which has ZV",
+        shapers: &[("zv", "")],
+        line: |axis, _, s| {
+            let (hertz, ratio) = (s.mode.hertz(), s.mode.damping_ratio());
+            format!("M593 {} F{hertz:.1} D{ratio:.3}", axis.to_ascii_uppercase())
+        },
+    },
+    Firmware {
+        name: "RepRapFirmware, which has one shaper for all axes",
+        shapers: &[
+            ("mzv", "mzv"),
+            ("zvd", "zvd"),
+            ("ei2", "ei2"),
+            ("ei3", "ei3"),
+        ],
+        line: |_, name, s| {
+            let (hertz, ratio) = (s.mode.hertz(), s.mode.damping_ratio());
+            format!("M593 P\"{name}\" F{hertz:.1} S{ratio:.3}")
+        },
+    },
+];
+
+/// The axis of a printer that a file is of: Klipper's raw data or RepRapFirmware's, by its lines; none of any other file.
+pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
+    if vibration.role != Role::TipAcceleration || !is_printers(path) {
+        return None;
+    }
+    let name = path.file_name()?.to_string_lossy().to_lowercase();
+    let named = ["x", "y", "z"].into_iter().find(|axis| {
+        let parts = name.split(['_', '-', '.']);
+        parts.clone().any(|part| part == *axis)
+    });
+    let energy = |axis: &Vec<f64>| {
+        let mean = axis.iter().sum::<f64>() / axis.len() as f64;
+        axis.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+    };
+    let strongest = || {
+        let energies = vibration.axes.iter().map(energy).enumerate();
+        let place = energies
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |most| most.0);
+        ['x', 'y', 'z'].get(place).copied()
+    };
+    let axis = named
+        .and_then(|axis| axis.chars().next())
+        .or_else(strongest)?;
+    Some(Printer { axis })
+}
+
+/// Whether the file has the first line of Klipper's raw data or of RepRapFirmware's.
+fn is_printers(path: &Path) -> bool {
+    use std::io::{BufRead, BufReader};
+    let mut line = String::new();
+    let read = std::fs::File::open(path).map(|file| BufReader::new(file).read_line(&mut line));
+    let line = line.trim().trim_start_matches('#').to_lowercase();
+    matches!(read, Ok(Ok(_)))
+        && (line == "time,accel_x,accel_y,accel_z"
+            || line.starts_with("sample,x")
+            || line.starts_with("sample,y"))
+}
+
+/// What is recommended for one axis, from all its recordings.
+pub struct Tuned {
+    /// The axis.
+    pub axis: char,
+    /// The best frequency of each type.
+    pub settings: Vec<Setting>,
+    /// Which of them is recommended.
+    pub best: usize,
+}
+
+/// The settings of each axis of a printer that was recorded.
+///
+/// # Errors
+/// [`CliError::Input`] where no shaper can be designed.
+pub fn tune(all: &[Alone]) -> Result<Vec<Tuned>, CliError> {
+    let mut axes: Vec<char> = all
+        .iter()
+        .filter_map(|one| Some(one.printer?.axis))
+        .collect();
+    axes.sort_unstable();
+    axes.dedup();
+    let of = |axis: char| {
+        let own = all
+            .iter()
+            .filter(|one| one.printer == Some(Printer { axis }));
+        let recordings: Vec<Vec<FoundMode>> = own.map(|one| one.found.modes.clone()).collect();
+        let settings = settings(&recordings, ACCEPTABLE).map_err(CliError::input)?;
+        let name = best(settings.iter(), ACCEPTABLE).map(|one| one.shaper.name());
+        let best = settings
+            .iter()
+            .position(|one| Some(one.shaper.name()) == name)
+            .unwrap_or(0);
+        Ok(Tuned {
+            axis,
+            settings,
+            best,
+        })
+    };
+    axes.into_iter().map(of).collect()
+}
+
+/// The table of an axis.
+pub fn table(tuned: &Tuned) -> String {
+    let rows = tuned.settings.iter().enumerate().map(|(k, one)| {
+        [
+            one.shaper.name().to_string(),
+            format!("{:.1}", one.mode.hertz()),
+            format!("{:.1} %", 100.0 * one.residual),
+            format!("{:.3}", one.smoothing),
+            format!("{:.0}", 100.0 * (one.acceleration / 100.0).round()),
+            if k == tuned.best {
+                "recommended".into()
+            } else {
+                String::new()
+            },
+        ]
+    });
+    let heads = ["shaper", "f_hz", "left", "smoothing_mm", "max_accel", ""];
+    format!("Axis {}:\n\n{}", tuned.axis, columns(heads, rows))
+}
+
+/// The lines to paste, of every firmware.
+pub fn lines(all: &[Tuned]) -> String {
+    let mut text = String::new();
+    for firmware in FIRMWARES {
+        let _ = writeln!(text, "{}:", firmware.name);
+        if firmware.name.starts_with("Klipper") {
+            text += "    [input_shaper]\n";
+        }
+        for tuned in all {
+            let has = |setting: &&Setting| {
+                firmware
+                    .shapers
+                    .iter()
+                    .any(|own| own.0 == setting.shaper.name())
+            };
+            let own = tuned.settings.iter().filter(has);
+            let Some(setting) = best(own, ACCEPTABLE) else {
+                continue;
+            };
+            let name = firmware
+                .shapers
+                .iter()
+                .find(|own| own.0 == setting.shaper.name());
+            let line = (firmware.line)(tuned.axis, name.map_or("", |own| own.1), setting);
+            let left = format!(
+                "  ; axis {}, leaves {:.1} %",
+                tuned.axis,
+                100.0 * setting.residual
+            );
+            let comment = if firmware.name.starts_with("Klipper") {
+                ""
+            } else {
+                left.as_str()
+            };
+            for line in line.lines() {
+                let _ = writeln!(text, "    {line}{comment}");
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
