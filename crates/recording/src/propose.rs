@@ -93,7 +93,10 @@ pub fn propose(path: &Path) -> Result<Proposal, RecordingError> {
 
 /// The manifest of a CSV file that can only mean one thing.
 pub(super) fn certain(path: &Path) -> Result<String, RecordingError> {
-    let mut proposal = propose(path)?;
+    let mut proposal = match Content::known(path)? {
+        Some(content) => render::proposal(path, &[content]),
+        None => propose(path)?,
+    };
     let several = proposal.manifests.len();
     if several > 1 {
         proposal.open.insert(0, format!("it has {several} tests"));

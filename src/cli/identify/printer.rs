@@ -132,7 +132,7 @@ pub fn tune(all: &[Alone]) -> Result<Vec<Tuned>, CliError> {
             .iter()
             .filter(|one| one.printer == Some(Printer { axis }));
         let recordings: Vec<Vec<FoundMode>> = own.map(|one| one.found.modes.clone()).collect();
-        let settings = settings(&recordings, ACCEPTABLE).map_err(CliError::input)?;
+        let settings = settings(&recordings).map_err(CliError::input)?;
         let name = best(settings.iter(), ACCEPTABLE).map(|one| one.shaper.name());
         let best = settings
             .iter()

@@ -25,7 +25,10 @@ const ENERGY: f64 = 1e-3;
 /// Stretches of free decay, in samples from and before, the strongest first.
 pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
     let samples = vibration.axes[0].len();
-    let length = (samples / PARTS).max(FEWEST);
+    let length = (samples / PARTS)
+        .max(FEWEST)
+        .max(cycles(vibration))
+        .min(samples / 4);
     let energies: Vec<f64> = (0..samples / length)
         .map(|part| energy(vibration, part * length, length))
         .collect();
@@ -57,6 +60,14 @@ pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
     strong.take(MOST).map(|one| one.1).collect()
 }
 
+/// Samples of one and a half periods of what is strongest as an acceleration, or as a velocity of one: a part that is
+/// shorter has the energy of its place in the period.
+fn cycles(vibration: &Vibration) -> usize {
+    let samples = vibration.axes[0].len();
+    let [line, _] = strongest(vibration, 0, samples, 2);
+    (1.5 * samples as f64 / line.max(1.0)) as usize
+}
+
 /// Energy of some samples about their line, of all axes, a sample.
 fn energy(vibration: &Vibration, first: usize, count: usize) -> f64 {
     let of = |axis: &Vec<f64>| {
@@ -84,7 +95,8 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     }
     let mut frames: Vec<(f64, f64)> = Vec::new();
     for frame in 0..FRAMES {
-        frames.push(loudest(vibration, frame * length, length));
+        let [line, energy] = strongest(vibration, frame * length, length, 0);
+        frames.push((line * vibration.rate / length as f64, energy));
     }
     let most = frames.iter().map(|frame| frame.1).fold(0.0, f64::max);
     let loud: Vec<f64> = frames
@@ -108,17 +120,18 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     (rank.abs() > RANK && high > OCTAVE * low && spread.count() >= 7).then_some([low, high])
 }
 
-/// The strongest frequency of some samples, Hz, and its energy, over all axes.
-fn loudest(vibration: &Vibration, first: usize, count: usize) -> (f64, f64) {
+/// The strongest line of some samples, over all axes, and its energy; lines are weighed by this power of their frequency.
+fn strongest(vibration: &Vibration, first: usize, count: usize, power: i32) -> [f64; 2] {
     let mut energy = vec![0.0; count / 2 + 1];
     for axis in &vibration.axes {
         let values = &axis[first..first + count];
         let mean = values.iter().sum::<f64>() / count as f64;
         let window = |k: usize| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / count as f64).cos();
-        let windowed = values
-            .iter()
-            .enumerate()
-            .map(|(k, v)| window(k) * (v - mean));
+        let windowed = values.iter().enumerate().map(|(k, v)| match power {
+            0 => window(k) * (v - mean),
+            // A decay is strongest where it begins, and its lines need no window.
+            _ => v - mean,
+        });
         for (sum, line) in energy
             .iter_mut()
             .zip(quell_signal::fourier(windowed.collect()))
@@ -126,9 +139,12 @@ fn loudest(vibration: &Vibration, first: usize, count: usize) -> (f64, f64) {
             *sum += line.norm_sqr();
         }
     }
-    let lines = energy.iter().enumerate().skip(1);
-    let (line, most) = lines.max_by(|a, b| a.1.total_cmp(b.1)).unwrap_or((0, &0.0));
-    (line as f64 * vibration.rate / count as f64, *most)
+    let weighed = |(line, energy): (usize, f64)| (line as f64, energy * (line as f64).powi(power));
+    let lines = energy.into_iter().enumerate().skip(1).map(weighed);
+    let (line, most) = lines
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .unwrap_or((0.0, 0.0));
+    [line, most]
 }
 
 /// Spearman's rank correlation of values with their places.

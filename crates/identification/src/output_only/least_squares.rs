@@ -6,6 +6,8 @@ use nalgebra::{DMatrix, DVector};
 const ITERATIONS: usize = 60;
 /// Relative decrease of the cost below which it has ended: the square root of rounding.
 const ENDED: f64 = 1e-9;
+/// Rounding of scaled normal equations whose Jacobian is by differences.
+const ROUNDING: f64 = 1e-10;
 
 /// A minimum.
 #[derive(Clone, Debug)]
@@ -16,7 +18,7 @@ pub struct Minimum {
     pub cost: f64,
     /// Residuals there.
     pub residual: DVector<f64>,
-    /// `(J^T J)^-1`, of which `cost / (n - p)` times is the covariance; none where an unknown moves nothing.
+    /// `(J^T J)^-1`, of which `cost / (n - p)` times is the covariance; none where rounding hides it.
     pub inverse: Option<DMatrix<f64>>,
 }
 
@@ -65,16 +67,29 @@ pub fn minimise(
             break;
         }
     }
-    let inverse = normal(&residual, &at, steps, &now)?
-        .0
-        .cholesky()
-        .map(|factor| factor.inverse());
+    let inverse = inverse(&normal(&residual, &at, steps, &now)?.0);
     Some(Minimum {
         at,
         cost,
         residual: now,
         inverse,
     })
+}
+
+/// The inverse of `J^T J`. Unknowns are scaled alike first; one that moves nothing gets a large deviation, by rounding.
+fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let scale = normal
+        .diagonal()
+        .map(|own| if own > 0.0 { own.sqrt() } else { 1.0 });
+    let count = normal.nrows();
+    let mut scaled = DMatrix::from_fn(count, count, |a, b| normal[(a, b)] / (scale[a] * scale[b]));
+    for k in 0..count {
+        scaled[(k, k)] += ROUNDING;
+    }
+    let inverse = scaled.cholesky()?.inverse();
+    Some(DMatrix::from_fn(count, count, |a, b| {
+        inverse[(a, b)] / (scale[a] * scale[b])
+    }))
 }
 
 /// `J^T J` and `J^T r`.

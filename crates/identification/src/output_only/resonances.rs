@@ -1,7 +1,8 @@
 //! Resonances in the spectrum of what was excited by a sweep or by work, by maximum likelihood.
 //!
-//! `S(f) = f^p |d + sum_k (c_k + j r_k e_k) / (1 - r_k^2 + 2 j xi_k r_k)|^2 + n`, `r_k = f / f_k`: any output of any number
-//! of modes, coherent, over an excitation whose density is a power of the frequency, and the noise of the sensor. A
+//! `S(f) = f^p |d + sum_k (c_k + j r_k e_k) / (1 - r_k^2 + 2 j xi_k r_k)|^2 + n`, `r_k = f / f_k`: an output of any number
+//! of modes, coherent, and the noise of the sensor. Of a sweep the density is a power `p` of the frequency, and modes are
+//! normal ones, of which an acceleration has `e_k = 2 xi_k c_k`; else `p = 0`, and `e_k` is free. A
 //! band of `M` lines has a gamma density of mean `S` (Whittle's likelihood); the sum of its deviances is made small. How
 //! far the deviances exceed what chance gives scales the deviations.
 //!
@@ -99,7 +100,11 @@ impl Problem<'_> {
         for mode in at[SHARED..].chunks_exact(EACH) {
             let r = frequency / mode[0].exp();
             let below = Complex::new(1.0 - r * r, 2.0 * mode[1].exp() * r);
-            response += Complex::new(mode[2], r * mode[3]) / below;
+            let turned = match self.is_sweep {
+                true => 2.0 * mode[1].exp() * mode[2],
+                false => mode[3],
+            };
+            response += Complex::new(mode[2], r * turned) / below;
         }
         let power = if self.is_sweep { at[2] } else { 0.0 };
         (frequency / self.middle()).powf(power) * response.norm_sqr() + at[1].exp()
@@ -279,7 +284,10 @@ impl Problem<'_> {
                         * variance(place, place).sqrt(),
                     damping_ratio_std: ratio * variance(place + 1, place + 1).sqrt(),
                 },
-                share: mode[2].hypot(mode[3]),
+                share: match self.is_sweep {
+                    true => mode[2].abs(),
+                    false => mode[2].hypot(mode[3]),
+                },
                 frequency_shift: 0.0,
                 frequency_shift_std: 0.0,
                 damping_shift: 0.0,

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// Cells that say by custom that there is none.
 const MISSING: &[&str] = &["", "NaN", "nan", "NAN", "NA", "N/A", "null", "None", "-"];
+/// Lines of a known form that are looked at.
+const HEAD: usize = 400;
 /// Most values of a column that tells tests apart.
 const MOST_TESTS: usize = 1000;
 
@@ -44,12 +46,31 @@ pub struct Column {
 }
 
 impl Content {
+    /// The first lines of a file of which these say all: Klipper's or RepRapFirmware's; none of any other.
+    ///
+    /// # Errors
+    /// As [`Content::read`].
+    pub fn known(path: &Path) -> Result<Option<Self>, RecordingError> {
+        let text = table::text(path)?;
+        let head: Vec<&str> = text.lines().take(HEAD).collect();
+        let last = text.trim_end().lines().last().unwrap_or_default();
+        if form::of(&text).is_none() {
+            return Ok(None);
+        }
+        let content = Self::of(path, head.join("\n") + "\n" + last)?;
+        let is_known = content.is_klipper() || content.told_rate_hz.is_some();
+        Ok(is_known.then_some(content))
+    }
+
     /// Reads a file.
     ///
     /// # Errors
     /// [`RecordingError`] where it cannot be read, or has no numbers.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        let text = table::text(path)?;
+        Self::of(path, table::text(path)?)
+    }
+
+    fn of(path: &Path, text: String) -> Result<Self, RecordingError> {
         if text.trim().is_empty() {
             return Err(Problem::Empty.in_file(path));
         }
