@@ -14,13 +14,15 @@ const RISES: f64 = 4.0;
 /// Most decays that are fitted, the strongest first.
 const MOST: usize = 12;
 
-/// Parts of a sweep, their windows, and the rank correlation of frequency and time that makes one: with so many parts
-/// chance gives 0.7 once in 1e12.
+/// Parts of a sweep, and the rank correlation of frequency and time that makes one: with so many parts chance gives 0.7
+/// once in 1e12.
 const FRAMES: usize = 96;
 const RANK: f64 = 0.7;
-/// A sweep goes over an octave at least, and frames count whose energy is a thousandth of the strongest.
+/// A sweep goes over an octave at least.
 const OCTAVE: f64 = 2.0;
-const ENERGY: f64 = 1e-3;
+/// Energy of a part's strongest line over its median one from which the part counts: of a thousand lines of noise the
+/// strongest has 14 times the median in one part of ten.
+const STANDS_OUT: f64 = 30.0;
 
 /// Stretches of free decay, in samples from and before, the strongest first.
 pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
@@ -98,12 +100,8 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
         let [line, energy] = strongest(vibration, frame * length, length, 0);
         frames.push((line * vibration.rate / length as f64, energy));
     }
-    let most = frames.iter().map(|frame| frame.1).fold(0.0, f64::max);
-    let loud: Vec<f64> = frames
-        .iter()
-        .filter(|frame| frame.1 > ENERGY * most)
-        .map(|frame| frame.0)
-        .collect();
+    let stands_out = frames.iter().filter(|frame| frame.1 > STANDS_OUT);
+    let loud: Vec<f64> = stands_out.map(|frame| frame.0).collect();
     if loud.len() < FRAMES / 3 {
         return None;
     }
@@ -120,7 +118,8 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     (rank.abs() > RANK && high > OCTAVE * low && spread.count() >= 7).then_some([low, high])
 }
 
-/// The strongest line of some samples, over all axes, and its energy; lines are weighed by this power of their frequency.
+/// The strongest line of some samples, over all axes, and its energy over the median one; lines are weighed by this power
+/// of their frequency.
 fn strongest(vibration: &Vibration, first: usize, count: usize, power: i32) -> [f64; 2] {
     let mut energy = vec![0.0; count / 2 + 1];
     for axis in &vibration.axes {
@@ -139,12 +138,15 @@ fn strongest(vibration: &Vibration, first: usize, count: usize, power: i32) -> [
             *sum += line.norm_sqr();
         }
     }
+    let mut sorted = energy.clone();
+    let middle = sorted.len() / 2;
+    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     let weighed = |(line, energy): (usize, f64)| (line as f64, energy * (line as f64).powi(power));
     let lines = energy.into_iter().enumerate().skip(1).map(weighed);
     let (line, most) = lines
         .max_by(|a, b| a.1.total_cmp(&b.1))
         .unwrap_or((0.0, 0.0));
-    [line, most]
+    [line, most / median.max(f64::MIN_POSITIVE)]
 }
 
 /// Spearman's rank correlation of values with their places.

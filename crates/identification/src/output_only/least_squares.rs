@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Iterations at most; the fits here end after ten to thirty.
 const ITERATIONS: usize = 60;
-/// Relative decrease of the cost below which it has ended: the square root of rounding.
-const ENDED: f64 = 1e-9;
+/// Relative decrease of the cost below which it has ended: of 1e5 samples a hundredth of one chi-squared.
+const ENDED: f64 = 1e-7;
 /// Rounding of scaled normal equations whose Jacobian is by differences.
 const ROUNDING: f64 = 1e-10;
 

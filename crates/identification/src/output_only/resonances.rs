@@ -22,6 +22,8 @@ const WIDTH: f64 = 0.0025;
 const MOST: usize = 6;
 /// Damping ratios from which a mode's fit starts, each with the width over which its peak is looked for.
 const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
+/// Powers of the frequency that the density of a sweep starts from: a constant acceleration, and one that grows with it.
+const EXCITATIONS: [f64; 2] = [0.0, 2.0];
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
 /// Unknowns that are no mode's: direct term, noise, power of the frequency; and those of a mode.
@@ -93,33 +95,48 @@ impl Problem<'_> {
         (first * last).sqrt()
     }
 
-    /// The density of the model at a band: unknowns are direct term, logarithm of the noise, power of the frequency, and
+    /// The density of the model at each band: unknowns are direct term, logarithm of the noise, power of the frequency, and
     /// of each mode the logarithms of frequency and damping ratio, and two amplitudes.
-    fn model(&self, at: &[f64], frequency: f64) -> f64 {
-        let mut response = Complex::new(at[0], 0.0);
-        for mode in at[SHARED..].chunks_exact(EACH) {
-            let r = frequency / mode[0].exp();
-            let below = Complex::new(1.0 - r * r, 2.0 * mode[1].exp() * r);
-            let turned = match self.is_sweep {
-                true => 2.0 * mode[1].exp() * mode[2],
-                false => mode[3],
-            };
-            response += Complex::new(mode[2], r * turned) / below;
-        }
+    fn model(&self, at: &[f64]) -> Vec<f64> {
+        let modes: Vec<[f64; 4]> = at[SHARED..]
+            .chunks_exact(EACH)
+            .map(|mode| self.mode(mode))
+            .collect();
         let power = if self.is_sweep { at[2] } else { 0.0 };
-        (frequency / self.middle()).powf(power) * response.norm_sqr() + at[1].exp()
+        let (noise, middle) = (at[1].exp(), self.middle());
+        let of = |frequency: &f64| {
+            let mut response = Complex::new(at[0], 0.0);
+            for [own, ratio, straight, turned] in &modes {
+                let r = frequency / own;
+                let below = Complex::new(1.0 - r * r, 2.0 * ratio * r);
+                response += Complex::new(*straight, r * turned) / below;
+            }
+            let excited = if power == 0.0 {
+                1.0
+            } else {
+                (frequency / middle).powf(power)
+            };
+            excited * response.norm_sqr() + noise
+        };
+        self.density.frequency.iter().map(of).collect()
+    }
+
+    /// Frequency, Hz, damping ratio and amplitudes of a mode from its unknowns.
+    fn mode(&self, unknowns: &[f64]) -> [f64; 4] {
+        let (frequency, ratio) = (unknowns[0].exp(), unknowns[1].exp());
+        let turned = match self.is_sweep {
+            true => 2.0 * ratio * unknowns[2],
+            false => unknowns[3],
+        };
+        [frequency, ratio, unknowns[2], turned]
     }
 
     /// Deviances of the bands, each with the sign of its misfit.
     fn residual(&self, at: &[f64]) -> Option<DVector<f64>> {
-        let Density {
-            frequency,
-            power,
-            lines,
-            ..
-        } = self.density;
+        let Density { power, lines, .. } = self.density;
+        let model = self.model(at);
         let band = |k: usize| {
-            let ratio = power[k] / self.model(at, frequency[k]);
+            let ratio = power[k] / model[k];
             let deviance = (ratio - 1.0 - ratio.ln()).max(0.0);
             (2.0 * lines[k] * deviance).sqrt().copysign(ratio - 1.0)
         };
@@ -149,27 +166,46 @@ impl Problem<'_> {
         minimise(|at| self.residual(at).filter(|_| bounds(at)), start, &steps)
     }
 
-    /// Models of no mode, of one, of two.
+    /// Models of no mode, of one, of two, under the power of the excitation from which they end best.
     fn grow(&self) -> Vec<Minimum> {
+        let powers = if self.is_sweep {
+            &EXCITATIONS[..]
+        } else {
+            &[0.0]
+        };
+        let chains = powers.iter().map(|power| self.grow_from(*power));
+        let end = |chain: &Vec<Minimum>| chain.last().map_or(f64::INFINITY, |last| last.cost);
+        chains
+            .min_by(|a, b| end(a).total_cmp(&end(b)))
+            .unwrap_or_default()
+    }
+
+    fn grow_from(&self, power: f64) -> Vec<Minimum> {
         let mut powers = self.density.power.clone();
         powers.sort_unstable_by(f64::total_cmp);
-        let low = powers[powers.len() / 10];
-        let start = [
-            powers[powers.len() / 2].sqrt(),
-            low.max(f64::MIN_POSITIVE).ln() - 1.0,
-            0.0,
-        ];
+        let middle = powers[powers.len() / 2].sqrt();
+        let noise = powers[powers.len() / 10].max(f64::MIN_POSITIVE).ln() - 1.0;
+        let start = [middle, noise, power];
+        // Without a mode all may pass for noise: the first mode starts beside little of either.
+        let mut base = vec![0.1 * middle, noise, power];
         let mut models: Vec<Minimum> = self.fit(&start).into_iter().collect();
         while let Some(last) = models.last()
             && models.len() <= MOST
         {
-            let starts = STARTS.iter().flat_map(|ratio| self.with(&last.at, *ratio));
+            let starts = STARTS.iter().flat_map(|ratio| self.with(&base, *ratio));
             let fits = starts.filter_map(|start| self.fit(&start));
-            let better = fits
-                .min_by(|a, b| a.cost.total_cmp(&b.cost))
-                .filter(|fit| fit.cost < last.cost);
-            match better {
-                Some(fit) => models.push(fit),
+            let better = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
+            // What a mode of chance lowers the deviance by.
+            let gain = EACH as f64 * (self.density.power.len() as f64).ln() * self.dispersion(last);
+            match better.filter(|fit| fit.cost < last.cost) {
+                Some(fit) => {
+                    let ended = last.cost - fit.cost < 0.1 * gain;
+                    base.clone_from(&fit.at);
+                    models.push(fit);
+                    if ended {
+                        break;
+                    }
+                }
                 None => break,
             }
         }
@@ -184,8 +220,12 @@ impl Problem<'_> {
             lines,
             ..
         } = self.density;
-        let excess = |k: usize| (power[k] / self.model(at, frequency[k])).ln();
-        let excess: Vec<f64> = (0..power.len()).map(excess).collect();
+        let model = self.model(at);
+        let excess: Vec<f64> = power
+            .iter()
+            .zip(model)
+            .map(|(power, model)| (power / model).ln())
+            .collect();
         let reach = ((ratio / WIDTH) as usize).clamp(1, power.len() / 4);
         let sum = |k: usize| {
             let range = k.saturating_sub(reach)..(k + reach + 1).min(power.len());
@@ -237,18 +277,17 @@ impl Problem<'_> {
     }
 
     fn explained(&self, best: Option<&Minimum>) -> f64 {
-        let Density {
-            frequency, power, ..
-        } = self.density;
+        let power = &self.density.power;
         let Some(best) = best else {
             return 0.0;
         };
         let mean = power.iter().map(|p| p.ln()).sum::<f64>() / power.len() as f64;
         let all: f64 = power.iter().map(|p| (p.ln() - mean).powi(2)).sum();
+        let model = self.model(&best.at);
         let left = power
             .iter()
-            .zip(frequency)
-            .map(|(p, f)| (p / self.model(&best.at, *f)).ln().powi(2));
+            .zip(model)
+            .map(|(power, model)| (power / model).ln().powi(2));
         (1.0 - left.sum::<f64>() / all).max(0.0)
     }
 
