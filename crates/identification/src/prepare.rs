@@ -61,6 +61,12 @@ pub enum IdentificationError {
         /// Number of samples.
         samples: usize,
     },
+    /// What stands out of the spectrum is no resonance.
+    #[error(
+        "no mode can be told: what stands out of the spectrum has not the width of a resonance, as what a motor makes \
+         that turns; record the decay after a tap, or a longer time"
+    )]
+    OnlyLines,
     /// The deformation does not vary.
     #[error("the deformation does not vary: nothing vibrates in this recording")]
     Still,

@@ -1,8 +1,8 @@
 //! Damped sinusoids, fitted to free decays by maximum likelihood.
 //!
 //! `y(t) = c + sum_m e^(-S_m(t)) (p_m cos W_m(t) + q_m sin W_m(t))`, with `S = s t`, `W = w t` for a linear mode. Where a
-//! mode depends on its amplitude `e^(-r s t)`, `W = w t + w_1 (1 - e^(-r s t)) / (r s)`, and `S` alike. Offsets and
-//! amplitudes are linear and are solved for (variable projection); frequencies and rates are shared by all decays.
+//! mode depends on a power of its amplitude, `W = w t + w_1 (1 - e^(-r s t)) / (r s)`, and `S` alike; under dry friction
+//! `e^(-S) = (1 + k) e^(-s t) - k`, until it rests. Offsets and amplitudes are linear and are solved for (variable projection); frequencies and rates are shared by all decays.
 //!
 //! Source: G. H. Golub and V. Pereyra, SIAM J. Numerical Analysis 10 (1973).
 
@@ -39,8 +39,17 @@ pub struct Bend {
     pub frequency: f64,
     /// Of the rate.
     pub rate: f64,
-    /// The power of the amplitude that it follows: 1 as friction and clamps make it, 2 as geometry does.
-    pub power: f64,
+    /// What it follows.
+    pub law: Law,
+}
+
+/// What frequency and rate of a mode follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// A power of the amplitude: 1 as clamps and material make it, 2 as geometry and drag do.
+    Power(f64),
+    /// The rate follows one over the amplitude, as dry friction makes it; the frequency follows the amplitude.
+    Friction,
 }
 
 /// Modes, and what the decays leave of them.
@@ -129,10 +138,19 @@ fn basis(segment: &Segment, modes: &[Damped]) -> Option<DMatrix<f64>> {
             let time = sample as f64 * segment.period;
             let (mut phase, mut decay) = (mode.frequency * time, mode.rate * time);
             if let Some(bend) = mode.bend {
-                let speed = bend.power * mode.rate;
+                let power = match bend.law {
+                    Law::Power(power) => power,
+                    Law::Friction => 1.0,
+                };
+                let speed = power * mode.rate;
                 let away = -(-speed * time).exp_m1() / speed;
                 phase += bend.frequency * mode.frequency * away;
-                decay += bend.rate * mode.rate * away;
+                decay = match bend.law {
+                    Law::Power(_) => decay + bend.rate * mode.rate * away,
+                    Law::Friction => -((1.0 + bend.rate) * (-decay).exp() - bend.rate)
+                        .max(0.0)
+                        .ln(),
+                };
             }
             let (sine, cosine) = phase.sin_cos();
             let amplitude = (-decay).exp();

@@ -1,6 +1,6 @@
 //! Modes of free decays: how many there are, whether one depends on its amplitude, and how well they are known.
 
-use super::damped::{Bend, Damped, Fit, Segment, amplitudes, fit, residual};
+use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
 use nalgebra::{DMatrix, DVector};
 use quell_shapers::{Mode, UncertainMode};
@@ -10,6 +10,12 @@ use std::f64::consts::TAU;
 const STEPS: usize = 7;
 /// Damping ratios from which a mode's fit starts.
 const STARTS: [f64; 5] = [0.003, 0.01, 0.03, 0.08, 0.2];
+/// What a mode may follow.
+const LAWS: [Law; 3] = [Law::Power(1.0), Law::Power(2.0), Law::Friction];
+/// A mode of less than this share of the strongest is not told; a multiple of a stronger one is its distortion below a
+/// residual that is acceptable.
+const LEAST: f64 = 0.005;
+const DISTORTION: f64 = 0.05;
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
 /// Share of the variance that modes must explain where a stretch is a free decay, and not a machine at work.
@@ -24,7 +30,8 @@ const PERIODS: f64 = 2.0;
 
 /// The modes of some stretches; none where these are no free decays.
 pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]]) -> Option<OutputOnly> {
-    let stretches: Vec<[usize; 2]> = stretches.iter().map(|s| begun(vibration, *s)).collect();
+    let begun = stretches.iter().filter_map(|s| begun(vibration, *s));
+    let stretches: Vec<[usize; 2]> = begun.collect();
     let segments: Vec<Segment> = stretches.iter().map(|s| segment(vibration, *s)).collect();
     let first = segments.first()?;
     let total: f64 = residual(&segments, &[])?.norm_squared();
@@ -118,19 +125,17 @@ fn bent(segments: &[Segment], modes: &[Damped]) -> Option<Fit> {
     let shares = amplitudes(segments, modes)?;
     let linear = (0..modes.len()).filter(|k| modes[*k].bend.is_none());
     let which = linear.max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
-    let with = |power: f64| {
+    let with = |law: Law| {
         let mut modes = modes.to_vec();
         modes[which].bend = Some(Bend {
             frequency: 0.0,
             rate: 0.0,
-            power,
+            law,
         });
         fit(segments, &modes)
     };
-    [1.0, 2.0]
-        .into_iter()
-        .filter_map(with)
-        .min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost))
+    let fits = LAWS.into_iter().filter_map(with);
+    fits.min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost))
 }
 
 /// The angular frequency of the strongest line of a residual, over all axes and decays; rad/s.
@@ -188,10 +193,11 @@ fn told(best: &Fit, shares: &[f64], scale: f64, span: f64) -> Vec<FoundMode> {
     };
     order.retain(is_vibration);
     let mut kept: Vec<usize> = Vec::new();
-    for k in order {
+    for k in order.into_iter().filter(|k| shares[*k] > LEAST * largest) {
+        let own = (&best.modes[k], shares[k] / largest);
         if !kept
             .iter()
-            .any(|stronger| is_harmonic(&best.modes[k], &best.modes[*stronger]))
+            .any(|stronger| belongs(own, &best.modes[*stronger]))
         {
             kept.push(k);
         }
@@ -201,13 +207,15 @@ fn told(best: &Fit, shares: &[f64], scale: f64, span: f64) -> Vec<FoundMode> {
     kept.into_iter().filter_map(one).collect()
 }
 
-/// Whether a mode is a multiple of another: `n` times its frequency, and `n` times its rate, as a distorted decay has.
-fn is_harmonic(mode: &Damped, of: &Damped) -> bool {
+/// Whether a weaker mode of a fit is a part of a stronger one. A multiple of its frequency is a distortion, where its rate
+/// is that multiple, too, or its share is small. What lies within its half-power width is how its decay differs from an
+/// exponential: the data cannot tell it from a mode of its own.
+fn belongs((mode, share): (&Damped, f64), of: &Damped) -> bool {
+    let near = |value: f64, whole: f64, by: f64| (value / whole - 1.0).abs() < by;
     let order = (mode.frequency / of.frequency).round();
-    let near = |value: f64, whole: f64, share: f64| (value / whole - 1.0).abs() < share;
-    order >= 2.0
-        && near(mode.frequency, order * of.frequency, 0.01)
-        && near(mode.rate, order * of.rate, 0.3)
+    let is_multiple = order >= 2.0 && near(mode.frequency, order * of.frequency, 0.01);
+    let is_beside = (mode.frequency - of.frequency).abs() < of.rate;
+    is_beside || (is_multiple && (share < DISTORTION || near(mode.rate, order * of.rate, 0.3)))
 }
 
 fn found(best: &Fit, k: usize, covariance: Option<&DMatrix<f64>>, share: f64) -> Option<FoundMode> {
@@ -233,8 +241,9 @@ fn found(best: &Fit, k: usize, covariance: Option<&DMatrix<f64>>, share: f64) ->
     })
 }
 
-/// A stretch from where its decay is free: the earliest place from which two modes leave no more of it than from later ones.
-fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> [usize; 2] {
+/// A stretch from where its decay is free: the earliest place from which two modes leave no more of it than from later ones;
+/// none where they leave too much from everywhere.
+fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> Option<[usize; 2]> {
     let places: Vec<usize> = (0..BEGINS)
         .map(|k| from + k * (until - from) / 20)
         .collect();
@@ -249,7 +258,8 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> [usize; 2] {
     let left: Vec<f64> = places.iter().map(left).collect();
     let least = left.iter().copied().fold(f64::INFINITY, f64::min);
     let good = left.iter().position(|left| *left <= 1.5 * least + 1e-4);
-    [places[good.unwrap_or(0)], until]
+    let place = places[good.unwrap_or(0)];
+    (least < 1.0 - EXPLAINED).then_some([place, until])
 }
 
 /// The samples of a stretch, about their mean.

@@ -3,6 +3,15 @@
 use super::Vibration;
 use std::f64::consts::PI;
 
+/// Lines of a Hann window that count as one independent one, where many are averaged: `sum w^4 N / (sum w^2)^2`.
+const SMEARED: f64 = 35.0 / 18.0;
+/// Lines on either side whose median a line is held against, and the ratio from which it is of no noise: noise has it once
+/// in 2^40 lines.
+const BESIDE: usize = 8;
+const OF_NO_NOISE: f64 = 40.0;
+/// Lines on either side over which Hann's window spreads a sine.
+const SPREAD: usize = 3;
+
 /// Power over frequency, of all axes together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Density {
@@ -18,8 +27,9 @@ pub struct Density {
 
 /// The density between two frequencies, Hz, in bands whose width is a share of their frequency, at least a line each.
 ///
-/// `tapered` weighs the samples by Hann's window, as a vibration that goes on at both ends needs it; what begins and ends
-/// at rest is left as it is: its transform is the excitation's times the response, without a smear.
+/// `tapered` weighs the samples by Hann's window, as a vibration that goes on at both ends needs it, and leaves out the
+/// lines of what turns at a constant speed. What begins and ends at rest is left as it is: its transform is the
+/// excitation's times the response, without a smear.
 pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered: bool) -> Density {
     let samples = vibration.axes[0].len();
     let length = samples.next_power_of_two();
@@ -43,6 +53,11 @@ pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered:
             *sum += 2.0 * line.norm_sqr() / (vibration.rate * weight);
         }
     }
+    let finer = (resolution / spacing).round().max(1.0) as usize;
+    let of_sines = match tapered {
+        true => sines(&power, finer),
+        false => vec![false; power.len()],
+    };
     let mut density = Density {
         resolution,
         ..Density::default()
@@ -51,19 +66,43 @@ pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered:
     let last = ((to / spacing) as usize).min(length / 2);
     while first <= last {
         let band = (first as f64 * (1.0 + width))
-            .max(first as f64 + resolution / spacing)
+            .max((first + finer) as f64)
             .round();
         let until = (band as usize).min(last + 1).max(first + 1);
-        let lines = (until - first) as f64;
-        density
-            .frequency
-            .push(spacing * (first + until - 1) as f64 / 2.0);
+        let kept: Vec<usize> = (first..until).filter(|line| !of_sines[*line]).collect();
+        let place = (first + until - 1) as f64 / 2.0;
+        first = until;
+        if kept.is_empty() {
+            continue;
+        }
+        let lines = kept.len() as f64;
+        density.frequency.push(spacing * place);
         density
             .power
-            .push(power[first..until].iter().sum::<f64>() / lines);
+            .push(kept.iter().map(|line| power[*line]).sum::<f64>() / lines);
         // Lines closer than the record resolves are one.
-        density.lines.push((lines * spacing / resolution).max(1.0));
-        first = until;
+        let independent = lines * spacing / resolution / if tapered { SMEARED } else { 1.0 };
+        density.lines.push(independent.max(1.0));
     }
     density
+}
+
+/// Lines of what turns at a constant speed: they stand above those beside them as no noise does, and those next to them.
+/// Of a padded transform `finer` lines are one of the record.
+fn sines(power: &[f64], finer: usize) -> Vec<bool> {
+    let (beside, spread) = (BESIDE * finer, SPREAD * finer);
+    let mut found = vec![false; power.len()];
+    for centre in beside..power.len().saturating_sub(beside) {
+        let around = &power[centre - beside..=centre + beside];
+        let is_top = around.iter().all(|other| *other <= power[centre]);
+        if !is_top {
+            continue;
+        }
+        let mut around = around.to_vec();
+        let median = *around.select_nth_unstable_by(beside, f64::total_cmp).1;
+        if power[centre] > OF_NO_NOISE * median {
+            found[centre - spread..=centre + spread].fill(true);
+        }
+    }
+    found
 }

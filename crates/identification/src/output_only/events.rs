@@ -1,12 +1,17 @@
 //! What happens in a vibration: where it decays freely, and whether a frequency sweeps.
 
 use super::Vibration;
+use super::density::density;
 use std::f64::consts::TAU;
 
 /// Parts in which the energy is followed.
 const PARTS: usize = 256;
 /// Fewest samples of a part.
 const FEWEST: usize = 16;
+/// Width of a band in which a line is looked for, as a share of its frequency, and bands on either side that it stands out
+/// of: half an octave.
+const BAND: f64 = 0.05;
+const AROUND: usize = 7;
 /// Factor of energy by which a decay falls at least: its amplitude to a third.
 const FALLS: f64 = 9.0;
 /// Factor of energy by which something new begins.
@@ -62,12 +67,24 @@ pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
     strong.take(MOST).map(|one| one.1).collect()
 }
 
-/// Samples of one and a half periods of what is strongest as an acceleration, or as a velocity of one: a part that is
-/// shorter has the energy of its place in the period.
+/// Samples of one and a half periods of what stands out most of the spectrum around it: a part that is shorter has the
+/// energy of its place in the period.
 fn cycles(vibration: &Vibration) -> usize {
     let samples = vibration.axes[0].len();
-    let [line, _] = strongest(vibration, 0, samples, 2);
-    (1.5 * samples as f64 / line.max(1.0)) as usize
+    let seconds = samples as f64 / vibration.rate;
+    let band = [2.0 / seconds, 0.45 * vibration.rate];
+    let density = density(vibration, band, BAND, false);
+    let count = density.power.len();
+    let prominence = |k: usize| {
+        let mut around =
+            density.power[k.saturating_sub(AROUND)..(k + AROUND + 1).min(count)].to_vec();
+        let middle = around.len() / 2;
+        let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
+        density.power[k] / median.max(f64::MIN_POSITIVE)
+    };
+    let most = (0..count).max_by(|a, b| prominence(*a).total_cmp(&prominence(*b)));
+    let frequency = most.map_or(vibration.rate, |k| density.frequency[k]);
+    (1.5 * vibration.rate / frequency) as usize
 }
 
 /// Energy of some samples about their line, of all axes, a sample.
@@ -97,7 +114,7 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     }
     let mut frames: Vec<(f64, f64)> = Vec::new();
     for frame in 0..FRAMES {
-        let [line, energy] = strongest(vibration, frame * length, length, 0);
+        let [line, energy] = strongest(vibration, frame * length, length);
         frames.push((line * vibration.rate / length as f64, energy));
     }
     let stands_out = frames.iter().filter(|frame| frame.1 > STANDS_OUT);
@@ -118,35 +135,28 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     (rank.abs() > RANK && high > OCTAVE * low && spread.count() >= 7).then_some([low, high])
 }
 
-/// The strongest line of some samples, over all axes, and its energy over the median one; lines are weighed by this power
-/// of their frequency.
-fn strongest(vibration: &Vibration, first: usize, count: usize, power: i32) -> [f64; 2] {
+/// The strongest line of some samples, over all axes, and its energy over the median one.
+fn strongest(vibration: &Vibration, first: usize, count: usize) -> [f64; 2] {
     let mut energy = vec![0.0; count / 2 + 1];
     for axis in &vibration.axes {
         let values = &axis[first..first + count];
         let mean = values.iter().sum::<f64>() / count as f64;
         let window = |k: usize| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / count as f64).cos();
-        let windowed = values.iter().enumerate().map(|(k, v)| match power {
-            0 => window(k) * (v - mean),
-            // A decay is strongest where it begins, and its lines need no window.
-            _ => v - mean,
-        });
-        for (sum, line) in energy
-            .iter_mut()
-            .zip(quell_signal::fourier(windowed.collect()))
-        {
+        let windowed = values
+            .iter()
+            .enumerate()
+            .map(|(k, v)| window(k) * (v - mean));
+        let lines = quell_signal::fourier(windowed.collect());
+        for (sum, line) in energy.iter_mut().zip(lines) {
             *sum += line.norm_sqr();
         }
     }
     let mut sorted = energy.clone();
     let middle = sorted.len() / 2;
     let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let weighed = |(line, energy): (usize, f64)| (line as f64, energy * (line as f64).powi(power));
-    let lines = energy.into_iter().enumerate().skip(1).map(weighed);
-    let (line, most) = lines
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .unwrap_or((0.0, 0.0));
-    [line, most / median.max(f64::MIN_POSITIVE)]
+    let lines = energy.iter().enumerate().skip(1);
+    let (line, most) = lines.max_by(|a, b| a.1.total_cmp(b.1)).unwrap_or((0, &0.0));
+    [line as f64, most / median.max(f64::MIN_POSITIVE)]
 }
 
 /// Spearman's rank correlation of values with their places.

@@ -88,6 +88,7 @@ pub fn output_only(vibration: &Vibration) -> Result<OutputOnly, IdentificationEr
     let found = resonances::modes(vibration, sweep)?;
     match found.modes.is_empty() {
         false => Ok(found),
+        true if found.evidence[0] >= found.evidence[1] => Err(IdentificationError::OnlyLines),
         true => Err(IdentificationError::NotExcited {
             found: found.evidence[0],
             needed: found.evidence[1],

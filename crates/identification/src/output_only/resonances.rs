@@ -34,8 +34,8 @@ const ENDS: [f64; 2] = [1.05, 0.96];
 /// Cycles of the record, and share of the rate, between which modes of a machine at work are looked for.
 const LOWEST: f64 = 8.0;
 const HIGHEST: f64 = 0.4;
-/// Above this it is no vibration, and a mode of less than this share of the strongest is not told.
-const DRIFT: f64 = 0.5;
+/// Damping ratio that no mode exceeds: above it a response has no peak. A mode of less than this share of the strongest is not told.
+const DRIFT: f64 = 0.7;
 const LEAST: f64 = 0.02;
 
 /// The modes; none where none stands out.
@@ -96,7 +96,7 @@ impl Problem<'_> {
     }
 
     /// The density of the model at each band: unknowns are direct term, logarithm of the noise, power of the frequency, and
-    /// of each mode the logarithms of frequency and damping ratio, and two amplitudes.
+    /// of each mode the logarithm of the frequency, the logit of the damping ratio over 0.7, and two amplitudes.
     fn model(&self, at: &[f64]) -> Vec<f64> {
         let modes: Vec<[f64; 4]> = at[SHARED..]
             .chunks_exact(EACH)
@@ -123,7 +123,7 @@ impl Problem<'_> {
 
     /// Frequency, Hz, damping ratio and amplitudes of a mode from its unknowns.
     fn mode(&self, unknowns: &[f64]) -> [f64; 4] {
-        let (frequency, ratio) = (unknowns[0].exp(), unknowns[1].exp());
+        let (frequency, ratio) = (unknowns[0].exp(), DRIFT / (1.0 + (-unknowns[1]).exp()));
         let turned = match self.is_sweep {
             true => 2.0 * ratio * unknowns[2],
             false => unknowns[3],
@@ -137,7 +137,9 @@ impl Problem<'_> {
         let model = self.model(at);
         let band = |k: usize| {
             let ratio = power[k] / model[k];
-            let deviance = (ratio - 1.0 - ratio.ln()).max(0.0);
+            // Rounding may make it less than 0 where they agree; what is no number stays none.
+            let deviance = ratio - 1.0 - ratio.ln();
+            let deviance = if deviance < 0.0 { 0.0 } else { deviance };
             (2.0 * lines[k] * deviance).sqrt().copysign(ratio - 1.0)
         };
         let residual = DVector::from_iterator(power.len(), (0..power.len()).map(band));
@@ -159,11 +161,7 @@ impl Problem<'_> {
             _ => 1e-7 * size,
         };
         let steps: Vec<f64> = (0..start.len()).map(step).collect();
-        let bounds = |at: &[f64]| {
-            let holds = |mode: &[f64]| mode[1] < 0.0 && mode[1] > -9.0;
-            at[SHARED..].chunks_exact(EACH).all(holds)
-        };
-        minimise(|at| self.residual(at).filter(|_| bounds(at)), start, &steps)
+        minimise(|at| self.residual(at), start, &steps)
     }
 
     /// Models of no mode, of one, of two, under the power of the excitation from which they end best.
@@ -173,9 +171,19 @@ impl Problem<'_> {
         } else {
             &[0.0]
         };
-        let chains = powers.iter().map(|power| self.grow_from(*power));
+        let chains: Vec<Vec<Minimum>> = std::thread::scope(|scope| {
+            let begun: Vec<_> = powers
+                .iter()
+                .map(|power| scope.spawn(|| self.grow_from(*power)))
+                .collect();
+            begun
+                .into_iter()
+                .filter_map(|chain| chain.join().ok())
+                .collect()
+        });
         let end = |chain: &Vec<Minimum>| chain.last().map_or(f64::INFINITY, |last| last.cost);
         chains
+            .into_iter()
             .min_by(|a, b| end(a).total_cmp(&end(b)))
             .unwrap_or_default()
     }
@@ -199,7 +207,7 @@ impl Problem<'_> {
             let gain = EACH as f64 * (self.density.power.len() as f64).ln() * self.dispersion(last);
             match better.filter(|fit| fit.cost < last.cost) {
                 Some(fit) => {
-                    let ended = last.cost - fit.cost < 0.1 * gain;
+                    let ended = last.cost - fit.cost < 0.5 * gain;
                     base.clone_from(&fit.at);
                     models.push(fit);
                     if ended {
@@ -227,10 +235,18 @@ impl Problem<'_> {
             .map(|(power, model)| (power / model).ln())
             .collect();
         let reach = ((ratio / WIDTH) as usize).clamp(1, power.len() / 4);
-        let sum = |k: usize| {
+        // How far a band of this width stands out of one four times as wide.
+        let mean = |k: usize, reach: usize| {
             let range = k.saturating_sub(reach)..(k + reach + 1).min(power.len());
             let weight: f64 = lines[range.clone()].iter().sum();
-            range.map(|i| excess[i] * lines[i]).sum::<f64>() / weight.sqrt()
+            (
+                range.map(|i| excess[i] * lines[i]).sum::<f64>() / weight,
+                weight,
+            )
+        };
+        let sum = |k: usize| {
+            let ((inside, weight), (around, _)) = (mean(k, reach), mean(k, 4 * reach));
+            (inside - around) * weight.sqrt()
         };
         let best = (0..power.len())
             .max_by(|a, b| sum(*a).total_cmp(&sum(*b)))
@@ -245,7 +261,8 @@ impl Problem<'_> {
         };
         let amplitude = 2.0 * ratio * (power[top] / unit).sqrt();
         [1.0, -1.0].map(|sign| {
-            let mode = [frequency[top].ln(), ratio.ln(), sign * amplitude, 0.0];
+            let logit = (ratio / (DRIFT - ratio)).ln();
+            let mode = [frequency[top].ln(), logit, sign * amplitude, 0.0];
             [at, &mode].concat()
         })
     }
@@ -304,7 +321,7 @@ impl Problem<'_> {
         };
         let mut modes = Vec::new();
         for (k, mode) in best.at[SHARED..].chunks_exact(EACH).enumerate() {
-            let (frequency, ratio) = (mode[0].exp(), mode[1].exp());
+            let [frequency, ratio, straight, turned] = self.mode(mode);
             let place = SHARED + EACH * k;
             let narrow = 2.0 * ratio * frequency
                 < (1.5 * self.density.resolution).max(0.5 * WIDTH * frequency);
@@ -313,7 +330,10 @@ impl Problem<'_> {
             let Ok(known) = Mode::from_hertz(frequency, ratio) else {
                 continue;
             };
-            if narrow || !inside || ratio > DRIFT {
+            // Its width is told from none by two standard deviations.
+            let ratio_std = ratio * (1.0 - ratio / DRIFT) * variance(place + 1, place + 1).sqrt();
+            let is_told = 2.0 * ratio_std < ratio;
+            if narrow || !inside || !is_told {
                 continue;
             }
             modes.push(FoundMode {
@@ -321,11 +341,11 @@ impl Problem<'_> {
                     mode: known,
                     natural_frequency_std: known.natural_frequency()
                         * variance(place, place).sqrt(),
-                    damping_ratio_std: ratio * variance(place + 1, place + 1).sqrt(),
+                    damping_ratio_std: ratio_std,
                 },
                 share: match self.is_sweep {
-                    true => mode[2].abs(),
-                    false => mode[2].hypot(mode[3]),
+                    true => straight.abs(),
+                    false => straight.hypot(turned),
                 },
                 frequency_shift: 0.0,
                 frequency_shift_std: 0.0,
