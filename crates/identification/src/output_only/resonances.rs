@@ -24,6 +24,9 @@ const MOST: usize = 6;
 const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
 /// Powers of the frequency that the density of a sweep starts from: a constant acceleration, and one that grows with it.
 const EXCITATIONS: [f64; 2] = [0.0, 2.0];
+/// Powers that it may have: from a little less than a constant acceleration to a constant displacement. Four less is the
+/// same spectrum of other amplitudes: a force that drives a mass instead of a base that moves.
+const POWERS: [f64; 2] = [-1.0, 4.0];
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
 /// Unknowns that are no mode's: direct term, noise, power of the frequency; and those of a mode.
@@ -102,7 +105,10 @@ impl Problem<'_> {
             .chunks_exact(EACH)
             .map(|mode| self.mode(mode))
             .collect();
-        let power = if self.is_sweep { at[2] } else { 0.0 };
+        let power = match self.is_sweep {
+            true => at[2].clamp(POWERS[0], POWERS[1]),
+            false => 0.0,
+        };
         let (noise, middle) = (at[1].exp(), self.middle());
         let of = |frequency: &f64| {
             let mut response = Complex::new(at[0], 0.0);
