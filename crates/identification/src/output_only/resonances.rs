@@ -211,6 +211,7 @@ impl Problem<'_> {
             let better = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
             // What a mode of chance lowers the deviance by.
             let gain = EACH as f64 * (self.density.power.len() as f64).ln() * self.dispersion(last);
+            let better = better.map(|fit| self.otherwise_excited(fit));
             match better.filter(|fit| fit.cost < last.cost) {
                 Some(fit) => {
                     let ended = last.cost - fit.cost < 0.5 * gain;
@@ -224,6 +225,32 @@ impl Problem<'_> {
             }
         }
         models
+    }
+
+    /// The best of a model of several modes and of these under the powers of the excitation, the last with either sign: each
+    /// mode's amplitude is kept where it is seen.
+    fn otherwise_excited(&self, model: Minimum) -> Minimum {
+        if !self.is_sweep || model.at.len() < SHARED + 2 * EACH {
+            return model;
+        }
+        let under = |power: f64, sign: f64| {
+            let mut start = model.at.clone();
+            let change = 0.5 * (start[2].clamp(POWERS[0], POWERS[1]) - power);
+            (start[0], start[2]) = (0.0, power);
+            for mode in start[SHARED..].chunks_exact_mut(EACH) {
+                mode[2] *= (mode[0].exp() / self.middle()).powf(change);
+            }
+            if let Some(last) = start[SHARED..].chunks_exact_mut(EACH).last() {
+                last[2] *= sign;
+            }
+            self.fit(&start)
+        };
+        let signs = |power: &f64| [1.0, -1.0].map(|sign| under(*power, sign));
+        let others = EXCITATIONS.iter().flat_map(signs).flatten();
+        let other = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        other
+            .filter(|other| other.cost < model.cost)
+            .unwrap_or(model)
     }
 
     /// A model with one mode more, where bands of a width exceed it most; with either sign.
@@ -338,7 +365,7 @@ impl Problem<'_> {
             };
             // Its width is told from none by two standard deviations.
             let ratio_std = ratio * (1.0 - ratio / DRIFT) * variance(place + 1, place + 1).sqrt();
-            let is_told = 2.0 * ratio_std < ratio;
+            let is_told = 2.0 * ratio_std < ratio && ratio < 0.9 * DRIFT;
             if narrow || !inside || !is_told {
                 continue;
             }
