@@ -283,16 +283,22 @@ fn a_path_that_is_no_recording_is_refused_with_a_way_out() {
     let folder = folder(MANIFEST, &[("encoder.csv", CSV)]);
     for (name, word) in [
         ("nothing.toml", "no such file"),
-        ("encoder.csv", "this is a CSV file"),
+        ("run.mat", "a MATLAB file is not read"),
+        ("run.db3", "a ROS 2 bag (SQLite) is not read"),
+        ("run.bag", "a ROS 1 bag is not read"),
+        ("run.parquet", "a Parquet file is not read"),
+        ("run.xlsx", "a spreadsheet is not read"),
+        ("run.npz", "a NumPy file is not read"),
     ] {
+        if name != "nothing.toml" {
+            std::fs::write(folder.path().join(name), b"\0\x01secret = 3").unwrap();
+        }
         let mut command = Command::cargo_bin("quell").unwrap();
-        let assert = command
-            .arg("inspect")
-            .arg(folder.path().join(name))
-            .assert()
-            .code(2);
+        let assert = command.arg("inspect").arg(folder.path().join(name));
+        let assert = assert.assert().code(2);
         let stderr = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
         assert!(stderr.contains(name) && stderr.contains(word), "{stderr}");
+        assert!(!stderr.contains("secret"), "{stderr}");
     }
 }
 

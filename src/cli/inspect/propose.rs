@@ -24,12 +24,22 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
         true => path,
         false => path.parent().unwrap_or(Path::new("")),
     };
-    let manifests: Vec<Proposed> = manifests
-        .into_iter()
-        .map(|one| beside(folder, path, one))
-        .collect();
-    let names = manifests.iter().map(|one| one.name.as_str());
-    let out = Out::open(folder, ("inspect", force), &[path], names)?;
+    let open_out = |manifests: &[Proposed]| {
+        let names = manifests.iter().map(|one| one.name.as_str());
+        Out::open(folder, ("inspect", force), &[path], names)
+    };
+    let mut manifests: Vec<Proposed> = manifests;
+    if is_taken(folder, path) {
+        own_name(path, &mut manifests);
+    }
+    let out = match open_out(&manifests) {
+        Ok(out) => out,
+        Err(_) if path.is_file() && !force.force => {
+            own_name(path, &mut manifests);
+            open_out(&manifests)?
+        }
+        Err(error) => return Err(error),
+    };
     let stage = out.stage()?;
     for one in &manifests {
         stage.file(&one.name, &one.text)?;
@@ -42,16 +52,20 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
     })
 }
 
-/// The manifest under a name of its own, where the folder's `recording.toml` is of another file.
-fn beside(folder: &Path, path: &Path, mut one: Proposed) -> Proposed {
+/// Whether the folder's `recording.toml` is of another file.
+fn is_taken(folder: &Path, path: &Path) -> bool {
     let held = std::fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
-    let is_other = !held.is_empty() && !held.contains(&format!("file = \"{file}\""));
-    if one.name == MANIFEST && path.is_file() && is_other {
-        let stem = file.split('.').next().unwrap_or_default();
+    !held.is_empty() && path.is_file() && !held.contains(&format!("file = \"{file}\""))
+}
+
+/// Calls the first manifest as its file, where the folder's `recording.toml` must stay.
+fn own_name(path: &Path, manifests: &mut [Proposed]) {
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let stem = file.split('.').next().unwrap_or_default();
+    if let Some(one) = manifests.first_mut().filter(|one| one.name == MANIFEST) {
         one.name = format!("{stem}.toml");
     }
-    one
 }
 
 impl Written {

@@ -1,0 +1,327 @@
+//! `quell identify` on what vibrates alone: decays, taps, sweeps, work, and a printer's files.
+
+use assert_cmd::Command;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use tempfile::TempDir;
+
+const RATE: f64 = 1000.0;
+
+fn noise(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+fn generator(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+/// Samples of `x'' + 2 xi w x' + w^2 (x - soft x^3) + friction sign x' = force`, by Runge and Kutta's method: acceleration.
+fn oscillate(
+    hertz: f64,
+    xi: f64,
+    [soft, friction]: [f64; 2],
+    start: f64,
+    force: impl Fn(usize) -> f64,
+    samples: usize,
+) -> Vec<f64> {
+    let (w, dt) = (TAU * hertz, 1.0 / RATE / 8.0);
+    let (mut x, mut v) = (start, 0.0);
+    let mut all = Vec::new();
+    for k in 0..samples {
+        let push = force(k);
+        let a = |x: f64, v: f64| {
+            push - w * w * (x - soft * x.powi(3)) - 2.0 * xi * w * v - friction * (v / 1e-3).tanh()
+        };
+        for _ in 0..8 {
+            let (k1, l1) = (v, a(x, v));
+            let (k2, l2) = (v + 0.5 * dt * l1, a(x + 0.5 * dt * k1, v + 0.5 * dt * l1));
+            let (k3, l3) = (v + 0.5 * dt * l2, a(x + 0.5 * dt * k2, v + 0.5 * dt * l2));
+            let (k4, l4) = (v + dt * l3, a(x + dt * k3, v + dt * l3));
+            x += dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+            v += dt / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+        }
+        all.push(a(x, v));
+    }
+    all
+}
+
+fn still(_: usize) -> f64 {
+    0.0
+}
+
+/// Identifies columns under a header, and gives the first recording of the answer.
+fn identify(header: &str, columns: &[Vec<f64>]) -> Value {
+    let mut text = format!("time_s,{header}\n");
+    for k in 0..columns[0].len() {
+        let cells: Vec<String> = columns
+            .iter()
+            .map(|column| format!("{:.7e}", column[k]))
+            .collect();
+        writeln!(text, "{:.6},{}", k as f64 / RATE, cells.join(",")).unwrap();
+    }
+    answer("run.csv", &text)["recordings"][0].clone()
+}
+
+fn answer(name: &str, text: &str) -> Value {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join(name), text).unwrap();
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let run = command
+        .current_dir(folder.path())
+        .args(["identify", name, "--json"])
+        .assert()
+        .success();
+    serde_json::from_slice(&run.get_output().stdout).unwrap()
+}
+
+/// Holds the modes against the truth: each within four of its standard deviations, and no other.
+fn holds(found: &Value, truth: &[(f64, f64)]) {
+    let modes = found["modes"].as_array().unwrap();
+    assert_eq!(modes.len(), truth.len(), "{modes:?}");
+    for (hertz, xi) in truth {
+        let number = |mode: &Value, key: &str| mode[key].as_f64().unwrap();
+        let off = |mode: &&Value| (number(mode, "frequency_hz") - hertz).abs();
+        let mode = modes
+            .iter()
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
+            .unwrap();
+        assert!(
+            off(&mode) < 4.0 * number(mode, "frequency_std_hz"),
+            "{hertz} Hz: {mode}"
+        );
+        let damping = (number(mode, "damping_ratio") - xi).abs();
+        assert!(damping < 4.0 * number(mode, "damping_std"), "{xi}: {mode}");
+    }
+}
+
+fn sum(one: &[f64], other: &[f64], rng: &mut ChaCha8Rng, level: f64) -> Vec<f64> {
+    one.iter()
+        .zip(other)
+        .map(|(a, b)| a + b + level * noise(rng))
+        .collect()
+}
+
+#[test]
+fn two_modes_of_a_decay_are_told_with_their_deviations() {
+    let mut rng = generator(1);
+    let one = oscillate(8.2, 0.01, [0.0; 2], 1.0, still, 5000);
+    let other = oscillate(21.0, 0.015, [0.0; 2], 0.05, still, 5000);
+    let found = identify("accel_m_s2", &[sum(&one, &other, &mut rng, 10.0)]);
+    assert_eq!(found["excitation"], "decay");
+    holds(&found, &[(8.2, 0.01), (21.0, 0.015)]);
+    assert!(
+        !found["recommended"]["impulses"]
+            .as_array()
+            .unwrap()
+            .is_empty()
+    );
+}
+
+#[test]
+fn a_mode_that_depends_on_its_amplitude_is_one() {
+    let mut rng = generator(2);
+    for law in [[0.03, 0.0], [0.0, 3.0]] {
+        let decay = oscillate(6.0, 0.008, law, 1.0, still, 6000);
+        let found = identify(
+            "accel_m_s2",
+            &[sum(&decay, &vec![0.0; 6000], &mut rng, 4.0)],
+        );
+        let modes = found["modes"].as_array().unwrap();
+        assert_eq!(modes.len(), 1, "{law:?}: {modes:?}");
+        assert!(
+            (modes[0]["frequency_hz"].as_f64().unwrap() - 6.0).abs() < 0.01,
+            "{law:?}: {modes:?}"
+        );
+        if law[0] > 0.0 {
+            let shift = modes[0]["frequency_shift"].as_f64().unwrap();
+            // Duffing's backbone at the amplitude 1: - 3/8 of the softening.
+            assert!((shift + 0.375 * 0.03).abs() < 0.1 * 0.375 * 0.03, "{shift}");
+            let remarks = found["remarks"].to_string();
+            assert!(remarks.contains("depends on the amplitude"), "{remarks}");
+        }
+    }
+}
+
+#[test]
+fn taps_on_three_axes_and_work_give_the_modes_too() {
+    let mut rng = generator(3);
+    let tapped = |k: usize| if k % 1500 == 400 { 2000.0 } else { 0.0 };
+    let one = oscillate(14.0, 0.03, [0.0; 2], 0.0, tapped, 6000);
+    // The force itself is not what the sensor is to decay by.
+    let clean: Vec<f64> = one.iter().enumerate().map(|(k, a)| a - tapped(k)).collect();
+    let axes = [1.0, 0.3, 0.1].map(|share| {
+        clean
+            .iter()
+            .map(|a| share * a + 0.2 * noise(&mut rng))
+            .collect()
+    });
+    let found = identify("ax_m_s2,ay_m_s2,az_m_s2", &axes);
+    assert_eq!(found["excitation"], "decay");
+    holds(&found, &[(14.0, 0.03)]);
+
+    let forces: Vec<f64> = (0..90_000).map(|_| 10.0 * noise(&mut rng)).collect();
+    let one = oscillate(11.3, 0.02, [0.0; 2], 0.0, |k| forces[k], 90_000);
+    let line: Vec<f64> = (0..90_000)
+        .map(|k| 20.0 * (TAU * 49.7 * k as f64 / RATE).sin())
+        .collect();
+    let found = identify("accel_m_s2", &[sum(&one, &line, &mut rng, 0.1)]);
+    assert_eq!(found["excitation"], "work");
+    holds(&found, &[(11.3, 0.02)]);
+}
+
+#[test]
+fn a_position_alone_and_a_motor_that_stands_give_a_decay() {
+    let mut rng = generator(4);
+    let omega = TAU * 4.3;
+    let ring = |t: f64| (-0.02 * omega * t).exp() * (omega * (1.0_f64 - 0.0004).sqrt() * t).cos();
+    let tip: Vec<f64> = (0..6000)
+        .map(|k| {
+            let t = k as f64 / RATE;
+            let moved = 300.0 * (3.0 * t.min(1.0).powi(2) - 2.0 * t.min(1.0).powi(3));
+            moved + if t > 1.0 { 6.0 * ring(t - 1.0) } else { 0.0 } + 0.02 * noise(&mut rng)
+        })
+        .collect();
+    holds(&identify("tip_x_mm", &[tip]), &[(4.3, 0.02)]);
+    let link: Vec<f64> = (0..4000)
+        .map(|k| 0.5 + 0.01 * ring(k as f64 / RATE) + 1e-5 * noise(&mut rng))
+        .collect();
+    let found = identify(
+        "motor_position_rad,link_position_rad",
+        &[vec![0.5; 4000], link],
+    );
+    holds(&found, &[(4.3, 0.02)]);
+}
+
+#[test]
+fn noise_and_a_tone_tell_no_mode() {
+    let mut rng = generator(5);
+    for tone in [0.0, 1.0] {
+        let mut text = String::from("time_s,accel_g\n");
+        for k in 0..30_000 {
+            let value = tone * (TAU * 49.7 * f64::from(k) / RATE).sin() + 0.1 * noise(&mut rng);
+            writeln!(text, "{:.3},{value:.6}", f64::from(k) / RATE).unwrap();
+        }
+        let folder = TempDir::new().unwrap();
+        std::fs::write(folder.path().join("run.csv"), text).unwrap();
+        let mut command = Command::cargo_bin("quell").unwrap();
+        let run = command
+            .current_dir(folder.path())
+            .args(["identify", "run.csv"])
+            .assert()
+            .code(2);
+        let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(stderr.contains("no mode can be told"), "{stderr}");
+    }
+}
+
+/// Klipper's raw data of a sweep of an axis with these modes (Hz, damping ratio, share), made in the frequency domain by
+/// its steady state: the sweep is slow beside them.
+fn swept(modes: &[[f64; 3]], rng: &mut ChaCha8Rng) -> String {
+    let rate = 1600.0;
+    let mut text = String::from("#time,accel_x,accel_y,accel_z\n");
+    let mut states = vec![[0.0; 2]; modes.len()];
+    let mut phase = 0.0;
+    for k in 0..(rate * 64.0) as usize {
+        let frequency = 5.0 + 2.0 * k as f64 / rate;
+        let mut total = 0.0;
+        for _ in 0..8 {
+            let dt = 1.0 / rate / 8.0;
+            phase += TAU * frequency * dt;
+            let a = 75.0 * frequency * phase.cos();
+            total = 0.0;
+            for (state, [hertz, xi, share]) in states.iter_mut().zip(modes) {
+                let w = TAU * hertz;
+                // Semi-implicit Euler is symplectic: it shifts no frequency at this step by more than 1e-4.
+                let acceleration = -a - 2.0 * xi * w * state[1] - w * w * state[0];
+                state[1] += dt * acceleration;
+                state[0] += dt * state[1];
+                total += share * (-2.0 * xi * w * state[1] - w * w * state[0]);
+            }
+        }
+        let [x, y, z] =
+            [total, 0.0, 9806.0].map(|value| ((value + 60.0 * noise(rng)) / 38.3).round() * 38.3);
+        writeln!(text, "{:.6},{x:.6},{y:.6},{z:.6}", 1234.5 + k as f64 / rate).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_printers_raw_data_gives_the_lines_to_paste() {
+    let mut rng = generator(6);
+    let folder = TempDir::new().unwrap();
+    let x = swept(&[[42.3, 0.055, 1.0]], &mut rng);
+    let y = swept(&[[38.0, 0.04, 0.7], [71.0, 0.06, 0.3]], &mut rng);
+    for (name, text) in [("raw_data_x_1.csv", x), ("raw_data_y_1.csv", y)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let run = |json: bool| {
+        let mut command = Command::cargo_bin("quell").unwrap();
+        command.current_dir(folder.path()).args([
+            "identify",
+            "raw_data_x_1.csv",
+            "raw_data_y_1.csv",
+        ]);
+        let run = command.args(json.then_some("--json")).assert().success();
+        String::from_utf8(run.get_output().stdout.clone()).unwrap()
+    };
+    let found: Value = serde_json::from_str(&run(true)).unwrap();
+    for (recording, truth) in [
+        (0, vec![(42.3, 0.055)]),
+        (1, vec![(38.0, 0.04), (71.0, 0.06)]),
+    ] {
+        let modes = found["recordings"][recording]["modes"].as_array().unwrap();
+        assert_eq!(modes.len(), truth.len(), "{modes:?}");
+        for (mode, (hertz, xi)) in modes.iter().zip(truth) {
+            assert!(
+                (mode["frequency_hz"].as_f64().unwrap() / hertz - 1.0).abs() < 0.01,
+                "{mode}"
+            );
+            assert!(
+                (mode["damping_ratio"].as_f64().unwrap() / xi - 1.0).abs() < 0.15,
+                "{mode}"
+            );
+        }
+    }
+    for axis in found["printer"].as_array().unwrap() {
+        assert!(
+            axis["recommended"]["residual_vibration"].as_f64().unwrap() <= 0.05,
+            "{axis}"
+        );
+    }
+    let text = run(false);
+    for line in [
+        "[input_shaper]",
+        "shaper_type_x: ",
+        "shaper_freq_y: ",
+        "damping_ratio_x: ",
+        "M593 X F",
+        "M593 P\"",
+    ] {
+        assert!(text.contains(line), "no {line:?} in {text}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("out/identify.html")).unwrap();
+    assert!(page.contains("What the shapers leave") && page.contains("Lines to paste"));
+}
+
+#[test]
+fn reprapfirmwares_file_has_its_rate_in_the_last_line() {
+    let mut rng = generator(7);
+    let rate = 1344.0;
+    let omega = TAU * 40.0;
+    let mut text = String::from("Sample,X,Y,Z\n");
+    for k in 0..4000 {
+        let t = f64::from(k) / rate;
+        let ring = (-0.05 * omega * t).exp() * (omega * (1.0_f64 - 0.0025).sqrt() * t).cos();
+        let [x, y, z] = [ring, 0.0, 1.0].map(|value| value + 0.005 * noise(&mut rng));
+        writeln!(text, "{k},{x:.3},{y:.3},{z:.3}").unwrap();
+    }
+    text.push_str("Rate 1344, overflows 0\n");
+    let found = answer("20-x.csv", &text);
+    assert_eq!(found["recordings"][0]["rate_hz"], 1344.0);
+    holds(&found["recordings"][0], &[(40.0, 0.05)]);
+    assert_eq!(found["printer"][0]["axis"], "x");
+}

@@ -1,0 +1,214 @@
+//! CSV files as tools write them: what `quell inspect` proposes, and what is read without a manifest.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A decay of 8 Hz with a damping ratio of 0.02.
+fn decay(time: f64) -> f64 {
+    let omega = TAU * 8.0;
+    (-0.02 * omega * time).exp() * (omega * (1.0_f64 - 0.0004).sqrt() * time).sin()
+}
+
+fn rows(line: impl Fn(usize) -> String) -> String {
+    (0..4000).map(line).collect()
+}
+
+fn write(name: &str, text: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join(name), text).unwrap();
+    folder
+}
+
+fn json(verb: &str, path: &Path, folder: &TempDir) -> Value {
+    let mut command = Command::cargo_bin("quell").unwrap();
+    command
+        .current_dir(folder.path())
+        .args([verb, "--json"])
+        .arg(path);
+    let output = command.assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+/// Name of the file, its text, lines that the proposal has, and whether it is certain.
+fn forms() -> Vec<(&'static str, String, Vec<&'static str>, bool)> {
+    let ms = |k: usize| k as f64 / 1000.0;
+    let comma = |text: String| text.replace('.', ",");
+    vec![
+        (
+            "german.csv",
+            "\u{feff}Device;X1\nDate;today\n\nZeit [ms];acceleration x [g]\n".to_owned()
+                + &rows(|k| comma(format!("{k};{:.5}\n", decay(ms(k))))),
+            vec![
+                "decimal = \",\"",
+                "skip = 3",
+                "time_unit = \"ms\"",
+                "unit = \"g\"",
+            ],
+            true,
+        ),
+        (
+            "scope.txt",
+            "# scope 7\nt a\ns m/s^2\n".to_owned()
+                + &rows(|k| format!("{:.3}    {:.5}\n", ms(k), decay(ms(k)))),
+            vec![
+                "delimiter = \" \"",
+                "header = false",
+                "unit = \"m/s^2\"",
+                "column = \"2\"  # a [m/s^2]",
+            ],
+            true,
+        ),
+        (
+            "epoch.csv",
+            "timestamp,acc_x,acc_y\n".to_owned()
+                + &rows(|k| {
+                    let blank = if k % 50 == 3 { "" } else { "0.5" };
+                    format!(
+                        "{},{:.5},{blank}\n",
+                        1_700_000_000_000_000_000 + 1_000_000 * k as u64,
+                        decay(ms(k))
+                    )
+                }),
+            vec!["time_unit = \"ns\"", "missing = [\"\"]  # guessed"],
+            true,
+        ),
+        (
+            "iso.csv",
+            "time;accel_x_mm_s2\n".to_owned()
+                + &rows(|k| format!("2024-02-29T23:59:{:06.3}Z;{:.5}\n", ms(k), decay(ms(k)))),
+            vec!["time_unit = \"iso\"", "unit = \"mm/s^2\""],
+            true,
+        ),
+        (
+            "commented.csv",
+            "# machine 4\n# time_s, tipAccel_g\n".to_owned()
+                + &rows(|k| {
+                    format!(
+                        "{},{:.5}\n{}",
+                        ms(k),
+                        decay(ms(k)),
+                        if k == 7 { "# knocked\n" } else { "" }
+                    )
+                }),
+            vec!["comment = \"#\"", "time = \"time_s\"", "unit = \"g\""],
+            true,
+        ),
+        (
+            "bare.csv",
+            rows(|k| format!("{}\t{:.5}\n", ms(k), decay(ms(k)))),
+            vec!["header = false", "column = \"2\"", "# guessed"],
+            false,
+        ),
+        (
+            "millis.csv",
+            "time,accel\n".to_owned() + &rows(|k| format!("{k},{:.5}\n", decay(ms(k)))),
+            vec!["time_unit = \"ms\"  # guessed"],
+            false,
+        ),
+    ]
+}
+
+#[test]
+fn each_form_is_proposed_read_and_identified() {
+    for (name, text, lines, certain) in forms() {
+        let folder = write(name, &text);
+        let inspected = json("inspect", Path::new(name), &folder);
+        let manifest = std::fs::read_to_string(folder.path().join("recording.toml")).unwrap();
+        for line in lines {
+            assert!(manifest.contains(line), "{name}: no {line:?} in {manifest}");
+        }
+        let open = inspected["proposal"]["not_certain"].as_array().unwrap();
+        assert_eq!(open.is_empty(), certain, "{name}: {open:?}");
+        let channel = &inspected["channels"][0];
+        assert!(
+            (channel["rate_hz"].as_f64().unwrap() - 1000.0).abs() < 1e-3,
+            "{name}: {channel}"
+        );
+        assert!(
+            channel["start_s"].as_f64().unwrap() < 60.0,
+            "{name}: {channel}"
+        );
+        let found = json("identify", Path::new("recording.toml"), &folder);
+        let mode = &found["recordings"][0]["modes"][0];
+        assert!(
+            (mode["frequency_hz"].as_f64().unwrap() - 8.0).abs() < 1e-3,
+            "{name}: {mode}"
+        );
+        assert!(
+            (mode["damping_ratio"].as_f64().unwrap() - 0.02).abs() < 1e-4,
+            "{name}: {mode}"
+        );
+        let mut command = Command::cargo_bin("quell").unwrap();
+        let run = command
+            .current_dir(folder.path())
+            .args(["identify", name, "--out", "other"])
+            .assert();
+        if certain {
+            run.success();
+        } else {
+            let run = run.code(2);
+            let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+            assert!(
+                stderr.contains(&format!("quell inspect {name}")),
+                "{name}: {stderr}"
+            );
+        }
+    }
+}
+
+#[test]
+fn several_tests_of_one_file_are_several_recordings() {
+    let one = |test: usize| {
+        rows(|k| {
+            format!(
+                "{test},{},{:.5}\n",
+                k as f64 / 1000.0,
+                decay(k as f64 / 1000.0)
+            )
+        })
+    };
+    let text = "test,time_s,accel_g\n".to_owned() + &one(1) + &one(2) + &one(3);
+    let folder = write("tests.csv", &text);
+    let inspected = json("inspect", Path::new("tests.csv"), &folder);
+    assert_eq!(
+        inspected["proposal"]["manifests"].as_array().unwrap().len(),
+        3
+    );
+    for name in ["recording.toml", "tests_2.toml", "tests_3.toml"] {
+        let read = json("inspect", Path::new(name), &folder);
+        assert_eq!(read["channels"][0]["samples"], 4000, "{name}");
+    }
+}
+
+#[test]
+fn an_error_shows_no_file_and_a_users_manifest_stays() {
+    let secret = "secret".repeat(40);
+    let text = format!("time_s,accel_g\n0,1\n0.001,{secret}\n0.002,1\n");
+    let folder = write("run.csv", &text);
+    let manifest = "name = \"mine\"\n[[channel]]\nrole = \"tip_acceleration\"\nfile = \"run.csv\"\ntime = \"time_s\"\n\
+                    column = \"accel_g\"\nunit = \"g\"\n";
+    std::fs::write(folder.path().join("recording.toml"), manifest).unwrap();
+    for path in ["recording.toml", "run.csv"] {
+        let mut command = Command::cargo_bin("quell").unwrap();
+        let run = command
+            .current_dir(folder.path())
+            .args(["identify", path])
+            .assert()
+            .code(2);
+        let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(!stderr.contains(&secret), "{path}: {stderr}");
+        assert!(stderr.lines().count() < 4, "{path}: {stderr}");
+    }
+    let plain =
+        "time_s,accel_g\n".to_owned() + &rows(|k| format!("{},{}\n", k as f64 / 1000.0, k % 7));
+    std::fs::write(folder.path().join("run.csv"), plain).unwrap();
+    json("inspect", Path::new("run.csv"), &folder);
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("recording.toml")).unwrap(),
+        manifest
+    );
+    assert!(folder.path().join("run.toml").exists());
+}
