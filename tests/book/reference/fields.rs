@@ -154,6 +154,7 @@ fn words(bare: &str) -> String {
         "f64" => "number".into(),
         "usize" | "u64" | "u32" => "whole number".into(),
         "bool" => "true or false".into(),
+        "char" => "one letter".into(),
         "String" | "PathBuf" => "text".into(),
         "Rows" => "2 whole numbers".into(),
         other => match other.strip_prefix("BTreeMap<String,") {
@@ -163,6 +164,7 @@ fn words(bare: &str) -> String {
                 match name {
                     // As the page calls the entry of a manifest.
                     "Entry" => "[Channel](#channel)".into(),
+                    "Layout" => "[Csv](#csv)".into(),
                     "Damping" => "`across_joint` or `to_ground`".into(),
                     name => format!("[{name}](#{})", name.to_lowercase()),
                 }

@@ -6,7 +6,10 @@ use quell::recording::{ROLES, UNITS};
 use std::collections::BTreeMap;
 
 pub fn page() -> String {
-    let sources = Sources::of(&["crates/recording/src/manifest.rs"]);
+    let sources = Sources::of(&[
+        "crates/recording/src/manifest.rs",
+        "crates/recording/src/layout.rs",
+    ]);
     let roles = ROLES.iter().map(|entry| {
         let units = entry.dimensions.iter().map(|dimension| {
             let of = UNITS.iter().find(|unit| unit.dimension == *dimension);
@@ -27,11 +30,12 @@ pub fn page() -> String {
         .into_iter()
         .map(|(si, names)| [format!("`{si}`"), codes(names)]);
     format!(
-        "# The manifest `recording.toml`\n\n[Your own recording](../start/recording.md) shows how to write one.\n\n\
-         ## File\n\n{}## Channel\n\n{}## Roles\n\nAnother unit than the usual ones is kept, and remarked upon.\n\n{}\
+        "# The manifest `recording.toml`\n\n[Your own recording](../start/recording.md) shows how to write one. `quell inspect FILE.csv` proposes one.\n\n\
+         ## File\n\n{}## Channel\n\n{}## Csv\n\n{}## Roles\n\nAnother unit than the usual ones is kept, and remarked upon.\n\n{}\
          ## Units\n\nValues are converted to SI when they are read.\n\n{}",
         sources.fields("Manifest"),
         sources.fields("Entry"),
+        sources.fields("Layout"),
         table(["role", "usual units (SI)", "columns"], roles),
         table(["SI", "what may be written"], units),
     )

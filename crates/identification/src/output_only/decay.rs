@@ -22,6 +22,8 @@ const STRONG: f64 = 10.0;
 const EXPLAINED: f64 = 0.8;
 /// Samples of a decay beyond which neighbours are averaged: the poles stay what they are.
 const MOST: usize = 30_000;
+/// The same where it is only asked whether a stretch is a decay.
+const LOOKED_AT: usize = 3000;
 /// Places, as shares of a stretch, where its free decay may begin.
 const BEGINS: usize = 6;
 /// Above this damping ratio, or with fewer periods in the record, it is drift and no vibration.
@@ -32,7 +34,10 @@ const PERIODS: f64 = 2.0;
 pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]]) -> Option<OutputOnly> {
     let begun = stretches.iter().filter_map(|s| begun(vibration, *s));
     let stretches: Vec<[usize; 2]> = begun.collect();
-    let segments: Vec<Segment> = stretches.iter().map(|s| segment(vibration, *s)).collect();
+    let segments: Vec<Segment> = stretches
+        .iter()
+        .map(|s| segment(vibration, *s, MOST))
+        .collect();
     let first = segments.first()?;
     let total: f64 = residual(&segments, &[])?.norm_squared();
     let models = grow(&segments)?;
@@ -248,7 +253,7 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> Option<[usize; 2]>
         .map(|k| from + k * (until - from) / 20)
         .collect();
     let left = |place: &usize| {
-        let segment = [segment(vibration, [*place, until])];
+        let segment = [segment(vibration, [*place, until], LOOKED_AT)];
         let nothing = residual(&segment, &[]).map_or(1.0, |r| r.norm_squared());
         let one = residual(&segment, &[]).and_then(|left| further(&segment, &[], &left));
         let modes = one.as_ref().map_or(&[][..], |fit| &fit.modes);
@@ -263,9 +268,9 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> Option<[usize; 2]>
 }
 
 /// The samples of a stretch, about their mean.
-fn segment(vibration: &Vibration, [from, until]: [usize; 2]) -> Segment {
+fn segment(vibration: &Vibration, [from, until]: [usize; 2], most: usize) -> Segment {
     let until = until.min(vibration.axes[0].len());
-    let average = ((until - from) / MOST).max(1);
+    let average = ((until - from) / most).max(1);
     let rows = (until - from) / average;
     let mut values = DMatrix::zeros(rows, vibration.axes.len());
     for (column, axis) in vibration.axes.iter().enumerate() {
