@@ -11,6 +11,7 @@ use super::out::{Force, Out};
 use super::progress::Progress;
 use super::robot_args::{RobotArgs, robot};
 use super::{CliError, output, shaping, values};
+use crate::identification::NominalModel;
 use crate::page::number;
 use crate::plant::Robot;
 use candidate::{Candidate, Design};
@@ -33,6 +34,7 @@ const POINTS: usize = 60;
 Examples:
   quell compare                              the embedded arm
   quell compare robot.toml --joint 2 --out out
+  quell compare --model out/model.toml --rate 1000
   quell compare --mode 8.12,0.084 --rate 1000 --frequency-std 5 --max-delay 0.1 --json
 
 V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
@@ -55,6 +57,9 @@ pub struct Args {
     /// Natural frequency in Hz and damping ratio, instead of the robot's; may be repeated.
     #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, conflicts_with = "joint")]
     mode: Vec<Mode>,
+    /// The model of the joint instead of --mode, as `quell identify` writes it.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["mode", "joint"])]
+    model: Option<PathBuf>,
     /// Commands a second [default: the robot's].
     #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]
     rate: Option<f64>,
@@ -214,6 +219,9 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
 
 /// The modes that are shaped for, and the joint (counted from 0) whose they are.
 fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliError> {
+    if let Some(file) = &args.model {
+        return Ok((None, vec![NominalModel::from_path(file)?.mode]));
+    }
     if !args.mode.is_empty() {
         return Ok((None, args.mode.clone()));
     }

@@ -1,7 +1,9 @@
 //! `quell identify`: every estimator over a recording, and the off-line references beside them.
 
 mod alone;
+mod axis;
 mod document;
+mod model;
 mod page;
 mod printer;
 mod registrations;
@@ -59,15 +61,17 @@ pub struct Args {
     /// Prints JSON instead of tables.
     #[arg(long)]
     pub json: bool,
-    /// The folder for the report, identify.html.
+    /// The folder for the report, identify.html, and for model.toml.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     #[command(flatten)]
     force: Force,
 }
 
-/// The file that is written.
+/// The page that is written.
 const REPORT: &str = "identify.html";
+/// The model that is written beside it.
+const MODEL: &str = "model.toml";
 
 /// All that is told.
 struct Findings {
@@ -95,7 +99,7 @@ impl From<IdentificationError> for CliError {
 /// # Errors
 /// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
 pub fn run(args: Args) -> Result<(), CliError> {
-    let out = Out::open(&args.out, ("identify", args.force), &[], [REPORT])?;
+    let out = Out::open(&args.out, ("identify", args.force), &[], [REPORT, MODEL])?;
     let mut recordings = Vec::new();
     for path in &args.recording {
         recordings.push(Recording::from_path(path)?);
@@ -129,15 +133,20 @@ pub fn run(args: Args) -> Result<(), CliError> {
     };
     let stage = out.stage()?;
     stage.file(REPORT, page::page(&findings).render())?;
+    let known = words::known(&findings);
+    if let Some(known) = known {
+        stage.file(MODEL, model::text(&[known]))?;
+    }
     stage.put()?;
     let report = args.out.join(REPORT);
     if args.json {
         output::json(&document::document(&findings))
     } else {
         output::text(&format!(
-            "{}\nReport: {}\n",
+            "{}\nReport: {}\n{}",
             tables(&findings),
-            report.display()
+            report.display(),
+            known.map_or(String::new(), |_| model::next(&args.out.join(MODEL)))
         ))
     }
 }

@@ -4,6 +4,7 @@ mod command_file;
 
 use super::out::Force;
 use super::{CliError, choices, output, shaping, values};
+use crate::identification::NominalModel;
 use crate::page::columns;
 use quell_shapers::{
     Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, insensitivity,
@@ -21,6 +22,7 @@ const TOLERANCE: f64 = 0.05;
 Examples:
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250
   quell shape --shaper zv --mode 8.12,0.084 --mode 21,0.02 --rate 1000 --json
+  quell shape --shaper zvd --model out/model.toml --rate 250
   quell shape --shaper optimal --mode 8.12,0.084 --frequency-std 3 --damping-std 0.01 --rate 250
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250 command.csv --column joint_1_rad --out out
 
@@ -33,8 +35,11 @@ pub struct Args {
     #[arg(long, value_parser = choices::shapers())]
     pub shaper: &'static dyn Shaper,
     /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, required = true)]
+    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, required_unless_present = "model")]
     pub mode: Vec<Mode>,
+    /// The model of the joint instead of --mode, as `quell identify` writes it.
+    #[arg(long, value_name = "FILE", conflicts_with = "mode")]
+    pub model: Option<PathBuf>,
     /// Standard deviation of the frequency, in percent of it, that `optimal` is solved for, with --mode once
     /// [default: it may be off by 10 % and the damping ratio by half].
     #[arg(long, value_name = "PERCENT", value_parser = values::positive,
@@ -79,7 +84,10 @@ struct Design {
 ///
 /// # Errors
 /// [`CliError::Input`] where the shaper cannot be designed or the file is refused.
-pub fn run(args: Args) -> Result<(), CliError> {
+pub fn run(mut args: Args) -> Result<(), CliError> {
+    if let Some(file) = &args.model {
+        args.mode = vec![NominalModel::from_path(file)?.mode];
+    }
     let design = design(&args)?;
     let file = match &args.file {
         Some(file) => Some(command_file::shape(file, &args, &design.grid)?),

@@ -238,7 +238,9 @@ fn on_line(line: &EstimatorEntry, samples: &[Sample], settings: &Settings, from:
     let estimate = estimator.estimate();
     let periods = converged_at
         .zip(estimate)
-        .map(|(time, estimate)| (time - from) * estimate.mode.hertz());
+        .map(|(time, estimate)| (time - from) * estimate.mode.hertz())
+        // What has converged before the count begins has none.
+        .filter(|periods| *periods >= 0.0);
     OnLine {
         name: line.name,
         estimate,

@@ -1,6 +1,7 @@
 //! Modes of a recording that has no known input: an accelerometer, or any channel that vibrates alone.
 
-use super::printer::{self, Printer};
+use super::axis::{self, Printer};
+use super::words;
 use crate::cli::CliError;
 use crate::identification::output_only::{
     Excitation, FoundMode, OutputOnly, Vibration, output_only, vibration,
@@ -62,7 +63,7 @@ impl Alone {
         let vibration = vibration(recording)?;
         let found = output_only(&vibration)?;
         let advice = advice(&found.modes)?;
-        let printer = printer::of(path, &vibration);
+        let printer = axis::of(path, &vibration);
         Ok(Self {
             recording: recording.name.clone(),
             vibration,
@@ -134,7 +135,8 @@ impl Alone {
             ));
         }
         remarks.extend(found.modes.iter().filter_map(dependence));
-        remarks.extend(slow(&found.modes));
+        let slowest = found.modes.first().map(|mode| mode.known.mode.hertz());
+        remarks.extend(slowest.and_then(words::slow));
         remarks
     }
 }
@@ -154,18 +156,6 @@ fn dependence(mode: &FoundMode) -> Option<String> {
         hertz * (1.0 + shift),
         ratio + mode.damping_shift,
     ))
-}
-
-/// A warning where the modes are slower than those of any joint: the stamps may be in another unit.
-fn slow(modes: &[FoundMode]) -> Option<String> {
-    let hertz = modes.first()?.known.mode.hertz();
-    // Recorded joints vibrate at 1.8 Hz and above, long cranes at 0.1 Hz.
-    (hertz < 0.1).then(|| {
-        format!(
-            "A mode of {hertz:.4} Hz is slower than any joint's: the stamps may be in ms or us. Say so with time_unit = \"ms\" \
-             in recording.toml."
-        )
-    })
 }
 
 /// Modes above what is acceptable unshaped, each as far as its amplitude moves it.

@@ -1,21 +1,13 @@
-//! A printer's accelerometer: which axis, and the lines to paste into its firmware.
+//! A printer's axes: the shaper of each, and the lines to paste into its firmware.
 
 use crate::cli::CliError;
-use crate::identification::output_only::{FoundMode, Vibration};
+use crate::identification::output_only::FoundMode;
 use crate::identification::printer::{Setting, best, settings};
 use crate::page::columns;
-use crate::recording::Role;
 use std::fmt::Write;
-use std::path::Path;
 
 use super::alone::{ACCEPTABLE, Alone};
-
-/// A recording of a printer's axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Printer {
-    /// `x`, `y` or `z`.
-    pub axis: char,
-}
+use super::axis::Printer;
 
 /// A firmware, the names that it gives to the shapers, and its line for an axis.
 struct Firmware {
@@ -66,45 +58,6 @@ const FIRMWARES: &[Firmware] = &[
         },
     },
 ];
-
-/// The axis of a printer that a file is of: Klipper's raw data or RepRapFirmware's, by its lines; none of any other file.
-pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
-    if vibration.role != Role::TipAcceleration || !is_printers(path) {
-        return None;
-    }
-    let name = path.file_name()?.to_string_lossy().to_lowercase();
-    let named = ["x", "y", "z"].into_iter().find(|axis| {
-        let parts = name.split(['_', '-', '.']);
-        parts.clone().any(|part| part == *axis)
-    });
-    let energy = |axis: &Vec<f64>| {
-        let mean = axis.iter().sum::<f64>() / axis.len() as f64;
-        axis.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
-    };
-    let strongest = || {
-        let energies = vibration.axes.iter().map(energy).enumerate();
-        let place = energies
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(0, |most| most.0);
-        ['x', 'y', 'z'].get(place).copied()
-    };
-    let axis = named
-        .and_then(|axis| axis.chars().next())
-        .or_else(strongest)?;
-    Some(Printer { axis })
-}
-
-/// Whether the file has the first line of Klipper's raw data or of RepRapFirmware's.
-fn is_printers(path: &Path) -> bool {
-    use std::io::{BufRead, BufReader};
-    let mut line = String::new();
-    let read = std::fs::File::open(path).map(|file| BufReader::new(file).read_line(&mut line));
-    let line = line.trim().trim_start_matches('#').to_lowercase();
-    matches!(read, Ok(Ok(_)))
-        && (line == "time,accel_x,accel_y,accel_z"
-            || line.starts_with("sample,x")
-            || line.starts_with("sample,y"))
-}
 
 /// What is recommended for one axis, from all its recordings.
 pub struct Tuned {

@@ -2,15 +2,16 @@
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
-use super::{Args, REPORT};
+use super::{Args, MODEL, REPORT, model};
 use crate::cli::CliError;
 use crate::cli::out::Out;
 use crate::cli::output;
 use crate::identification::output_only::{Excitation, FoundMode, density};
 use crate::page::{Chart, Figure, Page, Table, Verdict, number};
 use crate::recording::Recording;
-use quell_shapers::residual_vibration;
+use quell_shapers::{UncertainMode, residual_vibration};
 use serde_json::{Value, json};
+use std::path::Path;
 
 const TAU: f64 = core::f64::consts::TAU;
 /// Relative width of a band in the drawn spectrum, and points of a drawn response.
@@ -36,6 +37,8 @@ pub fn run(args: &Args, out: Out, recordings: &[Recording]) -> Result<(), CliErr
     let tuned = printer::tune(&all)?;
     let stage = out.stage()?;
     stage.file(REPORT, page(&all, &tuned).render())?;
+    let known: Vec<_> = all[0].found.modes.iter().map(|mode| mode.known).collect();
+    stage.file(MODEL, model::text(&known))?;
     stage.put()?;
     let report = args.out.join(REPORT);
     if args.json {
@@ -51,14 +54,17 @@ pub fn run(args: &Args, out: Out, recordings: &[Recording]) -> Result<(), CliErr
     output::text(&format!(
         "{text}Report: {}\n{}",
         report.display(),
-        next(&all)
+        next(&all, &args.out.join(MODEL))
     ))
 }
 
-/// The next command.
-fn next(all: &[Alone]) -> String {
+/// The next command; of several modes it names them all.
+fn next(all: &[Alone], file: &Path) -> String {
     let modes = all.first().map(Alone::shaped_for).unwrap_or_default();
-    let flag = |mode: &quell_shapers::UncertainMode| {
+    if modes.len() < 2 {
+        return model::next(file);
+    }
+    let flag = |mode: &UncertainMode| {
         format!(
             " --mode {:.4},{:.5}",
             mode.mode.hertz(),
@@ -66,10 +72,7 @@ fn next(all: &[Alone]) -> String {
         )
     };
     let flags: String = modes.iter().map(flag).collect();
-    match flags.is_empty() {
-        true => String::new(),
-        false => format!("Next: quell compare{flags} --rate 1000\n"),
-    }
+    format!("Next: quell compare{flags} --rate 1000\n")
 }
 
 fn document(all: &[Alone], tuned: &[Tuned]) -> Value {

@@ -1,8 +1,10 @@
 //! The findings in sentences.
 
 use super::{Findings, registrations};
+use crate::estimators::ESTIMATORS;
 use crate::identification::{Identification, Run, Stretch};
 use crate::page::{decimals_beside, fixed};
+use quell_shapers::UncertainMode;
 
 /// `decay 0.39-2.00s`: what a run's off-line references used.
 pub fn used(run: &Run) -> String {
@@ -22,6 +24,39 @@ fn seconds(run: &Run, Stretch { from, until }: Stretch) -> String {
         _ => "part",
     };
     format!("{kind} {}-{}s", fixed(from, 2), fixed(until, 2))
+}
+
+/// The mode that is quoted, with its standard deviations: of the default estimator, else of the batch fit.
+pub fn known(findings: &Findings) -> Option<UncertainMode> {
+    let found = &findings.found;
+    let quoted = found
+        .quoted(0)
+        .and_then(|run| run.estimator(ESTIMATORS[0].name)?.estimate)
+        .map(|e| UncertainMode {
+            mode: e.mode,
+            natural_frequency_std: e.natural_frequency_std,
+            damping_ratio_std: e.damping_ratio_std,
+        });
+    let fitted = || {
+        let fit = found.reference().batch()?;
+        Some(UncertainMode {
+            mode: fit.mode,
+            natural_frequency_std: fit.natural_frequency_std.unwrap_or(0.0),
+            damping_ratio_std: fit.damping_ratio_std.unwrap_or(0.0),
+        })
+    };
+    quoted.or_else(fitted)
+}
+
+/// A warning where a mode is slower than any joint's: the stamps may be in another unit.
+pub fn slow(hertz: f64) -> Option<String> {
+    // Recorded joints vibrate at 1.8 Hz and above, long cranes at 0.1 Hz.
+    (hertz < 0.1).then(|| {
+        format!(
+            "A mode of {hertz:.4} Hz is slower than any joint's: the stamps may be in ms or us. Say so with time_unit = \"ms\" \
+             in recording.toml."
+        )
+    })
 }
 
 /// Everything that a table does not say.
@@ -48,6 +83,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
             found.memory
         ));
     }
+    remarks.extend(known(findings).and_then(|known| slow(known.mode.hertz())));
     remarks.extend(long(found));
     remarks.extend(two_modes(findings));
     remarks.extend(damping(findings));

@@ -78,6 +78,18 @@ pub fn clock(time: &[f64]) -> Clock {
 }
 
 impl Clock {
+    /// Samples a second over the whole duration, gaps with it; nothing for a single sample.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_recording::health::clock;
+    /// let figures = clock(&[0.0, 0.01, 0.02, 0.03, 0.042, 0.052]);
+    /// assert!((figures.mean_rate().unwrap() - 5.0 / 0.052).abs() < 1e-9);
+    /// ```
+    pub fn mean_rate(&self) -> Option<f64> {
+        (self.duration > 0.0).then(|| (self.samples - 1) as f64 / self.duration)
+    }
+
     /// Samples a second, `1 / period`; nothing for a single sample.
     pub fn rate(&self) -> Option<f64> {
         (self.period > 0.0).then(|| 1.0 / self.period)

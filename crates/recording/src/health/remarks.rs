@@ -59,6 +59,14 @@ fn clock(health: &Health, remarks: &mut Vec<String>) {
             plain(first.until)
         ));
     }
+    if let Some((usual, mean)) = clock.rate().zip(clock.mean_rate())
+        && (mean / usual - 1.0).abs() > JITTER
+        && !matches!(clock.gaps[..], [_])
+    {
+        remarks.push(format!(
+            "its stamps are mostly {usual:.2} Hz apart, but it has {mean:.2} samples a second"
+        ));
+    }
     if clock.jitter > JITTER * clock.period {
         remarks.push(format!(
             "the clock jitters by {:.1} % of its period (root mean square; worst {:.1} %)",

@@ -1,0 +1,52 @@
+//! Which axis of a printer a file is of.
+
+use crate::identification::output_only::Vibration;
+use crate::recording::Role;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+/// A recording of a printer's axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Printer {
+    /// `x`, `y` or `z`.
+    pub axis: char,
+}
+
+/// The axis of a printer that a file is of: Klipper's raw data or RepRapFirmware's, by its lines; none of any other file.
+pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
+    if vibration.role != Role::TipAcceleration || !is_printers(path) {
+        return None;
+    }
+    let name = path.file_name()?.to_string_lossy().to_lowercase();
+    let named = ["x", "y", "z"].into_iter().find(|axis| {
+        let parts = name.split(['_', '-', '.']);
+        parts.clone().any(|part| part == *axis)
+    });
+    let energy = |axis: &Vec<f64>| {
+        let mean = axis.iter().sum::<f64>() / axis.len() as f64;
+        axis.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+    };
+    let strongest = || {
+        let energies = vibration.axes.iter().map(energy).enumerate();
+        let place = energies
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |most| most.0);
+        ['x', 'y', 'z'].get(place).copied()
+    };
+    let axis = named
+        .and_then(|axis| axis.chars().next())
+        .or_else(strongest)?;
+    Some(Printer { axis })
+}
+
+/// Whether the file has the first line of Klipper's raw data or of RepRapFirmware's.
+fn is_printers(path: &Path) -> bool {
+    let mut line = String::new();
+    let read = File::open(path).map(|file| BufReader::new(file).read_line(&mut line));
+    let line = line.trim().trim_start_matches('#').to_lowercase();
+    matches!(read, Ok(Ok(_)))
+        && (line == "time,accel_x,accel_y,accel_z"
+            || line.starts_with("sample,x")
+            || line.starts_with("sample,y"))
+}

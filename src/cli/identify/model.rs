@@ -1,0 +1,49 @@
+//! `model.toml` of what was identified.
+
+use quell_shapers::UncertainMode;
+use std::fmt::Write;
+use std::path::Path;
+
+const TAU: f64 = core::f64::consts::TAU;
+
+/// The text of a model with the first mode; further ones are told in comments.
+pub fn text(modes: &[UncertainMode]) -> String {
+    let mut text = String::from("# Identified by `quell identify`.\nkind = \"flexible_joint\"\n");
+    for (k, known) in modes.iter().enumerate() {
+        let hertz = known.mode.hertz();
+        let values = [
+            (
+                "natural_frequency_hz",
+                hertz,
+                known.natural_frequency_std / TAU,
+            ),
+            (
+                "damping_ratio",
+                known.mode.damping_ratio(),
+                known.damping_ratio_std,
+            ),
+        ];
+        let mark = match k {
+            0 => "",
+            _ => "# a further mode: ",
+        };
+        for (key, value, std) in values {
+            let _ = match std.is_finite() && std > 0.0 {
+                true => writeln!(
+                    text,
+                    "{mark}{key} = {{ value = {value:.6}, std = {std:.2e} }}"
+                ),
+                false => writeln!(text, "{mark}{key} = {value:.6}"),
+            };
+        }
+    }
+    text
+}
+
+/// The next command.
+pub fn next(model: &Path) -> String {
+    format!(
+        "Next: quell compare --model {} --rate 1000\n",
+        model.display()
+    )
+}
