@@ -1,6 +1,7 @@
 //! `quell identify`: every estimator over a recording, and the off-line references beside them.
 
 mod alone;
+mod alone_page;
 mod axis;
 mod document;
 mod model;

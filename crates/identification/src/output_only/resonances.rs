@@ -208,6 +208,7 @@ impl Problem<'_> {
         {
             let starts = STARTS.iter().flat_map(|ratio| self.with(&base, *ratio));
             let fits = starts.filter_map(|start| self.fit(&start));
+            let fits = fits.filter(|fit| self.are_distinct(&fit.at));
             let better = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
             // What a mode of chance lowers the deviance by.
             let gain = EACH as f64 * (self.density.power.len() as f64).ln() * self.dispersion(last);
@@ -247,10 +248,23 @@ impl Problem<'_> {
         };
         let signs = |power: &f64| [1.0, -1.0].map(|sign| under(*power, sign));
         let others = EXCITATIONS.iter().flat_map(signs).flatten();
+        let others = others.filter(|other| self.are_distinct(&other.at));
         let other = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
         other
             .filter(|other| other.cost < model.cost)
             .unwrap_or(model)
+    }
+
+    /// Whether no two modes are nearer than half the half-power width of the sharper: such a pair is one mode, split into
+    /// parts that cancel each other.
+    fn are_distinct(&self, at: &[f64]) -> bool {
+        let modes: Vec<[f64; 4]> = at[SHARED..]
+            .chunks_exact(EACH)
+            .map(|mode| self.mode(mode))
+            .collect();
+        let width = |mode: &[f64; 4]| mode[0] * mode[1];
+        let apart = |a: &[f64; 4], b: &[f64; 4]| (a[0] - b[0]).abs() > 0.5 * width(a).min(width(b));
+        (0..modes.len()).all(|k| modes[..k].iter().all(|other| apart(&modes[k], other)))
     }
 
     /// A model with one mode more, where bands of a width exceed it most; with either sign.
