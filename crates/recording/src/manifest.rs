@@ -129,7 +129,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
 /// The recording that the text of a manifest describes, with files beside `path`.
 pub(super) fn read_text(path: &Path, text: &str) -> Result<Recording, RecordingError> {
     let source = Source { path, text };
-    let manifest: Manifest = toml::from_str(&text).map_err(|error| source.syntax(&error))?;
+    let manifest: Manifest = toml::from_str(text).map_err(|error| source.syntax(&error))?;
     if manifest.channel.is_empty() {
         return Err(key("channel", "there is none").in_file(path));
     }

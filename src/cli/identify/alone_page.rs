@@ -18,19 +18,20 @@ pub fn page(all: &[Alone], tuned: &[Tuned]) -> Page {
     if let Some(first) = all.first()
         && let Some(mode) = first.found.modes.first()
     {
-        let sentence = match (tuned.first(), &first.advice) {
-            (Some(axis), _) => {
-                let setting = &axis.settings[axis.best];
-                format!(
-                    "Axis {}: {} at {:.1} Hz leaves {:.1} %.",
-                    axis.axis,
-                    setting.shaper.name(),
-                    setting.mode.hertz(),
-                    100.0 * setting.residual
-                )
-            }
-            (None, Some(advice)) => first.recommended(advice),
-            (None, None) => "No shaper can be designed for these modes.".into(),
+        let of_axis = |axis: &Tuned| {
+            let setting = &axis.settings[axis.best];
+            format!(
+                "Axis {}: {} at {:.1} Hz leaves {:.1} %.",
+                axis.axis,
+                setting.shaper.name(),
+                setting.mode.hertz(),
+                100.0 * setting.residual
+            )
+        };
+        let sentence = match &first.advice {
+            _ if !tuned.is_empty() => tuned.iter().map(of_axis).collect::<Vec<_>>().join(" "),
+            Some(advice) => first.recommended(advice),
+            None => "No shaper can be designed for these modes.".into(),
         };
         let std = number(
             format!("{:.1e}", mode.known.natural_frequency_std / TAU)

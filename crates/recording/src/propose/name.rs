@@ -159,10 +159,10 @@ fn words(name: &str) -> Vec<String> {
         if is_hump || !(letter.is_alphanumeric() || letter == '\u{b0}') {
             words.push(String::new());
         }
-        if letter.is_alphanumeric() || letter == '\u{b0}' {
-            if let Some(word) = words.last_mut() {
-                word.push(letter);
-            }
+        if (letter.is_alphanumeric() || letter == '\u{b0}')
+            && let Some(word) = words.last_mut()
+        {
+            word.push(letter);
         }
         before = letter;
     }
@@ -214,7 +214,7 @@ impl Name {
                 .any(|own| own.trim_end_matches(char::is_numeric) == *word)
         };
         let holds = |line: &&(Role, &[&str], &[&str], bool)| {
-            line.1.iter().all(|word| has(&word)) && line.2.iter().any(|word| has(&word))
+            line.1.iter().all(has) && line.2.iter().any(has)
         };
         let found = WORDS.iter().find(holds)?;
         Some((found.0, found.3))
