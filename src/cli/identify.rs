@@ -22,7 +22,7 @@ use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::{Recording, Role};
 use crate::signal::TipRegistration;
 use registrations::Registered;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Identifies the vibratory mode of a recording, on-line by every estimator and off-line.
 #[derive(Debug, clap::Args)]
@@ -73,6 +73,8 @@ pub struct Args {
 const REPORT: &str = "identify.html";
 /// The model that is written beside it.
 const MODEL: &str = "model.toml";
+/// Its name where the folder has a model.toml that is not of this verb.
+const IDENTIFIED: &str = "identified.toml";
 
 /// All that is told.
 struct Findings {
@@ -100,14 +102,20 @@ impl From<IdentificationError> for CliError {
 /// # Errors
 /// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
 pub fn run(args: Args) -> Result<(), CliError> {
-    let out = Out::open(&args.out, ("identify", args.force), &[], [REPORT, MODEL])?;
+    let reads: Vec<&Path> = args.model.as_deref().into_iter().collect();
+    let open = |names: &[&str]| Out::open(&args.out, ("identify", args.force), &reads, names);
+    // Another verb's model.toml, or the one that is read, stays.
+    let (out, model_file) = match open(&[REPORT, MODEL]) {
+        Ok(out) => (out, MODEL),
+        Err(_) => (open(&[REPORT, IDENTIFIED])?, IDENTIFIED),
+    };
     let mut recordings = Vec::new();
     for path in &args.recording {
         recordings.push(Recording::from_path(path)?);
     }
     let several = recordings.len() > 1;
     if several || recordings.iter().all(alone::is_alone) {
-        return several::run(&args, out, &recordings);
+        return several::run(&args, (out, model_file), &recordings);
     }
     let Some(recording) = recordings.pop() else {
         return Ok(());
@@ -136,7 +144,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     stage.file(REPORT, page::page(&findings).render())?;
     let known = words::known(&findings);
     if let Some(known) = known {
-        stage.file(MODEL, model::text(&[known]))?;
+        stage.file(model_file, model::text(&[known]))?;
     }
     stage.put()?;
     let report = args.out.join(REPORT);
@@ -147,7 +155,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
             "{}\nReport: {}\n{}",
             tables(&findings),
             report.display(),
-            known.map_or(String::new(), |_| model::next(&args.out.join(MODEL)))
+            known.map_or(String::new(), |_| model::next(&args.out.join(model_file)))
         ))
     }
 }

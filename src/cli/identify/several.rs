@@ -3,7 +3,7 @@
 use super::alone::{self, Alone};
 use super::alone_page::page;
 use super::printer::{self, Tuned};
-use super::{Args, MODEL, REPORT, model};
+use super::{Args, REPORT, model};
 use crate::cli::CliError;
 use crate::cli::out::Out;
 use crate::cli::output;
@@ -18,7 +18,11 @@ const TAU: f64 = core::f64::consts::TAU;
 ///
 /// # Errors
 /// [`CliError::Input`] where one of the recordings has a known input, or no mode.
-pub fn run(args: &Args, out: Out, recordings: &[Recording]) -> Result<(), CliError> {
+pub fn run(
+    args: &Args,
+    (out, file): (Out, &str),
+    recordings: &[Recording],
+) -> Result<(), CliError> {
     let mut all = Vec::new();
     for (path, recording) in args.recording.iter().zip(recordings) {
         if !alone::is_alone(recording) && recordings.len() > 1 {
@@ -34,7 +38,7 @@ pub fn run(args: &Args, out: Out, recordings: &[Recording]) -> Result<(), CliErr
     let stage = out.stage()?;
     stage.file(REPORT, page(&all, &tuned).render())?;
     let known: Vec<_> = all[0].found.modes.iter().map(|mode| mode.known).collect();
-    stage.file(MODEL, model::text(&known))?;
+    stage.file(file, model::text(&known))?;
     stage.put()?;
     let report = args.out.join(REPORT);
     if args.json {
@@ -50,7 +54,7 @@ pub fn run(args: &Args, out: Out, recordings: &[Recording]) -> Result<(), CliErr
     output::text(&format!(
         "{text}Report: {}\n{}",
         report.display(),
-        next(&all, &args.out.join(MODEL))
+        next(&all, &args.out.join(file))
     ))
 }
 
