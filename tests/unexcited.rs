@@ -234,7 +234,8 @@ fn a_free_decay_says_much() {
     );
     let ran = quell(here, "identify fleet/one --json");
     let told: Value = serde_json::from_str(&ran.stdout).unwrap();
-    let frequency = told["estimates"][0]["frequency_hz"].as_f64().unwrap();
+    let mode = &told["recordings"][0]["modes"][0];
+    let frequency = mode["frequency_hz"].as_f64().unwrap();
     assert!((frequency - 4.0).abs() < 0.02, "{frequency}");
 }
 

@@ -377,9 +377,10 @@ impl Problem<'_> {
             let Ok(known) = Mode::from_hertz(frequency, ratio) else {
                 continue;
             };
-            // Its width is told from none by two standard deviations.
+            // Its width is told from none, and from that of drift whose peak is no half above its floor, by two
+            // standard deviations.
             let ratio_std = ratio * (1.0 - ratio / DRIFT) * variance(place + 1, place + 1).sqrt();
-            let is_told = 2.0 * ratio_std < ratio && ratio < 0.9 * DRIFT;
+            let is_told = 2.0 * ratio_std < ratio && ratio + 2.0 * ratio_std < 0.5 * DRIFT;
             if narrow || !inside || !is_told {
                 continue;
             }
