@@ -9,7 +9,7 @@ use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
 
 /// Share of the probability that the credible set holds: the widths of priors are known within a few times.
-const CREDIBLE: f64 = 0.99;
+pub const CREDIBLE: f64 = 0.99;
 /// Log of the predictive density that chance takes from what was held out: odds that are not worth more than a bare
 /// mention (Kass and Raftery 1995).
 const BARE_MENTION: f64 = 1.0;

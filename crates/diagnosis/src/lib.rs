@@ -32,6 +32,7 @@ mod left;
 mod limits;
 mod locate;
 mod long_steps;
+mod look_ahead;
 mod looks;
 mod marginal;
 mod meaning;

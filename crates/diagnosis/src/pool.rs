@@ -21,6 +21,7 @@ const HOPELESS: f64 = 10.0;
 const DISCREPANCY: f64 = 0.1;
 
 /// An explanation, and the tables by whose effects it was extended.
+#[derive(Clone)]
 struct Entry {
     own: Explanation,
     extended: Vec<Table>,
@@ -29,9 +30,12 @@ struct Entry {
 }
 
 /// Explanations, each with a structure of its own.
+#[derive(Clone)]
 pub struct Pool {
     /// In the order in which they were found; the first is the model as it was given, refitted.
     all: Vec<Entry>,
+    /// Whether structures of more effects than the best were looked at.
+    pub looked_ahead: bool,
 }
 
 impl Pool {
@@ -43,6 +47,7 @@ impl Pool {
                 extended: Vec::new(),
                 thinned: false,
             }],
+            looked_ahead: false,
         }
     }
 
@@ -84,6 +89,7 @@ impl Pool {
         let kept = self.all.par_iter().filter(|entry| is_kept(&entry.own));
         Self {
             all: kept.map(entry).collect(),
+            looked_ahead: self.looked_ahead,
         }
     }
 

@@ -15,7 +15,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 /// Structures of as many effects that are extended: the first effect of two that mask each other may not be the best
 /// single one.
-const BEAM: usize = 2;
+pub const BEAM: usize = 2;
 
 /// Steps simulated after which the search for further effects ends with the best so far: what a core simulates in some
 /// thirty seconds.
@@ -47,7 +47,11 @@ impl Search<'_> {
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
-            let is_better = self.learn(pool) || self.name(pool) || self.exchange(pool);
+            let is_better = self.unname(pool)
+                || self.learn(pool)
+                || self.name(pool)
+                || self.exchange(pool)
+                || self.look_ahead(pool);
             if !is_better || self.is_over() {
                 return;
             }
@@ -55,7 +59,7 @@ impl Search<'_> {
     }
 
     /// Whether the search has gone on long enough.
-    fn is_over(&self) -> bool {
+    pub fn is_over(&self) -> bool {
         let stopped = self.known.enough.now() || self.problem.stop.now();
         stopped || self.problem.simulated.load(Relaxed) > ENOUGH
     }

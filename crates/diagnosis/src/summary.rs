@@ -2,6 +2,7 @@
 
 use super::document::{Diagnosis, Finding, Quality, Verdict};
 use super::excitation::figure;
+use super::found::CREDIBLE;
 use super::split::HeldOut;
 use super::thresholds::FLOOR;
 use super::tracker_scale::TrackerScale;
@@ -30,7 +31,7 @@ pub fn summary(
     if let (Some(scale), [_]) = (scale, diagnosis.findings.as_slice()) {
         return scale.sentence();
     }
-    let names = || names(diagnosis, catalogue);
+    let names = || names(&diagnosis.findings, catalogue);
     match diagnosis.verdict {
         Verdict::NoMismatch => {
             let left = format!(
@@ -52,11 +53,7 @@ pub fn summary(
             }
         }
         Verdict::Named => format!("The model lacks {}: {change}.", names()),
-        Verdict::Ambiguous => format!(
-            "The model lacks {}, which this recording cannot tell from {}: {change}.",
-            names(),
-            alternatives(diagnosis, catalogue)
-        ),
+        Verdict::Ambiguous => ambiguous(diagnosis, catalogue, &change),
         Verdict::PartlyExplained => format!(
             "The model lacks something like {}, but that is not all: {change}.",
             names()
@@ -97,7 +94,27 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-fn names(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
+/// Several explanations: other effects in the place of a finding, or none in the place of one that is not needed.
+fn ambiguous(diagnosis: &Diagnosis, catalogue: Catalogue, change: &str) -> String {
+    let others = alternatives(diagnosis, catalogue);
+    if !others.is_empty() {
+        let names = names(&diagnosis.findings, catalogue);
+        return format!(
+            "The model lacks {names}, which this recording cannot tell from {others}: {change}."
+        );
+    }
+    let is_certain = |finding: &&Finding| finding.probability >= CREDIBLE;
+    let (certain, perhaps): (Vec<&Finding>, Vec<_>) =
+        diagnosis.findings.iter().partition(is_certain);
+    let both = [certain, perhaps].map(|own| names(own, catalogue));
+    match both.each_ref().map(String::as_str) {
+        [own, ""] => format!("The model lacks {own}: {change}."),
+        ["", own] => format!("The model lacks perhaps {own}: {change}."),
+        [own, other] => format!("The model lacks {own}, and perhaps {other}: {change}."),
+    }
+}
+
+fn names<'a>(findings: impl IntoIterator<Item = &'a Finding>, catalogue: Catalogue) -> String {
     let name = |finding: &Finding| {
         let title = finding.title(catalogue);
         match finding.place.as_str() {
@@ -107,7 +124,7 @@ fn names(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
             place => format!("{title} (at the {place})"),
         }
     };
-    let names: Vec<String> = diagnosis.findings.iter().map(name).collect();
+    let names: Vec<String> = findings.into_iter().map(name).collect();
     names.join(" and ")
 }
 

@@ -1,0 +1,60 @@
+//! A look several effects ahead, where none alone raises the evidence: of effects that mask one another each leaves the
+//! mismatch of the others, beside which it is worth nothing, and all together leave only noise.
+//!
+//! How much a mismatch of unknown cause is worth is not known before its cause is. Ahead, structures are ranked as if
+//! only noise were left in the end; where that comes true they are explanations, and else they are forgotten.
+
+use super::evidence::CALIBRATED;
+use super::explanation::Explanation;
+use super::pool::Pool;
+use super::screen::Table;
+use super::search::{BEAM, Search};
+use super::thresholds::MOST_EFFECTS;
+
+impl Search<'_> {
+    /// Adds structures of more effects than the best explanation to a pool, if one of them leaves nothing but noise;
+    /// once. Whether there is one.
+    pub fn look_ahead(&self, pool: &mut Pool) -> bool {
+        if self.leaves_noise(pool.best(self.judge))
+            || std::mem::replace(&mut pool.looked_ahead, true)
+        {
+            return false;
+        }
+        let mut ahead = pool.clone();
+        for count in 1..MOST_EFFECTS {
+            let own = most_likely(&ahead, count);
+            for own in &own {
+                if self.is_over() {
+                    return false;
+                }
+                if !ahead.is_extended(own, Table::Named) {
+                    let children = self.extend(own, Table::Named, &ahead);
+                    children.into_iter().for_each(|child| ahead.add(child));
+                    ahead.mark(own, Table::Named);
+                }
+            }
+            let next = most_likely(&ahead, count + 1);
+            if next.iter().any(|own| self.leaves_noise(own)) {
+                *pool = ahead;
+                return true;
+            }
+            let best = own.first().map(score);
+            if next.first().map(score) <= best {
+                return false;
+            }
+        }
+        false
+    }
+}
+
+/// How likely an explanation would be, were only noise left in the end.
+fn score(own: &Explanation) -> f64 {
+    own.log_evidence(CALIBRATED)
+}
+
+/// The most likely structures of a number of effects, were only noise left in the end.
+fn most_likely(pool: &Pool, count: usize) -> Vec<Explanation> {
+    let ranked = pool.ranked(CALIBRATED).into_iter().map(|own| own.0);
+    let named = ranked.filter(|own| own.terms() == count && !own.is_learned());
+    named.take(BEAM).cloned().collect()
+}
