@@ -6,6 +6,7 @@
 #[path = "../absent/skipped.rs"]
 mod skipped;
 
+mod atlas;
 mod blocks;
 mod commands;
 mod links;

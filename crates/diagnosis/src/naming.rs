@@ -29,7 +29,7 @@ impl Search<'_> {
     /// left. Whether there is a better explanation.
     pub fn unname(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
-        if self.leaves_noise(&best) {
+        if self.leaves_noise(&best) || self.is_over() {
             return false;
         }
         let point = &best.fitted.point;

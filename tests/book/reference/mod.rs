@@ -29,7 +29,7 @@ const CHAPTERS: [Chapter; 9] = [
 ];
 
 /// What stands above each page.
-const MADE: &str = "<!-- Made from the code: QUELL_UPDATE=1 cargo test --release --features full --test book -->\n\n";
+pub const MADE: &str = "<!-- Made from the code: QUELL_UPDATE=1 cargo test --release --features full --test book -->\n\n";
 
 #[test]
 fn the_reference_is_what_the_code_says() {
@@ -55,7 +55,10 @@ fn the_reference_is_what_the_code_says() {
 }
 
 /// A table of Markdown.
-fn table<const N: usize>(header: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
+pub fn table<const N: usize>(
+    header: [&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> String {
     let line = |cells: &[String]| {
         let cells = cells
             .iter()
@@ -98,7 +101,7 @@ fn target(rest: &str) -> &str {
 }
 
 /// Names as code, one behind the other.
-fn codes<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+pub fn codes<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<_> = names.into_iter().map(|name| format!("`{name}`")).collect();
     names.join(", ")
 }
