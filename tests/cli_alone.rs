@@ -218,32 +218,37 @@ fn noise_and_a_tone_tell_no_mode() {
     }
 }
 
+/// The mode in which the other direction of a printer rings a little: Hz, damping ratio, share.
+const ACROSS: [f64; 3] = [64.0, 0.05, 0.1];
+
 /// Klipper's raw data of a sweep of an axis with these modes (Hz, damping ratio, share), made in the frequency domain by
 /// its steady state: the sweep is slow beside them.
 fn swept(modes: &[[f64; 3]], rng: &mut ChaCha8Rng) -> String {
     let rate = 1600.0;
     let mut text = String::from("#time,accel_x,accel_y,accel_z\n");
-    let mut states = vec![[0.0; 2]; modes.len()];
+    let all: Vec<[f64; 3]> = modes.iter().copied().chain([ACROSS]).collect();
+    let mut states = vec![[0.0; 2]; all.len()];
     let mut phase = 0.0;
     for k in 0..(rate * 64.0) as usize {
         let frequency = 5.0 + 2.0 * k as f64 / rate;
-        let mut total = 0.0;
+        let mut forces = vec![0.0; all.len()];
         for _ in 0..8 {
             let dt = 1.0 / rate / 8.0;
             phase += TAU * frequency * dt;
             let a = 75.0 * frequency * phase.cos();
-            total = 0.0;
-            for (state, [hertz, xi, share]) in states.iter_mut().zip(modes) {
+            let own = states.iter_mut().zip(&mut forces);
+            for ((state, force), [hertz, xi, share]) in own.zip(&all) {
                 let w = TAU * hertz;
                 // Semi-implicit Euler is symplectic: it shifts no frequency at this step by more than 1e-4.
                 let acceleration = -a - 2.0 * xi * w * state[1] - w * w * state[0];
                 state[1] += dt * acceleration;
                 state[0] += dt * state[1];
-                total += share * (-2.0 * xi * w * state[1] - w * w * state[0]);
+                *force = share * (-2.0 * xi * w * state[1] - w * w * state[0]);
             }
         }
-        let [x, y, z] =
-            [total, 0.0, 9806.0].map(|value| ((value + 60.0 * noise(rng)) / 38.3).round() * 38.3);
+        let (along, across) = (forces[..modes.len()].iter().sum(), forces[modes.len()]);
+        let [x, y, z] = [along, across, 9806.0]
+            .map(|value| ((value + 60.0 * noise(rng)) / 38.3).round() * 38.3);
         writeln!(text, "{:.6},{x:.6},{y:.6},{z:.6}", 1234.5 + k as f64 / rate).unwrap();
     }
     text

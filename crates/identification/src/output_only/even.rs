@@ -1,6 +1,7 @@
 //! A channel as evenly spaced samples.
 
 use crate::IdentificationError;
+use nalgebra::DMatrix;
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End, SignalError};
 
@@ -43,6 +44,31 @@ impl Vibration {
     pub fn is_still(&self) -> bool {
         let still = |axis: &Vec<f64>| axis.iter().all(|value| *value == axis[0]);
         self.axes.iter().all(still)
+    }
+
+    /// Along the direction that moves most, the first principal component of the axes. Each direction is another sum of the
+    /// modes: powers of several are not that of one.
+    #[must_use]
+    pub fn principal(&self) -> Self {
+        let count = self.axes.len();
+        let means: Vec<f64> = self.axes.iter().map(|axis| mean(axis)).collect();
+        let product = |i: usize, j: usize| -> f64 {
+            let pairs = self.axes[i].iter().zip(&self.axes[j]);
+            pairs.map(|(a, b)| (a - means[i]) * (b - means[j])).sum()
+        };
+        let eigen = DMatrix::from_fn(count, count, product).symmetric_eigen();
+        let direction = eigen.eigenvectors.column(eigen.eigenvalues.imax());
+        let along = |k: usize| -> f64 {
+            let axes = self.axes.iter().zip(&means).zip(&direction);
+            axes.map(|((axis, mean), share)| share * (axis[k] - mean))
+                .sum()
+        };
+        Self {
+            axes: vec![(0..self.axes[0].len()).map(along).collect()],
+            role: self.role,
+            unit: self.unit.clone(),
+            ..*self
+        }
     }
 
     /// The instant of a sample, s.
@@ -129,4 +155,8 @@ fn longest(steps: &[f64], limit: f64) -> (usize, usize) {
         }
     }
     best
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }

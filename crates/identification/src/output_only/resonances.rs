@@ -41,7 +41,7 @@ const HIGHEST: f64 = 0.4;
 const DRIFT: f64 = 0.7;
 const LEAST: f64 = 0.02;
 
-/// The modes; none where none stands out.
+/// The modes along the direction that moves most; none where none stands out.
 ///
 /// # Errors
 /// [`IdentificationError`] where the record is too short for a spectrum.
@@ -54,7 +54,7 @@ pub fn modes(
         Some([from, to]) => [from * ENDS[0], to * ENDS[1]],
         None => [LOWEST / seconds, HIGHEST * vibration.rate],
     };
-    let density = density(vibration, band, WIDTH, sweep.is_none());
+    let density = density(&vibration.principal(), band, WIDTH, sweep.is_none());
     let found = density.power.iter().filter(|power| **power > 0.0).count();
     if found < 32 || found < density.power.len() {
         let (what, needed) = ("spectrum", 32);
