@@ -151,7 +151,9 @@ fn a_reader_that_goes_away_ends_a_verb_quietly() {
 #[test]
 fn an_interrupt_ends_a_verb_quietly_and_leaves_nothing_behind() {
     let folder = TempDir::new().unwrap();
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_quell"))
+    // What runs in the background of a script ignores the interrupt, and so would its children.
+    let mut child = std::process::Command::new("env")
+        .args(["--default-signal=INT", env!("CARGO_BIN_EXE_quell")])
         .args(["prove", "--cases", "500", "--out", "out"])
         .current_dir(folder.path())
         .stdout(Stdio::null())
