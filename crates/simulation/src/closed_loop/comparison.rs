@@ -100,7 +100,10 @@ impl Comparison {
         self
     }
 
-    /// The move of that kind; the last one only where it was added.
+    /// The move of that kind.
+    ///
+    /// # Panics
+    /// For a kind that is not among the [moves](Self::moves): the one within a tolerance, where none was asked for.
     pub fn trace(&self, kind: MoveKind) -> &MoveTrace {
         &self.moves[kind as usize].1
     }
