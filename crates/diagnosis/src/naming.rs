@@ -1,5 +1,4 @@
-//! Names for learned laws: each named law of the slot, from where it is nearest to the learned curve. And the way back: a
-//! law whose shape is not the catalogue's is learned from where the named one is.
+//! Names for learned laws: each named law of the slot, from where it is nearest to the learned curve.
 
 use super::curves::ordinates;
 use super::explanation::Explanation;
@@ -7,10 +6,9 @@ use super::law_band::still;
 use super::point::{Global, Point};
 use super::pool::Pool;
 use super::search::Search;
-use super::shape::learned;
 use nalgebra::DMatrix;
 use quell_model::Term;
-use quell_model::curves::{Curve, Nearest, nearest, traced};
+use quell_model::curves::{Curve, Nearest, nearest};
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -21,56 +19,12 @@ impl Search<'_> {
         let point = &best.fitted.point;
         let added = point.given_terms..point.terms.len();
         let starts = added.flat_map(|term| self.named(&best, term, temperature));
-        self.add_new(pool, starts.collect());
-        !pool.best(self.judge).is_like(&best)
-    }
-
-    /// Puts learned laws in the place of the named ones of the best explanation, one each time, where more than noise is
-    /// left. Whether there is a better explanation.
-    pub fn unname(&self, pool: &mut Pool) -> bool {
-        let best = pool.best(self.judge).clone();
-        if self.leaves_noise(&best) || self.is_over() {
-            return false;
-        }
-        let point = &best.fitted.point;
-        let added = point.given_terms..point.terms.len();
-        let starts = added.filter_map(|term| self.unnamed(point, term));
-        self.add_new(pool, starts.collect());
-        !pool.best(self.judge).is_like(&best)
-    }
-
-    /// Fits structures that were not looked at.
-    fn add_new(&self, pool: &mut Pool, mut starts: Vec<Point>) {
-        starts.retain(|point| pool.like(point).is_none());
+        let starts: Vec<Point> = starts.filter(|point| pool.like(point).is_none()).collect();
         let fitted = starts.into_par_iter().map(|point| self.refitted(&point));
         for next in fitted.collect::<Vec<_>>() {
             pool.add(next);
         }
-    }
-
-    /// The point with the learned law of its slot in the place of a named one and of all beside it in that slot: of the
-    /// same curve.
-    fn unnamed(&self, point: &Point, index: usize) -> Option<Point> {
-        let (problem, named) = (self.problem, &point.terms[index]);
-        let effect = learned(named)?;
-        let neutral = (effect.starts)(&problem.scales).into_iter().next()?;
-        let is_beside = |term: &Term| {
-            let same = term.place == named.place && term.recording == named.recording;
-            same && learned(term).is_some_and(|own| std::ptr::eq(own, effect))
-        };
-        let added = &point.terms[point.given_terms..];
-        let laws: Vec<&Term> = added.iter().filter(|term| is_beside(term)).collect();
-        let values = traced(effect, neutral, &laws, &still(problem, point))?;
-        let mut unnamed = point.clone();
-        unnamed.terms.truncate(point.given_terms);
-        let others = added.iter().filter(|term| !is_beside(term)).cloned();
-        unnamed.terms.extend(others);
-        unnamed.terms.push(Term {
-            effect,
-            values,
-            ..named.clone()
-        });
-        Some(unnamed)
+        !pool.best(self.judge).is_like(&best)
     }
 
     /// Points with a named law in the place of a learned one.

@@ -47,11 +47,8 @@ impl Search<'_> {
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
-            let is_better = self.unname(pool)
-                || self.learn(pool)
-                || self.name(pool)
-                || self.exchange(pool)
-                || self.look_ahead(pool);
+            let is_better =
+                self.learn(pool) || self.name(pool) || self.exchange(pool) || self.look_ahead(pool);
             if !is_better || self.is_over() {
                 return;
             }

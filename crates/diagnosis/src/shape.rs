@@ -106,7 +106,7 @@ impl Correction {
 }
 
 /// The learned law of the slot of a named one, where it can sit at the same place.
-pub fn learned(term: &Term) -> Option<&'static Effect> {
+fn learned(term: &Term) -> Option<&'static Effect> {
     let slot = term.effect.slot().filter(|_| !term.effect.is_learned())?;
     let all = LEARNED.iter().copied();
     all.filter(|other| other.places.contains(&term.place))

@@ -10,7 +10,6 @@ pub use estimate::Estimate;
 pub use nearest::{Nearest, nearest};
 pub use shape::{Growth, Shape, Trend};
 
-use crate::Term;
 use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances};
 use nalgebra::{DMatrix, DVector};
 
@@ -43,9 +42,6 @@ const POINTS: usize = 120;
 
 /// A velocity that is 0 but for its direction, as a share of the fastest.
 const AT_REST: f64 = 1e-9;
-
-/// A singular value this small is rounding.
-const SINGULAR: f64 = 1e-12;
 
 /// Change of an ordinate of 1 by which its part in the curve is found.
 const CHANGE: f64 = 0.25;
@@ -93,7 +89,14 @@ impl Curve {
 
     /// Coordinate of each ordinate.
     pub fn knots(&self) -> Vec<f64> {
-        knots(self.effect, self.slot, &self.parameters)
+        let count = ordinates(self.effect);
+        match self.slot {
+            Slot::Hysteresis => slip_distances(&self.parameters).to_vec(),
+            slot => match *self.parameters {
+                [.., from, to] => over(slot, (from, to), count),
+                _ => Vec::new(),
+            },
+        }
     }
 
     /// A linear function of the curve, `sum w_i f(x_i)`.
@@ -110,37 +113,6 @@ impl Curve {
         let index = self.points.partition_point(|point| *point < x);
         index.min(self.points.len() - 1)
     }
-}
-
-/// Coordinate of each ordinate of a learned effect.
-fn knots(effect: &Effect, slot: Slot, parameters: &[f64]) -> Vec<f64> {
-    match (slot, parameters) {
-        (Slot::Hysteresis, _) => slip_distances(parameters).to_vec(),
-        (_, &[.., from, to]) => over(slot, (from, to), ordinates(effect)),
-        _ => Vec::new(),
-    }
-}
-
-/// Values of a learned effect, of which those of a neutral one are given, whose curve is that of named laws together at its
-/// knots; none where they are not all of its slot.
-pub fn traced(
-    learned: &Effect,
-    mut neutral: Vec<f64>,
-    named: &[&Term],
-    at: &Motion,
-) -> Option<Vec<f64>> {
-    let slot = learned.slot()?;
-    let knots = knots(learned, slot, &neutral);
-    let mut law = DVector::zeros(knots.len());
-    for term in named {
-        let own = term.effect.slot() == Some(slot);
-        let values = own.then(|| curve(term.effect, &term.values, at, &knots))?;
-        law += DVector::from_vec(values?);
-    }
-    let parts = parts(learned, &neutral, at, &knots)?;
-    let ordinates = parts.svd(true, true).solve(&law, SINGULAR).ok()?;
-    neutral[..ordinates.len()].copy_from_slice(ordinates.as_slice());
-    Some(neutral)
 }
 
 /// How many ordinates a learned effect has.
