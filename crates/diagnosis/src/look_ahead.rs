@@ -28,9 +28,7 @@ impl Search<'_> {
                     return false;
                 }
                 if !ahead.is_extended(own, Table::Named) {
-                    let children = self.extend(own, Table::Named, &ahead);
-                    children.into_iter().for_each(|child| ahead.add(child));
-                    ahead.mark(own, Table::Named);
+                    self.add_extended(&mut ahead, own, Table::Named);
                 }
             }
             let next = most_likely(&ahead, count + 1);

@@ -76,10 +76,15 @@ impl Search<'_> {
 
     /// Extends a structure of a pool by the laws of a table.
     pub fn extend_by(&self, pool: &mut Pool, own: &Explanation, table: Table) {
+        self.add_extended(pool, own, table);
+        self.thin_out(pool);
+    }
+
+    /// The same without thinning out.
+    pub fn add_extended(&self, pool: &mut Pool, own: &Explanation, table: Table) {
         for child in self.extend(own, table, pool) {
             pool.add(child);
         }
-        self.thin_out(pool);
         pool.mark(own, table);
     }
 
