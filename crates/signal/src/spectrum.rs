@@ -13,6 +13,16 @@ pub enum Window {
     Hann,
 }
 
+impl Window {
+    /// Weight of sample `k` of `n`.
+    pub fn weight(self, k: usize, n: usize) -> f64 {
+        match self {
+            Self::Rectangular => 1.0,
+            Self::Hann => (PI * (k as f64 + 0.5) / n as f64).sin().powi(2),
+        }
+    }
+}
+
 /// A peak of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
@@ -56,10 +66,7 @@ pub fn spectrum(
     let n = values.len();
     check(values, period)?;
     let mean = values.iter().sum::<f64>() / n as f64;
-    let weight = |k: usize| match window {
-        Window::Rectangular => 1.0,
-        Window::Hann => (PI * (k as f64 + 0.5) / n as f64).sin().powi(2),
-    };
+    let weight = |k: usize| window.weight(k, n);
     let length = (n * padding.max(1)).next_power_of_two();
     let mut signal: Vec<f64> = values
         .iter()

@@ -254,11 +254,14 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> Option<[usize; 2]>
         .collect();
     let left = |place: &usize| {
         let segment = [segment(vibration, [*place, until], LOOKED_AT)];
-        let nothing = residual(&segment, &[]).map_or(1.0, |r| r.norm_squared());
-        let one = residual(&segment, &[]).and_then(|left| further(&segment, &[], &left));
+        let Some(all) = residual(&segment, &[]) else {
+            return 1.0;
+        };
+        let one = further(&segment, &[], &all);
         let modes = one.as_ref().map_or(&[][..], |fit| &fit.modes);
         let two = residual(&segment, modes).and_then(|left| further(&segment, modes, &left));
-        two.or(one).map_or(1.0, |fit| fit.minimum.cost / nothing)
+        two.or(one)
+            .map_or(1.0, |fit| fit.minimum.cost / all.norm_squared())
     };
     let left: Vec<f64> = places.iter().map(left).collect();
     let least = left.iter().copied().fold(f64::INFINITY, f64::min);

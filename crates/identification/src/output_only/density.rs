@@ -1,7 +1,7 @@
 //! The power spectral density of a vibration, in bands of equal relative width.
 
 use super::Vibration;
-use std::f64::consts::PI;
+use quell_signal::Window;
 
 /// Lines of a Hann window that count as one independent one, where many are averaged: `sum w^4 N / (sum w^2)^2`.
 const SMEARED: f64 = 35.0 / 18.0;
@@ -36,10 +36,11 @@ pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered:
     let spacing = vibration.rate / length as f64;
     let resolution = vibration.rate / samples as f64;
     let mut power = vec![0.0; length / 2 + 1];
-    let window = |k: usize| match tapered {
-        true => (PI * (k as f64 + 0.5) / samples as f64).sin().powi(2),
-        false => 1.0,
+    let window = match tapered {
+        true => Window::Hann,
+        false => Window::Rectangular,
     };
+    let window = |k: usize| window.weight(k, samples);
     let weight: f64 = (0..samples).map(|k| window(k).powi(2)).sum();
     for axis in &vibration.axes {
         let mean = axis.iter().sum::<f64>() / samples as f64;

@@ -2,7 +2,7 @@
 
 use super::Vibration;
 use super::density::density;
-use std::f64::consts::TAU;
+use quell_signal::Window;
 
 /// Parts in which the energy is followed.
 const PARTS: usize = 256;
@@ -141,7 +141,7 @@ fn strongest(vibration: &Vibration, first: usize, count: usize) -> [f64; 2] {
     for axis in &vibration.axes {
         let values = &axis[first..first + count];
         let mean = values.iter().sum::<f64>() / count as f64;
-        let window = |k: usize| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / count as f64).cos();
+        let window = |k: usize| Window::Hann.weight(k, count);
         let windowed = values
             .iter()
             .enumerate()
