@@ -28,6 +28,29 @@ fn updates() -> bool {
     std::env::var_os("QUELL_UPDATE").is_some()
 }
 
+/// Writes a file that is made from the code where it is to be written, or notes that it is another.
+fn keep(file: &Path, made: &str, stale: &mut Vec<String>) {
+    let made = format!("{}\n", made.trim_end());
+    if std::fs::read_to_string(file).unwrap_or_default() == made {
+        return;
+    }
+    match updates() {
+        true => {
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, made).unwrap();
+        }
+        false => stale.push(called(file)),
+    }
+}
+
+/// Fails where files are not what the code makes.
+fn tell_stale(stale: &[String]) {
+    assert!(
+        stale.is_empty(),
+        "stale: {stale:?}; QUELL_UPDATE=1 cargo test --release --features full --test book"
+    );
+}
+
 /// Markdown files below a folder, in order.
 fn markdown_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();

@@ -5,15 +5,15 @@ mod drawing;
 mod symptoms;
 
 use super::reference::{MADE, codes, table};
-use super::{root, updates};
+use super::{keep, root, tell_stale};
 use arm::{Arm, Fingerprint, arms, stamps, without};
 use drawing::{Panel, row, short};
 use nalgebra::DVector;
-use quell::effects::{Effect, Place, curve};
+use quell::effects::{Catalogue, Effect, curve};
 use quell::model::curves::points;
 use quell::model::{ModelEffect, Term};
+use quell::signal::{Window, spectrum};
 use std::f64::consts::TAU;
-use std::path::Path;
 use symptoms::{SYMPTOMS, symptoms};
 
 /// Where the first two moves end.
@@ -73,25 +73,7 @@ fn the_atlas_is_what_the_simulation_says() {
             &mut stale,
         );
     }
-    assert!(
-        stale.is_empty(),
-        "stale: {stale:?}; QUELL_UPDATE=1 cargo test --release --features full --test book"
-    );
-}
-
-/// Writes a file where it is to be written, or notes that it is another.
-fn keep(file: &Path, made: &str, stale: &mut Vec<String>) {
-    let made = format!("{}\n", made.trim_end());
-    if std::fs::read_to_string(file).unwrap_or_default() == made {
-        return;
-    }
-    match updates() {
-        true => {
-            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
-            std::fs::write(file, made).unwrap();
-        }
-        false => stale.push(super::called(file)),
-    }
+    tell_stale(&stale);
 }
 
 fn index(entries: &[Entry]) -> String {
@@ -102,18 +84,11 @@ fn index(entries: &[Entry]) -> String {
         [symptom.to_string(), links(own.collect())]
     });
     let by_symptom = by_symptom.filter(|row| !row[1].is_empty());
-    let places = [
-        Place::Drive,
-        Place::Transmission,
-        Place::Link,
-        Place::Base,
-        Place::Sensor,
-        Place::Environment,
-    ];
-    let by_place = places.into_iter().map(|place| {
+    let by_place = Catalogue::default().by_place().into_iter();
+    let by_place = by_place.map(|(place, names)| {
         let own = entries
             .iter()
-            .filter(|own| own.term.effect.places.contains(&place));
+            .filter(|own| names.contains(&own.term.effect.name));
         [place.name().to_string(), links(own.collect())]
     });
     format!(
@@ -291,7 +266,8 @@ fn pictures(own: &Entry) -> [Panel; 3] {
             up: format!("misfit, {unit}"),
         }
     };
-    let (frequencies, amplitudes) = spectrum(&time, misfit);
+    let lines = spectrum(misfit, time[1], Window::Rectangular, 1).unwrap();
+    let highest = (HIGHEST * TAU / lines.resolution) as usize;
     [
         Panel {
             title: "Misfit over time".into(),
@@ -303,30 +279,14 @@ fn pictures(own: &Entry) -> [Panel; 3] {
         law.unwrap_or_else(over_velocity),
         Panel {
             title: "Spectrum of the misfit".into(),
-            x: frequencies,
-            y: amplitudes,
+            x: (1..highest)
+                .map(|k| lines.resolution / TAU * k as f64)
+                .collect(),
+            y: lines.amplitude[1..highest].to_vec(),
             along: "frequency, Hz".into(),
             up: format!("amplitude, {unit}"),
         },
     ]
-}
-
-/// Amplitudes of a series up to the highest frequency.
-fn spectrum(time: &[f64], series: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let step = 1.0 / (time[time.len() - 1] - time[0]);
-    let frequencies: Vec<f64> = (1..(HIGHEST / step) as usize)
-        .map(|k| step * k as f64)
-        .collect();
-    let amplitude = |&frequency: &f64| {
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (time, value) in time.iter().zip(series) {
-            let (s, c) = (TAU * frequency * time).sin_cos();
-            (cosine, sine) = (cosine + value * c, sine + value * s);
-        }
-        2.0 * f64::hypot(cosine, sine) / series.len() as f64
-    };
-    let amplitudes = frequencies.iter().map(amplitude).collect();
-    (frequencies, amplitudes)
 }
 
 fn capital(text: &str) -> String {
