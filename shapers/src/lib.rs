@@ -145,3 +145,15 @@ pub static SHAPERS: &[&dyn Shaper] = &[
 pub fn shaper_by_name(name: &str) -> Option<&'static dyn Shaper> {
     SHAPERS.iter().copied().find(|shaper| shaper.name() == name)
 }
+
+/// The train of one rule for several modes: the convolution of the trains for each.
+///
+/// # Errors
+/// As [`Shaper::design_for`], and where a train cannot hold so many impulses.
+pub fn design_for_all(
+    shaper: &dyn Shaper,
+    known: &[UncertainMode],
+) -> Result<ImpulseTrain, ShaperError> {
+    let next = |train: ImpulseTrain, known| train.convolve(&shaper.design_for(known)?);
+    known.iter().try_fold(ImpulseTrain::identity(), next)
+}

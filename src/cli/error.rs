@@ -4,7 +4,6 @@ use crate::recording::{Problem, ROLES, RecordingError, UNITS};
 use std::error::Error;
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
-use std::process::ExitCode;
 
 /// Why a verb could not do its work.
 ///
@@ -69,10 +68,18 @@ impl CliError {
         }
     }
 
+    /// The error as it is printed where stderr is no terminal: what is wrong, what caused it, what would help.
+    pub fn told(&self) -> String {
+        match self {
+            Self::Input(message) | Self::Failure(message) => message.plain(),
+            Self::BrokenPipe => String::new(),
+        }
+    }
+
     /// Prints the error on stderr, drawn on a terminal and plain elsewhere, and gives the exit
     /// code.
-    pub fn report(self) -> ExitCode {
-        let code = ExitCode::from(self.exit_code());
+    pub fn report(self) -> u8 {
+        let code = self.exit_code();
         let message = match self {
             Self::Input(message) | Self::Failure(message) => message,
             Self::BrokenPipe => return code,

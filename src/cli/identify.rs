@@ -4,12 +4,15 @@ mod alone;
 mod alone_page;
 mod axis;
 mod document;
+mod identified;
 mod model;
 mod page;
 mod printer;
 mod registrations;
 mod several;
 mod words;
+
+pub use identified::Identified;
 
 use super::out::{Force, Out};
 use super::{CliError, choices, output};
@@ -111,52 +114,51 @@ pub fn run(args: Args) -> Result<(), CliError> {
     };
     let mut recordings = Vec::new();
     for path in &args.recording {
-        recordings.push(Recording::from_path(path)?);
+        recordings.push((path.clone(), Recording::from_path(path)?));
     }
-    let several = recordings.len() > 1;
-    if several || recordings.iter().all(alone::is_alone) {
-        return several::run(&args, (out, model_file), &recordings);
-    }
-    let Some(recording) = recordings.pop() else {
-        return Ok(());
-    };
-    let model = args
-        .model
-        .as_ref()
-        .map(NominalModel::from_path)
-        .transpose()?;
-    let (model, registration) = (model.as_ref(), args.registration);
-    let name = recording.name.clone();
-    let tip = recording.channel(Role::TipPosition);
-    let again = tip.is_some().then(|| recording.clone());
-    let series = prepare(recording, model, registration)?;
-    let found = identify(&series.samples, prior(model, &series))?;
-    let registered = again.map_or_else(Vec::new, |recording| {
-        registrations::all(&recording, model, registration, (&series, &found))
-    });
-    let findings = Findings {
-        recording: name,
-        series,
-        found,
-        registered,
-    };
+    let model = args.model.as_ref().map(NominalModel::from_path);
+    let model = model.transpose()?;
+    let identified = Identified::of(recordings, model.as_ref(), args.registration)?;
     let stage = out.stage()?;
-    stage.file(REPORT, page::page(&findings).render())?;
-    let known = words::known(&findings);
-    if let Some(known) = known {
-        stage.file(model_file, model::text(&[known]))?;
+    stage.file(REPORT, identified.page().render())?;
+    let known = identified.model();
+    if let Some(text) = &known {
+        stage.file(model_file, text)?;
     }
     stage.put()?;
-    let report = args.out.join(REPORT);
     if args.json {
-        output::json(&document::document(&findings))
-    } else {
-        output::text(&format!(
-            "{}\nReport: {}\n{}",
-            tables(&findings),
-            report.display(),
-            known.map_or(String::new(), |_| model::next(&args.out.join(model_file)))
-        ))
+        return output::json(&identified.document());
+    }
+    let next = known.map(|_| identified.next(&args.out.join(model_file)));
+    output::text(&format!(
+        "{}\nReport: {}\n{}",
+        identified.text(),
+        args.out.join(REPORT).display(),
+        next.unwrap_or_default()
+    ))
+}
+
+impl Findings {
+    /// Of a recording with a known input.
+    fn of(
+        recording: Recording,
+        model: Option<&NominalModel>,
+        registration: TipRegistration,
+    ) -> Result<Self, CliError> {
+        let name = recording.name.clone();
+        let tip = recording.channel(Role::TipPosition);
+        let again = tip.is_some().then(|| recording.clone());
+        let series = prepare(recording, model, registration)?;
+        let found = identify(&series.samples, prior(model, &series))?;
+        let registered = again.map_or_else(Vec::new, |recording| {
+            registrations::all(&recording, model, registration, (&series, &found))
+        });
+        Ok(Self {
+            recording: name,
+            series,
+            found,
+            registered,
+        })
     }
 }
 

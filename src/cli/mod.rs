@@ -40,6 +40,7 @@ pub mod work;
 pub use error::CliError;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Adaptive input shaping for flexible robot joints.
@@ -120,14 +121,20 @@ pub fn command() -> clap::Command {
 
 /// Runs the command that the process was started with; the whole of `main`.
 pub fn main() -> ExitCode {
+    main_from(std::env::args_os()).into()
+}
+
+/// Runs a command, the name of the program first, and gives its exit code. Arguments that cannot be read, and the
+/// help, end the process.
+pub fn main_from(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let Cli {
         verbose,
         quiet,
         verb,
-    } = Cli::parse();
+    } = Cli::parse_from(arguments);
     log::start(verbose, quiet);
     match verb.run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => error.report(),
     }
 }

@@ -7,8 +7,8 @@ use super::{CliError, choices, output, shaping, values};
 use crate::identification::NominalModel;
 use crate::page::columns;
 use quell_shapers::{
-    Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, insensitivity,
-    residual_vibration,
+    Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, design_for_all,
+    insensitivity, residual_vibration,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -110,14 +110,7 @@ pub fn run(mut args: Args) -> Result<(), CliError> {
 
 fn design(args: &Args) -> Result<Design, CliError> {
     let known = known(args)?;
-    let mut train = ImpulseTrain::identity();
-    for known in &known {
-        train = args
-            .shaper
-            .design_for(known)
-            .and_then(|next| train.convolve(&next))
-            .map_err(CliError::input)?;
-    }
+    let train = design_for_all(args.shaper, &known).map_err(CliError::input)?;
     let grid = shaping::train(args.shaper, known, 1.0 / args.rate).map_err(CliError::input)?;
     Ok(Design {
         shaper: args.shaper,

@@ -1,6 +1,8 @@
 //! Trains and moves as every verb makes them.
 
-use quell_shapers::{GridTrain, Setpoint, Shaper, ShaperError, UncertainMode, common_train};
+use quell_shapers::{
+    GridTrain, Setpoint, Shaper, ShaperError, ShapingFilter, UncertainMode, common_train,
+};
 use quell_trajectories::{AxisState, Limits, Planner};
 
 use super::CliError;
@@ -37,6 +39,39 @@ pub fn train(
         }),
         _ => Ok(train),
     }
+}
+
+/// Columns through the train, each from rest at its first value, all lengthened until the last of
+/// them has come to its end.
+///
+/// # Errors
+/// [`ShaperError`] where a filter cannot take the train.
+pub fn shaped(
+    columns: &[impl AsRef<[f64]>],
+    train: &GridTrain,
+) -> Result<Vec<Vec<f64>>, ShaperError> {
+    let step = |filter: &mut ShapingFilter, value| filter.step(Setpoint::at_rest(value)).position;
+    let ends = |column: &[f64]| Some((*column.first()?, *column.last()?));
+    let (mut filters, mut shaped) = (Vec::new(), Vec::new());
+    for column in columns.iter().map(AsRef::as_ref) {
+        let (first, last) = ends(column).unwrap_or_default();
+        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
+        filter.install(train)?;
+        filter.reset(first);
+        shaped.push(
+            column
+                .iter()
+                .map(|value| step(&mut filter, *value))
+                .collect::<Vec<_>>(),
+        );
+        filters.push((filter, last));
+    }
+    while !filters.iter().all(|(filter, _)| filter.is_settled()) {
+        for ((filter, last), shaped) in filters.iter_mut().zip(&mut shaped) {
+            shaped.push(step(filter, *last));
+        }
+    }
+    Ok(shaped)
 }
 
 /// Plans a move from rest to rest (rad) whose shaped command keeps the limits; a train with negative

@@ -32,7 +32,14 @@ impl NominalModel {
     /// [`ModelError`] with the file, the line and the key.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, ModelError> {
         let file = path.as_ref();
-        let model = Model::from_path(file)?;
+        Self::of(&Model::from_path(file)?, file)
+    }
+
+    /// Of a model, which errors call by the name of its file.
+    ///
+    /// # Errors
+    /// [`ModelError`] where it is of another kind.
+    pub fn of(model: &Model, file: &Path) -> Result<Self, ModelError> {
         let refuse = |key: &str, reason: String| ModelError::Key {
             file: file.to_path_buf(),
             line: 1,

@@ -39,6 +39,7 @@ pub mod health;
 mod layout;
 mod manifest;
 mod mcap;
+mod memory;
 mod preferred;
 #[cfg(test)]
 mod properties;

@@ -2,7 +2,7 @@
 
 use super::error::{Problem, RecordingError};
 use super::sink::Sink;
-use super::{Channel, MANIFEST, Recording, Unit};
+use super::{Channel, MANIFEST, Recording};
 use flate2::{Compression, write::GzEncoder};
 use serde::Serialize;
 use std::collections::HashMap;
@@ -35,7 +35,7 @@ type Create<'a> = dyn FnMut(&Path) -> io::Result<Sink> + 'a;
 /// Refuses what would not be read back, or not as it is.
 pub(super) fn checked(recording: &Recording, folder: &Path) -> Result<(), RecordingError> {
     recording.channels.iter().try_for_each(|channel| {
-        check(channel).map_err(|reason| {
+        channel.check().map_err(|reason| {
             Problem::Channel {
                 role: channel.role.name(),
                 reason,
@@ -78,38 +78,6 @@ pub(super) fn write(
         file.flush()
     });
     written.map_err(|error| RecordingError::io(&path, &error))
-}
-
-/// A check that all would be read back as it is.
-fn check(channel: &Channel) -> Result<(), String> {
-    let Channel {
-        role,
-        unit,
-        time,
-        columns,
-    } = channel;
-    if Unit::from_name(unit).is_none_or(|known| known.si != unit) {
-        return Err(format!(
-            "\"{unit}\" is not an SI unit of the table of units"
-        ));
-    }
-    if !role.entry().columns.contains(&columns.len()) {
-        return Err(format!("it has {} columns", columns.len()));
-    }
-    if time.is_empty() || columns.iter().any(|column| column.len() != time.len()) {
-        return Err("it has no samples, or columns that are not as long as its time".into());
-    }
-    if !time
-        .iter()
-        .chain(columns.iter().flatten())
-        .all(|value| value.is_finite())
-    {
-        return Err("it has values that are not finite".into());
-    }
-    match time.windows(2).find(|pair| pair[1] <= pair[0]) {
-        Some(pair) => Err(format!("time {} s follows {} s", pair[1], pair[0])),
-        None => Ok(()),
-    }
 }
 
 /// The manifest's lines for the `count`-th channel of its role.

@@ -9,7 +9,8 @@ use crate::identification::output_only::{
 use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::{Recording, Role};
 use quell_shapers::{
-    Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, recommend,
+    Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, design_for_all,
+    recommend,
 };
 use std::path::Path;
 
@@ -233,16 +234,9 @@ fn train(advice: &Recommendation, modes: &[UncertainMode]) -> String {
 
 /// Instants, s, and amplitudes of a shaper for all modes at once.
 pub fn impulses(shaper: &dyn Shaper, modes: &[UncertainMode]) -> Vec<[f64; 2]> {
-    let mut train = quell_shapers::ImpulseTrain::identity();
-    for mode in modes {
-        let next = shaper
-            .design_for(mode)
-            .and_then(|next| train.convolve(&next));
-        let Ok(next) = next else {
-            return Vec::new();
-        };
-        train = next;
-    }
+    let Ok(train) = design_for_all(shaper, modes) else {
+        return Vec::new();
+    };
     train
         .impulses()
         .iter()

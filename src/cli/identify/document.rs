@@ -30,6 +30,12 @@ pub fn document(findings: &Findings) -> Value {
     });
     json!({
         "name": findings.recording,
+        "mode": words::known(findings).map(|known| json!({
+            "frequency_hz": known.mode.hertz(),
+            "frequency_std_hz": known.natural_frequency_std / TAU,
+            "damping_ratio": known.mode.damping_ratio(),
+            "damping_std": known.damping_ratio_std,
+        })),
         "estimates": estimates.collect::<Vec<_>>(),
         "offline": off_line(found.reference()),
         "free_decay_from_s": found.free_decays.iter().map(|run| run.stretch.from).collect::<Vec<_>>(),

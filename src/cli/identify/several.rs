@@ -1,65 +1,49 @@
 //! `quell identify` of recordings of what vibrates alone: text, JSON and page.
 
 use super::alone::{self, Alone};
-use super::alone_page::page;
+use super::model;
 use super::printer::{self, Tuned};
-use super::{Args, REPORT, model};
 use crate::cli::CliError;
-use crate::cli::out::Out;
-use crate::cli::output;
 use crate::identification::output_only::{Excitation, FoundMode};
 use crate::recording::Recording;
 use quell_shapers::UncertainMode;
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const TAU: f64 = core::f64::consts::TAU;
-/// Identifies, prints and writes the page.
+
+/// Identifies each.
 ///
 /// # Errors
-/// [`CliError::Input`] where one of the recordings has a known input, or no mode.
-pub fn run(
-    args: &Args,
-    (out, file): (Out, &str),
-    recordings: &[Recording],
-) -> Result<(), CliError> {
+/// [`CliError::Input`] where one of several has a known input, or one has no mode.
+pub fn identified(recordings: &[(PathBuf, Recording)]) -> Result<Vec<Alone>, CliError> {
     let mut all = Vec::new();
-    for (path, recording) in args.recording.iter().zip(recordings) {
+    for (path, recording) in recordings {
         if !alone::is_alone(recording) && recordings.len() > 1 {
-            let text = format!(
-                "{}: it has a known input: identify it by itself",
-                path.display()
-            );
+            let called = match path.as_os_str().is_empty() {
+                true => recording.name.clone(),
+                false => path.display().to_string(),
+            };
+            let text = format!("{called}: it has a known input: identify it by itself");
             return Err(CliError::input(text));
         }
         all.push(Alone::of(path, recording)?);
     }
-    let tuned = printer::tune(&all)?;
-    let stage = out.stage()?;
-    stage.file(REPORT, page(&all, &tuned).render())?;
-    let known: Vec<_> = all[0].found.modes.iter().map(|mode| mode.known).collect();
-    stage.file(file, model::text(&known))?;
-    stage.put()?;
-    let report = args.out.join(REPORT);
-    if args.json {
-        return output::json(&document(&all, &tuned));
-    }
-    let mut text: String = all.iter().map(|one| one.text() + "\n").collect();
-    for axis in &tuned {
-        text += &(printer::table(axis) + "\n");
-    }
+    Ok(all)
+}
+
+/// The tables that the verb prints, and the lines for a printer.
+pub fn text(all: &[Alone], tuned: &[Tuned]) -> String {
+    let mut tables: Vec<String> = all.iter().map(Alone::text).collect();
+    tables.extend(tuned.iter().map(printer::table));
     if !tuned.is_empty() {
-        text += &printer::lines(&tuned);
+        tables.push(printer::lines(tuned));
     }
-    output::text(&format!(
-        "{text}Report: {}\n{}",
-        report.display(),
-        next(&all, &args.out.join(file))
-    ))
+    tables.join("\n")
 }
 
 /// The next command; of several modes it names them all.
-fn next(all: &[Alone], file: &Path) -> String {
+pub fn next(all: &[Alone], file: &Path) -> String {
     let modes = all.first().map(Alone::shaped_for).unwrap_or_default();
     if modes.len() < 2 {
         return model::next(file);
@@ -75,7 +59,8 @@ fn next(all: &[Alone], file: &Path) -> String {
     format!("Next: quell compare{flags} --rate 1000\n")
 }
 
-fn document(all: &[Alone], tuned: &[Tuned]) -> Value {
+/// The JSON document.
+pub fn document(all: &[Alone], tuned: &[Tuned]) -> Value {
     let recording = |one: &Alone| {
         let (kind, sweep) = match one.found.excitation {
             Excitation::Decay => ("decay", None),

@@ -2,10 +2,10 @@
 
 use super::Args;
 use crate::cli::out::Out;
-use crate::cli::{CliError, time_column::time_column};
+use crate::cli::{CliError, shaping, time_column::time_column};
 use crate::recording::Table;
 use flate2::{Compression, write::GzEncoder};
-use quell_shapers::{GridTrain, Setpoint, ShapingFilter};
+use quell_shapers::GridTrain;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, 
         .map(|name| table.index(name))
         .collect::<Result<Vec<_>, _>>()?;
     let columns = table.numbers(&names)?;
-    let shaped = convolved(&columns, train)?;
+    let shaped = shaping::shaped(&columns, train).map_err(CliError::input)?;
     let (given, rows) = (columns[0].len(), shaped[0].len());
     let path = args.out.join(&name);
     let text = text(&table, &indices, &shaped, &clock)?;
@@ -56,32 +56,6 @@ fn clock(table: &Table, args: &Args) -> Result<Clock, CliError> {
         time: Some((table.index(name)?, end.unwrap_or(0.0))),
         rate,
     })
-}
-
-/// Columns through the train, each from rest at its first value, all lengthened until the last of
-/// them has come to its end.
-fn convolved(columns: &[Vec<f64>], train: &GridTrain) -> Result<Vec<Vec<f64>>, CliError> {
-    let mut filters: Vec<ShapingFilter> = Vec::new();
-    for column in columns {
-        let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
-        filter.install(train).map_err(CliError::input)?;
-        filter.reset(column[0]);
-        filters.push(filter);
-    }
-    let run = |(column, filter): (&Vec<f64>, &mut ShapingFilter)| -> Vec<f64> {
-        column.iter().map(|value| step(filter, *value)).collect()
-    };
-    let mut shaped: Vec<Vec<f64>> = columns.iter().zip(&mut filters).map(run).collect();
-    while !filters.iter().all(ShapingFilter::is_settled) {
-        for ((column, filter), shaped) in columns.iter().zip(&mut filters).zip(&mut shaped) {
-            shaped.push(step(filter, column[column.len() - 1]));
-        }
-    }
-    Ok(shaped)
-}
-
-fn step(filter: &mut ShapingFilter, value: f64) -> f64 {
-    filter.step(Setpoint::at_rest(value)).position
 }
 
 /// The time column's place and its last stamp, s, where there is one; the rate, Hz.

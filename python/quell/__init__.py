@@ -1,0 +1,96 @@
+"""
+Adaptive input shaping for flexible robot joints, and diagnosis of what a model of them lacks.
+
+Numbers are in SI; a suffix such as `_hz` says where they are not. The book has a chapter on this package.
+"""
+
+from ._quell import VERSION as __version__
+from .diagnosis import (
+    Candidate,
+    Diagnosis,
+    Finding,
+    Fit,
+    FittedParameter,
+    Location,
+    NextMove,
+    ProposedMove,
+    Quality,
+    Trace,
+    diagnose,
+)
+from .errors import (
+    DiagnosisError,
+    Error,
+    IdentificationError,
+    ModelError,
+    PlanError,
+    RecordingError,
+    ShaperError,
+)
+from .identification import Estimate, Identification, RecommendedShaper, identify
+from .model import Effect, Model
+from .modes import Mode
+from .motion import Limits, Trajectory, plan
+from .prediction import Output, Prediction, Score, score, simulate
+from .recording import Channel, Recording, roles, units
+from .shaping import (
+    AdaptiveFilter,
+    Recommendation,
+    Retuned,
+    Setpoint,
+    Shaper,
+    ShaperFigures,
+    recommend,
+    shape,
+    shapers,
+)
+
+__all__ = [
+    "AdaptiveFilter",
+    "Candidate",
+    "Channel",
+    "Diagnosis",
+    "DiagnosisError",
+    "Effect",
+    "Error",
+    "Estimate",
+    "Finding",
+    "Fit",
+    "FittedParameter",
+    "Identification",
+    "IdentificationError",
+    "Limits",
+    "Location",
+    "Mode",
+    "Model",
+    "ModelError",
+    "NextMove",
+    "Output",
+    "PlanError",
+    "Prediction",
+    "ProposedMove",
+    "Quality",
+    "RecommendedShaper",
+    "Recommendation",
+    "Recording",
+    "RecordingError",
+    "Retuned",
+    "Score",
+    "Setpoint",
+    "Shaper",
+    "ShaperError",
+    "ShaperFigures",
+    "Trace",
+    "Trajectory",
+    "__version__",
+    "diagnose",
+    "identify",
+    "plan",
+    "recommend",
+    "roles",
+    "score",
+    "shape",
+    "shapers",
+    "simulate",
+    "units",
+]

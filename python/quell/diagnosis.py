@@ -1,0 +1,443 @@
+"""What physics a model lacks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _quell
+from ._progress import Progress, shown
+from ._result import Reported, build, frame, paragraph, table
+from .model import Model
+from .recording import Recording
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "Candidate",
+    "Diagnosis",
+    "Finding",
+    "Fit",
+    "FittedParameter",
+    "Location",
+    "NextMove",
+    "ProposedMove",
+    "Quality",
+    "Trace",
+    "Verdict",
+    "diagnose",
+]
+
+Verdict = Literal["no_mismatch", "named", "ambiguous", "partly_explained", "unexplained", "not_excited"]
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """
+    A fitted number.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    value : float
+        Its value, in `unit`.
+    unit : str
+        Its unit.
+    ci95 : tuple of float
+        95 % confidence interval, in `unit`.
+    """
+
+    name: str
+    value: float
+    unit: str
+    ci95: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """
+    One piece of physics that the model lacks.
+
+    Parameters
+    ----------
+    effect : str
+        Its name in the catalogue.
+    place : str
+        Its place in the chain.
+    probability : float
+        Probability that it is missing, of all explanations together that have it.
+    parameters : tuple of FittedParameter
+        Its parameters.
+    evidence : str
+        One sentence.
+    alternatives : tuple of str
+        Effects that the data cannot tell from it.
+    happened_in : tuple of str
+        The recordings in which it happened; empty where it is the machine's.
+    """
+
+    effect: str
+    place: str
+    probability: float
+    parameters: tuple[FittedParameter, ...]
+    evidence: str
+    alternatives: tuple[str, ...]
+    happened_in: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> FittedParameter:
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise KeyError(name)
+
+
+@dataclass(frozen=True)
+class Location:
+    """
+    Where the mismatch sits.
+
+    Parameters
+    ----------
+    place : str or None
+        Place in the chain.
+    phases : tuple of str
+        Phases of the motion in which it is strong.
+    times_s : tuple of tuple of float
+        Stretches of time in which it is strong, s.
+    coordinate : str or None
+        Coordinate that it follows best.
+    frequency_hz : float or None
+        Frequency that stands out of the residual, Hz.
+    """
+
+    place: str | None
+    phases: tuple[str, ...]
+    times_s: tuple[tuple[float, ...], ...]
+    coordinate: str | None
+    frequency_hz: float | None
+
+
+@dataclass(frozen=True)
+class Quality:
+    """
+    How well a model fits.
+
+    Parameters
+    ----------
+    train_rms : float
+        Root mean square residual where it was fitted, in the unit of the fit.
+    held_out_rms : float
+        Root mean square residual where it was not.
+    held_out_over_noise : float
+        The latter over the noise.
+    """
+
+    train_rms: float
+    held_out_rms: float
+    held_out_over_noise: float
+
+
+@dataclass(frozen=True)
+class Fit:
+    """
+    The fit before and after.
+
+    Parameters
+    ----------
+    noise_std : float
+        Standard deviation of the noise of the first output, in `unit`.
+    unit : str
+        Its unit, SI.
+    before : Quality
+        The given model, its parameters refitted.
+    after : Quality
+        The model with the findings.
+    model_alone : Quality or None
+        The better model, without what happened in one recording.
+    """
+
+    noise_std: float
+    unit: str
+    before: Quality
+    after: Quality
+    model_alone: Quality | None = None
+
+
+@dataclass(frozen=True)
+class ProposedMove:
+    """
+    One proposed move from rest to rest.
+
+    Parameters
+    ----------
+    distance : float
+        Target relative to where the move starts, in `unit`.
+    speed : float
+        Greatest speed, `unit`/s.
+    acceleration : float
+        Greatest acceleration, `unit`/s^2.
+    jerk : float
+        Greatest jerk, `unit`/s^3.
+    pause_s : float
+        Pause after it, s.
+    unit : str
+        `rad` or `m`.
+    """
+
+    distance: float
+    speed: float
+    acceleration: float
+    jerk: float
+    pause_s: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class NextMove:
+    """
+    The experiment that would tell two explanations apart.
+
+    Parameters
+    ----------
+    why : str
+        One sentence.
+    separates : tuple of str
+        The two explanations.
+    expected_score : float
+        Chi-squared by which the second would fail at least, were the first right.
+    moves : tuple of ProposedMove
+        What to do; empty where no motion separates them.
+    """
+
+    why: str
+    separates: tuple[str, ...]
+    expected_score: float
+    moves: tuple[ProposedMove, ...]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """
+    One line of the ranking.
+
+    Parameters
+    ----------
+    effect : str
+        Effect, or effects joined by ` + `.
+    place : str
+        Place of the last effect.
+    log_evidence : float
+        Log of its marginal likelihood over that of the refitted model.
+    probability : float
+        Its probability among the explanations that were looked at.
+    held_out_ratio : float
+        Held-out chi-squared over that of the refitted model.
+    """
+
+    effect: str
+    place: str
+    log_evidence: float
+    probability: float
+    held_out_ratio: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """
+    One output over one recording: what was recorded, and both models.
+
+    Parameters
+    ----------
+    name : str
+        Name of the recording and role of the output.
+    unit : str
+        Unit of its values, SI.
+    time : ndarray
+        Stamps, s, shape (n,).
+    recorded : ndarray
+        What was recorded.
+    before : ndarray
+        What the refitted model says.
+    after : ndarray
+        What the model with the findings says.
+    noise_std : float
+        Standard deviation of the noise.
+    """
+
+    name: str
+    unit: str
+    time: NDArray[np.float64]
+    recorded: NDArray[np.float64]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+    noise_std: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis(Reported):
+    """
+    What physics a model lacks.
+
+    Parameters
+    ----------
+    verdict : str
+        `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained` or `not_excited`; the book's page on
+        verdicts says what each means.
+    summary : str
+        One sentence.
+    findings : tuple of Finding
+        The best explanation, strongest effect first.
+    location : Location
+        Where the mismatch sits.
+    fit : Fit
+        The fit before and after.
+    nuisances : dict of str to float
+        What was fitted besides.
+    next_move : NextMove or None
+        What to do to be sure.
+    candidates : tuple of Candidate
+        The ranking, best first.
+    remarks : tuple of str
+        What the reader should know.
+    model : Model
+        The better model: with the findings in it.
+    traces : tuple of Trace
+        What the report draws.
+    """
+
+    verdict: Verdict
+    summary: str
+    findings: tuple[Finding, ...]
+    location: Location
+    fit: Fit
+    nuisances: dict[str, float]
+    next_move: NextMove | None
+    candidates: tuple[Candidate, ...]
+    remarks: tuple[str, ...]
+    model: Model
+    traces: tuple[Trace, ...] = field(repr=False)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """
+        Give the parameters of all findings as a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns `effect`, `place`, `parameter`, `value`, `ci95_low`, `ci95_high` and `unit`.
+        """
+        columns = ["effect", "place", "parameter", "value", "ci95_low", "ci95_high", "unit"]
+        return frame([dict(zip(columns, row)) for row in self._rows()], columns)
+
+    def _rows(self) -> list[tuple[str, str, str, float, float, float, str]]:
+        return [
+            (one.effect, one.place, p.name, p.value, p.ci95[0], p.ci95[1], p.unit)
+            for one in self.findings
+            for p in one.parameters
+        ]
+
+    def _repr_html_(self) -> str:
+        heads = ["effect", "place", "parameter", "value", "from", "to", "unit"]
+        rows = table(heads, self._rows()) if self.findings else ""
+        remarks = "".join(paragraph(remark) for remark in self.remarks)
+        return f"<b>{self.verdict}</b>" + paragraph(self.summary) + rows + remarks
+
+    def plot(self, trace: int = 0) -> Figure:
+        """
+        Draw an output and what both models leave of it.
+
+        Parameters
+        ----------
+        trace : int, default 0
+            Which of `traces`; the first is the most telling.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Two axes: the output, and the residuals.
+        """
+        import matplotlib.pyplot as plt
+
+        one = self.traces[trace]
+        figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(8, 5))
+        above.plot(one.time, one.recorded, linewidth=0.8)
+        above.set_ylabel(f"{one.name} / {one.unit}")
+        below.plot(one.time, one.recorded - one.before, linewidth=0.8, label="model left")
+        below.plot(one.time, one.recorded - one.after, linewidth=0.8, label="with findings")
+        below.set_ylabel(f"residual / {one.unit}")
+        below.set_xlabel("time / s")
+        below.legend()
+        return figure
+
+
+def diagnose(
+    model: Model,
+    recordings: Union[Recording, Sequence[Recording]],
+    *,
+    held_out: Sequence[Recording] = (),
+    seed: int = 1,
+    time_limit: float | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Diagnosis:
+    """
+    Say what physics a model lacks, from recordings.
+
+    Ctrl-C ends it. Other threads of Python go on meanwhile.
+
+    Parameters
+    ----------
+    model : Model
+        The model that is believed in.
+    recordings : Recording or sequence of Recording
+        Recordings of one machine.
+    held_out : sequence of Recording, optional
+        Recordings to judge by, which nothing is fitted to.
+    seed : int, default 1
+        Seed of the confidence intervals' bootstrap.
+    time_limit : float, optional
+        Ends the search for further effects after so many seconds, and tells the best explanation so far.
+    threads : int, optional
+        Threads to work with; one a core by default.
+    progress : bool or callable, optional
+        Whether a bar is shown; by default in a terminal and in a notebook. A function is called with the share that
+        is done, 0 to 1, and what is being done.
+
+    Returns
+    -------
+    Diagnosis
+        Verdict, findings, the better model, and the report.
+
+    Raises
+    ------
+    DiagnosisError
+        Where a recording does not suit the model, or a sensor is dead.
+
+    See Also
+    --------
+    score : How well a model predicts a recording.
+    """
+    train = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    inner = ([one._inner for one in train], [one._inner for one in held_out])  # pyright: ignore[reportPrivateUsage]
+    limits = (time_limit, threads)
+    with shown(progress) as tell:
+        told = _quell.diagnose(model._inner, inner, seed, limits, tell)  # pyright: ignore[reportPrivateUsage]
+    written, text, html, toml, outputs = told
+    document = json.loads(written)
+    return build(
+        Diagnosis,
+        document,
+        document=document,
+        text=text,
+        html=html,
+        model=Model.from_toml(toml, "better model"),
+        traces=tuple(Trace(name, unit, *arrays, noise) for name, unit, arrays, noise in outputs),
+    )

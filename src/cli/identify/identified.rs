@@ -1,0 +1,90 @@
+//! What was identified, in every form in which it is told: text, JSON, page, model.
+
+use super::alone::{self, Alone};
+use super::printer::{self, Tuned};
+use super::{Findings, alone_page, document, model, page, several, tables, words};
+use crate::cli::CliError;
+use crate::identification::NominalModel;
+use crate::page::Page;
+use crate::recording::Recording;
+use crate::signal::TipRegistration;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// What was identified in one recording, or in several of what vibrates alone.
+pub struct Identified(Kind);
+
+enum Kind {
+    /// A joint with a known input.
+    Driven(Box<Findings>),
+    /// What vibrates alone, and the axes of a printer among it.
+    Alone(Vec<Alone>, Vec<Tuned>),
+}
+
+impl Identified {
+    /// Identifies recordings, each of the file beside it (empty where it has none).
+    ///
+    /// # Errors
+    /// [`CliError::Input`] where a recording is refused, nothing vibrates, or one of several has a known input.
+    pub fn of(
+        mut recordings: Vec<(PathBuf, Recording)>,
+        model: Option<&NominalModel>,
+        registration: TipRegistration,
+    ) -> Result<Self, CliError> {
+        let alone = recordings.iter().all(|(_, one)| alone::is_alone(one));
+        if recordings.len() > 1 || alone {
+            let all = several::identified(&recordings)?;
+            let tuned = printer::tune(&all)?;
+            return Ok(Self(Kind::Alone(all, tuned)));
+        }
+        let Some((_, recording)) = recordings.pop() else {
+            return Err(CliError::input("no recording was given"));
+        };
+        let findings = Findings::of(recording, model, registration)?;
+        Ok(Self(Kind::Driven(Box::new(findings))))
+    }
+
+    /// The tables that the verb prints.
+    pub fn text(&self) -> String {
+        match &self.0 {
+            Kind::Driven(findings) => tables(findings),
+            Kind::Alone(all, tuned) => several::text(all, tuned),
+        }
+    }
+
+    /// The JSON document.
+    pub fn document(&self) -> Value {
+        match &self.0 {
+            Kind::Driven(findings) => document::document(findings),
+            Kind::Alone(all, tuned) => several::document(all, tuned),
+        }
+    }
+
+    /// The report.
+    pub fn page(&self) -> Page {
+        match &self.0 {
+            Kind::Driven(findings) => page::page(findings),
+            Kind::Alone(all, tuned) => alone_page::page(all, tuned),
+        }
+    }
+
+    /// The text of `model.toml`; none where no mode is known.
+    pub fn model(&self) -> Option<String> {
+        match &self.0 {
+            Kind::Driven(findings) => words::known(findings).map(|known| model::text(&[known])),
+            Kind::Alone(all, _) => {
+                let modes = &all.first()?.found.modes;
+                let known: Vec<_> = modes.iter().map(|mode| mode.known).collect();
+                Some(model::text(&known))
+            }
+        }
+    }
+
+    /// The next command, with the model in this file.
+    pub(super) fn next(&self, file: &Path) -> String {
+        match &self.0 {
+            Kind::Driven(_) => model::next(file),
+            Kind::Alone(all, _) => several::next(all, file),
+        }
+    }
+}
