@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any, Union
 
@@ -18,7 +18,7 @@ def _is_watched() -> bool:
 
 
 @contextmanager
-def shown(progress: Progress) -> Iterator[Callable[[float, str], None] | None]:
+def shown(progress: Progress) -> Generator[Callable[[float, str], None] | None, None, None]:
     """What the work calls with the share that is done and what is being done."""
     if callable(progress):
         yield progress

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Union, cast
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +114,7 @@ def _hdf5(path: Path) -> dict[str, Any]:
     def visit(name: str, item: Any) -> None:
         if isinstance(item, h5.Dataset) and np.issubdtype(item.dtype, np.number):
             # MATLAB stores by columns, HDF5 by rows.
-            variables[name.replace("/", ".")] = np.squeeze(np.asarray(item).T)
+            variables[name.replace("/", ".")] = np.squeeze(np.transpose(item))
 
     with h5.File(path, "r") as file:
         file.visititems(visit)
@@ -138,7 +138,7 @@ def one_of(variables: Mapping[str, Any], name: str, path: Path | None) -> Any:
         if values.ndim == 2 and column < values.shape[1]:
             return values[:, column]
     place = f"{path}: " if path else ""
-    there = ", ".join(f"{known} {np.shape(variables[known])}" for known in list(variables)[:24])
+    there = ", ".join(f"{known} {_shape(variables[known])}" for known in list(variables)[:24])
     raise RecordingError(
         f'{place}column "{name}": there is none; there are: {there}',
         file=str(path) if path else None,
@@ -204,9 +204,13 @@ def _by_name(variables: Mapping[str, Any], path: Path | None) -> dict[str, Colum
                 found.setdefault(role, name)
     if not found:
         place = f"{path}: " if path else ""
-        there = ", ".join(f"{name} {np.shape(variables[name])}" for name in list(variables)[:24])
+        there = ", ".join(f"{name} {_shape(variables[name])}" for name in list(variables)[:24])
         raise RecordingError(
             f"{place}no variable is called as a role; channels = {{role: variable}} says which are; there are: {there}",
             file=str(path) if path else None,
         )
-    return cast("dict[str, Columns]", found)
+    return found
+
+
+def _shape(values: Any) -> tuple[int, ...]:
+    return np.asarray(values).shape

@@ -288,6 +288,12 @@ class Diagnosis(Reported):
 
     Parameters
     ----------
+    document : dict
+        All of it, as `to_dict` gives it.
+    text : str
+        The same as text, as the command line prints it.
+    html : str
+        The report: a page of HTML that needs no other file.
     verdict : str
         `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained` or `not_excited`; the book's page on
         verdicts says what each means.
@@ -426,10 +432,10 @@ def diagnose(
     score : How well a model predicts a recording.
     """
     train = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    inner = ([one._inner for one in train], [one._inner for one in held_out])  # pyright: ignore[reportPrivateUsage]
+    inner = ([one._inner for one in train], [one._inner for one in held_out])
     limits = (time_limit, threads)
     with shown(progress) as tell:
-        told = _quell.diagnose(model._inner, inner, seed, limits, tell)  # pyright: ignore[reportPrivateUsage]
+        told = _quell.diagnose(model._inner, inner, seed, limits, tell)
     written, text, html, toml, outputs = told
     document = json.loads(written)
     return build(
@@ -439,5 +445,5 @@ def diagnose(
         text=text,
         html=html,
         model=Model.from_toml(toml, "better model"),
-        traces=tuple(Trace(name, unit, *arrays, noise) for name, unit, arrays, noise in outputs),
+        traces=tuple(Trace(name, unit, *arrays, noise_std=noise) for name, unit, arrays, noise in outputs),
     )

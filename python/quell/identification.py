@@ -84,6 +84,12 @@ class Identification(Reported):
 
     Parameters
     ----------
+    document : dict
+        All of it, as `to_dict` gives it.
+    text : str
+        The same as text, as the command line prints it.
+    html : str
+        The report: a page of HTML that needs no other file.
     name : str
         Name of the recording.
     excitation : {"known_input", "decay", "sweep", "work"}
@@ -183,8 +189,8 @@ def identify(
     IdentificationError
         Where no mode can be told, or a channel is bad.
     """
-    inner = recording._inner  # pyright: ignore[reportPrivateUsage]
-    believed = model._inner if model else None  # pyright: ignore[reportPrivateUsage]
+    inner = recording._inner
+    believed = model._inner if model else None
     files = [(recording.file or Path(), inner)]
     told, text, html, toml = _quell.identify(files, believed, registration)
     document = json.loads(told)

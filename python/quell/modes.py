@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Union, cast
 
+from .errors import ShaperError
+
 __all__ = ["Mode", "ModeLike", "ModesLike"]
 
 
@@ -49,7 +51,10 @@ def given(modes: ModesLike) -> list[tuple[float, float, float, float]]:
 def _numbers(mode: ModeLike) -> tuple[float, float, float, float]:
     if not isinstance(mode, Mode):
         frequency, damping = mode
-        return float(frequency), float(damping), 0.0, 0.0
+        mode = Mode(float(frequency), float(damping))
+    hertz = mode.frequency_hz
+    if not (math.isfinite(hertz) and hertz > 0.0):
+        raise ShaperError(f"natural frequency {hertz} Hz is not a finite number above 0")
     deviations = [mode.frequency_std_hz, mode.damping_std]
     frequency_std, damping_std = (std if math.isfinite(std) else 0.0 for std in deviations)
-    return mode.frequency_hz, mode.damping_ratio, frequency_std, damping_std
+    return hertz, mode.damping_ratio, frequency_std, damping_std

@@ -28,6 +28,8 @@ class Score(Result):
 
     Parameters
     ----------
+    document : dict
+        All of it, as `to_dict` gives it.
     rms : float
         Root mean square error of the first output, in `unit`.
     unit : str
@@ -210,7 +212,7 @@ def simulate(model: Model, recording: Recording, *, first: int | None = None) ->
     DiagnosisError
         Where the recording does not suit the model.
     """
-    inner = model._inner, recording._inner  # pyright: ignore[reportPrivateUsage]
+    inner = model._inner, recording._inner
     outputs, document, line = _quell.predict(*inner, first)
     told = json.loads(document)
     held = tuple(Output(role, unit, *arrays) for role, unit, arrays in outputs)

@@ -43,7 +43,7 @@ def shapers() -> dict[str, str]:
     dict of str to str
         What each does, by name.
     """
-    return {name: summary for name, _, summary in _quell.shapers_table()}
+    return {name: summary for name, _, summary in _quell.shapers()}
 
 
 class Shaper:
@@ -325,6 +325,8 @@ class Recommendation(Result):
 
     Parameters
     ----------
+    document : dict
+        All of it, as `to_dict` gives it.
     best : ShaperFigures
         The one to take.
     candidates : tuple of ShaperFigures
@@ -537,7 +539,7 @@ class AdaptiveFilter:
         ShaperError
             Where it is for another rate, or too long.
         """
-        self._inner.install(shaper._inner)  # pyright: ignore[reportPrivateUsage]
+        self._inner.install(shaper._inner)
 
     def retune(
         self,
@@ -582,7 +584,7 @@ class AdaptiveFilter:
         """
         planned = _planned(position, velocity, acceleration)
         ends = (limits.velocity, limits.acceleration, limits.jerk)
-        inner = shaper._inner  # pyright: ignore[reportPrivateUsage]
+        inner = shaper._inner
         judged = (dead_band, resolution)
         told = self._inner.retune(inner, given(shaper.modes), ends, planned, judged)
         return build(Retuned, json.loads(told))

@@ -54,6 +54,9 @@ const REACHES: &[(&str, &[&str])] = &[
     ("quell-proof", &["page", "recording", "trajectories"]),
 ];
 
+/// The package for Python, which has the command line in it, and so sees all.
+const PACKAGE: &str = "quell-python";
+
 /// Packages that only a program needs.
 const PROGRAMS: &[&str] = &["axum", "clap", "hyper", "indicatif", "miette", "tokio"];
 
@@ -123,13 +126,37 @@ fn each_crate_sees_only_what_it_may() {
         }
     }
     let own = graph.keys().filter(|name| name.starts_with("quell-"));
-    let listed = |name: &&String| REACHES.iter().any(|(own, _)| own == name);
+    let listed = |name: &&String| *name == PACKAGE || REACHES.iter().any(|(own, _)| own == name);
     let missing: Vec<_> = own.filter(|name| !listed(name)).collect();
     assert!(
         missing.is_empty(),
         "without a line in {}: {missing:?}",
         file!()
     );
+}
+
+/// Packages with versions and features, of what such a selection of the workspace is made of.
+fn made_of(selection: &[&str]) -> BTreeSet<String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--locked", "--prefix", "none", "-f", "{p} {f}"])
+        .args(selection)
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let tree = String::from_utf8_lossy(&output.stdout).into_owned();
+    tree.lines()
+        .map(|line| line.trim_end_matches(" (*)").to_string())
+        .collect()
+}
+
+/// Else the test of the package compiles all anew: `python/Cargo.toml` lists what the tests ask for besides.
+#[test]
+fn the_package_for_python_is_made_of_what_the_tests_are_made_of() {
+    let package = made_of(&["-p", PACKAGE, "-e", "normal"]);
+    let tests = made_of(&["--workspace", "--features", "full", "-e", "normal,dev"]);
+    let apart: Vec<_> = package.difference(&tests).collect();
+    assert!(apart.is_empty(), "{apart:#?}");
 }
 
 /// The library of the root is for programs of others: without its features it needs nothing of a program.

@@ -32,7 +32,13 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 
 /// Folders of the sources of all crates.
 fn source_folders() -> Vec<PathBuf> {
-    let own = ["src", "shapers/src", "shapers/c/src", "trajectories/src"];
+    let own = [
+        "src",
+        "python/src",
+        "shapers/src",
+        "shapers/c/src",
+        "trajectories/src",
+    ];
     let mut folders: Vec<PathBuf> = own.iter().map(|folder| root().join(folder)).collect();
     let crates = std::fs::read_dir(root().join("crates")).unwrap();
     folders.extend(crates.map(|entry| entry.unwrap().path().join("src")));

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Programs of others, which are not looked at further.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 15] = [
     "apt-get",
     "cc",
     "cd",
@@ -17,6 +17,7 @@ const OTHERS: [&str; 14] = [
     "mkdir",
     "nats-server",
     "openssl",
+    "pip",
     "ros2",
     "rustup",
     "ulimit",

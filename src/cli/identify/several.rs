@@ -37,7 +37,8 @@ pub fn text(all: &[Alone], tuned: &[Tuned]) -> String {
     let mut tables: Vec<String> = all.iter().map(Alone::text).collect();
     tables.extend(tuned.iter().map(printer::table));
     if !tuned.is_empty() {
-        tables.push(printer::lines(tuned));
+        let lines = printer::lines(tuned);
+        tables.push(lines.trim_end_matches('\n').to_string() + "\n");
     }
     tables.join("\n")
 }
