@@ -26,6 +26,7 @@ from .errors import (
     PlanError,
     RecordingError,
     ShaperError,
+    SimulationError,
 )
 from .identification import Estimate, Identification, RecommendedShaper, identify
 from .model import Effect, Model
@@ -33,6 +34,7 @@ from .modes import Mode
 from .motion import Limits, Trajectory, plan
 from .prediction import Output, Prediction, Score, score, simulate
 from .recording import Channel, Recording, roles, units
+from .robot import SimulatedMove, simulate_robot
 from .shaping import (
     AdaptiveFilter,
     Recommendation,
@@ -80,6 +82,8 @@ __all__ = [
     "Shaper",
     "ShaperError",
     "ShaperFigures",
+    "SimulatedMove",
+    "SimulationError",
     "Trace",
     "Trajectory",
     "__version__",
@@ -92,5 +96,6 @@ __all__ = [
     "shape",
     "shapers",
     "simulate",
+    "simulate_robot",
     "units",
 ]

@@ -95,6 +95,13 @@ def recommend(
 def plan(
     from_: Sequence[_Triple], to: Sequence[_Triple], limits: Sequence[_Triple], rate: float, /
 ) -> tuple[float, list[list[_Array]]]: ...
+def simulate_robot(
+    robot: _Path | None,
+    joint: int | None,
+    command: tuple[_Array, _Array | None],
+    rate: float,
+    load: tuple[float, float | None, int],
+) -> tuple[Recording, Model, list[tuple[float, float]], _Array]: ...
 def identify(
     recordings: Sequence[tuple[_Path, Recording]], model: Model | None, registration: str
 ) -> tuple[str, str, str, str | None]: ...

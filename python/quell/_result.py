@@ -66,6 +66,11 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
+def bold(text: str) -> str:
+    """A heading for a notebook."""
+    return f"<b>{html.escape(text)}</b>"
+
+
 def paragraph(text: str) -> str:
     """A paragraph for a notebook."""
     return f"<p>{html.escape(text)}</p>"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ class Wanted:
 
     channels: Mapping[str, Columns] | None
     time: str | None
+    time_unit: Literal["s", "ms", "us", "ns"]
     rate: float | None
     units: Mapping[str, str] | None
 
@@ -50,7 +51,7 @@ def read(path: Path, where: Mapping[str, Any]) -> dict[str, Any]:
     if not rows.any():
         raise RecordingError(f"{path}: no row has {dict(where)}", file=str(path))
     count = len(rows)
-    return {name: values[rows] for name, values in variables.items() if len(values) == count}
+    return {name: values[rows] for name, values in variables.items() if _shape(values)[:1] == (count,)}
 
 
 def _reader(path: Path) -> Any:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _quell
 from ._progress import Progress, shown
-from ._result import Reported, build, frame, paragraph, table
+from ._result import Reported, bold, build, frame, paragraph, table
 from .model import Model
 from .recording import Recording
 
@@ -354,7 +354,7 @@ class Diagnosis(Reported):
         heads = ["effect", "place", "parameter", "value", "from", "to", "unit"]
         rows = table(heads, self._rows()) if self.findings else ""
         remarks = "".join(paragraph(remark) for remark in self.remarks)
-        return f"<b>{self.verdict}</b>" + paragraph(self.summary) + rows + remarks
+        return bold(self.verdict) + paragraph(self.summary) + rows + remarks
 
     def plot(self, trace: int = 0) -> Figure:
         """

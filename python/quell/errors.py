@@ -10,6 +10,7 @@ __all__ = [
     "PlanError",
     "RecordingError",
     "ShaperError",
+    "SimulationError",
 ]
 
 
@@ -102,3 +103,7 @@ class ShaperError(Error):
 
 class PlanError(Error):
     """A move that cannot be planned."""
+
+
+class SimulationError(Error):
+    """A robot or a command that cannot be simulated."""

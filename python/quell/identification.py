@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _quell
-from ._result import Reported, build, frame, paragraph, table
+from ._result import Reported, bold, build, frame, paragraph, table
 from .model import Model
 from .modes import Mode
 from .recording import Recording
@@ -131,7 +131,7 @@ class Identification(Reported):
     def _repr_html_(self) -> str:
         rows = [[getattr(mode, column) for column in COLUMNS] for mode in self.modes]
         remarks = "".join(paragraph(remark) for remark in self.remarks)
-        return f"<b>{self.name}</b>" + table(COLUMNS, rows) + remarks
+        return bold(self.name) + table(COLUMNS, rows) + remarks
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """

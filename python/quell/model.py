@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _quell
-from ._result import table
+from ._result import bold, table
 
 __all__ = ["Effect", "Model"]
 
@@ -188,4 +188,4 @@ class Model:
         rows: list[tuple[str, str, float]] = [("", key, value) for key, value in self.values.items()]
         for effect in self.effects:
             rows += [(effect.name, key, value) for key, value in effect.parameters.items()]
-        return f"<b>{self.kind}</b>" + table(["effect", "parameter", "value"], rows)
+        return bold(self.kind) + table(["effect", "parameter", "value"], rows)

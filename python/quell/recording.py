@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _quell, _variables
-from ._result import table
+from ._result import bold, table
 from .errors import RecordingError
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["Channel", "Recording", "roles", "units"]
 
 Missing = Literal["raise", "drop"]
+TimeUnit = Literal["s", "ms", "us", "ns"]
+PER_SECOND: dict[str, float] = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 Values = Union["Channel", ArrayLike]
 Columns = Union[str, "list[str]"]
 
@@ -107,6 +109,7 @@ class Recording:
         channels: Mapping[str, Values],
         *,
         time: ArrayLike | None = None,
+        time_unit: TimeUnit = "s",
         rate: float | None = None,
         units: Mapping[str, str] | None = None,
         name: str = "recording",
@@ -123,7 +126,9 @@ class Recording:
         channels : mapping of str to array_like or Channel
             Values by role. A `Channel` brings its own stamps and its own unit.
         time : array_like, optional
-            Stamps of all arrays, s, strictly increasing; or `datetime64`.
+            Stamps of all arrays, strictly increasing; instants (`datetime64`) count from the first.
+        time_unit : {"s", "ms", "us", "ns"}, default "s"
+            Unit of stamps that are numbers.
         rate : float, optional
             Samples a second, Hz, instead of `time`; the first is at 0 s.
         units : mapping of str to str, optional
@@ -157,7 +162,7 @@ class Recording:
         for role, values in channels.items():
             channel = values if isinstance(values, Channel) else None
             array = np.asarray(channel.values if channel else values, dtype=np.float64)
-            stamps = seconds(channel.time) if channel else _stamps(role, time, rate, len(array))
+            stamps = seconds(channel.time) if channel else _stamps(role, time, rate, len(array), time_unit)
             unit = channel.unit if channel else (units or {}).get(role) or _usual_unit(role)
             if missing == "drop":
                 array, stamps = _without_missing(array, stamps)
@@ -171,6 +176,7 @@ class Recording:
         channels: Mapping[str, Columns] | None = None,
         *,
         time: str | None = None,
+        time_unit: TimeUnit = "s",
         rate: float | None = None,
         units: Mapping[str, str] | None = None,
         name: str = "recording",
@@ -188,8 +194,10 @@ class Recording:
             Columns by role; a list for a vector. Without it columns are taken that are called as a role,
             alone or with a unit: `motor_position_deg`.
         time : str, optional
-            The column with seconds, or with instants. Without it a column called `time`, `time_s`, `t` or
-            `timestamp`, else the index.
+            The column with stamps, or with instants. Without it a column called `time`, `time_s`, `t` or
+            `timestamp`, else the index, where that is of instants or of numbers that are not whole.
+        time_unit : {"s", "ms", "us", "ns"}, default "s"
+            Unit of stamps that are numbers.
         rate : float, optional
             Rows a second, Hz, instead of a time.
         units : mapping of str to str, optional
@@ -212,11 +220,12 @@ class Recording:
         RecordingError
             Where a column is absent, or as `from_arrays`.
         """
-        variables: dict[str, Any] = {str(key): data[key].to_numpy() for key in data.columns}
-        if rate is None and time is None and _variables.time_of(variables) is None:
-            variables["index"] = data.index.to_numpy()
+        variables: dict[str, Any] = {str(key): _plain(data[key]) for key in data.columns}
+        index = _plain(data.index)
+        if rate is None and time is None and _variables.time_of(variables) is None and index.dtype.kind in "fmM":
+            variables["index"] = index
             time = "index"
-        wanted = _variables.Wanted(channels, time, rate, units)
+        wanted = _variables.Wanted(channels, time, time_unit, rate, units)
         return cls._of_variables(variables, wanted, None, name, payload, missing)
 
     @classmethod
@@ -226,6 +235,7 @@ class Recording:
         channels: Mapping[str, Columns] | None = None,
         *,
         time: str | None = None,
+        time_unit: TimeUnit = "s",
         rate: float | None = None,
         units: Mapping[str, str] | None = None,
         where: Mapping[str, Any] | None = None,
@@ -248,7 +258,9 @@ class Recording:
             Variables by role; `q[2]` is the third column of `q`, `log.q` the field of a MATLAB structure.
             Without it those are taken that are called as a role, alone or with a unit.
         time : str, optional
-            The variable with seconds. Without it one called `time`, `time_s`, `t` or `timestamp`.
+            The variable with stamps. Without it one called `time`, `time_s`, `t` or `timestamp`.
+        time_unit : {"s", "ms", "us", "ns"}, default "s"
+            Unit of stamps that are numbers.
         rate : float, optional
             Samples a second, Hz, instead of a time.
         units : mapping of str to str, optional
@@ -281,7 +293,7 @@ class Recording:
                 raise RecordingError(message, file=str(path))
             return cls(_quell.Recording.load(path), path)
         variables = _variables.read(path, where or {})
-        wanted = _variables.Wanted(channels, time, rate, units)
+        wanted = _variables.Wanted(channels, time, time_unit, rate, units)
         return cls._of_variables(variables, wanted, path, name or path.stem, payload, missing)
 
     @classmethod
@@ -298,6 +310,7 @@ class Recording:
         recording = cls.from_arrays(
             chosen,
             time=stamps,
+            time_unit=wanted.time_unit,
             rate=wanted.rate,
             units=units,
             name=name,
@@ -374,7 +387,7 @@ class Recording:
 
     def _repr_html_(self) -> str:
         heads = ["channel", "unit", "samples", "rate / Hz"]
-        return f"<b>{self.name}</b>" + table(heads, self._lines())
+        return bold(self.name) + table(heads, self._lines())
 
     def to_pandas(self) -> pandas.DataFrame:
         """
@@ -430,22 +443,37 @@ def _again(
     return Recording(_quell.Recording(name, payload, channels), file)
 
 
-def seconds(time: ArrayLike) -> NDArray[np.float64]:
-    """Stamps in seconds; instants count from the first."""
-    stamps = np.asarray(time)
+def seconds(time: ArrayLike, unit: TimeUnit = "s") -> NDArray[np.float64]:
+    """Stamps in seconds; instants count from the first, and whole numbers too large to be exact as well."""
+    stamps: Any = np.asarray(time)
     if np.issubdtype(stamps.dtype, np.datetime64):
         stamps = stamps - stamps[:1]
     if np.issubdtype(stamps.dtype, np.timedelta64):
         return stamps / np.timedelta64(1, "s")
-    return np.asarray(stamps, dtype=np.float64)
+    if unit not in PER_SECOND:
+        raise RecordingError(f'time_unit "{unit}": it is one of {", ".join(PER_SECOND)}')
+    if np.issubdtype(stamps.dtype, np.integer) and len(stamps) and abs(int(stamps[-1])) > 2**53:
+        stamps = stamps - stamps[0]
+    return np.asarray(stamps, dtype=np.float64) / PER_SECOND[unit]
 
 
-def _stamps(role: str, time: ArrayLike | None, rate: float | None, count: int) -> NDArray[np.float64]:
+def _plain(values: Any) -> Any:
+    """A column or an index as an array; instants of a time zone without it."""
+    if getattr(values.dtype, "tz", None) is None:
+        return values.to_numpy()
+    return (getattr(values, "dt", values)).tz_convert(None).to_numpy()
+
+
+def _stamps(
+    role: str, time: ArrayLike | None, rate: float | None, count: int, unit: TimeUnit
+) -> NDArray[np.float64]:
     if (time is None) == (rate is None):
         raise RecordingError(f"channel {role}: either time or rate says when its samples are")
     if time is not None:
-        return seconds(time)
-    return np.arange(count) / float(rate or np.nan)
+        return seconds(time, unit)
+    if not (rate and np.isfinite(rate) and rate > 0.0):
+        raise RecordingError(f"channel {role}: a rate of {rate} Hz is not a finite number above 0")
+    return np.arange(count) / rate
 
 
 def _usual_unit(role: str) -> str:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _quell
-from ._result import Result, build, frame, table
+from ._arrays import columns_of
+from ._result import Result, bold, build, frame, table
 from .errors import ShaperError
 from .modes import Mode, ModesLike, given
 
@@ -32,6 +33,9 @@ __all__ = [
     "shape",
     "shapers",
 ]
+
+# Ticks that a filter holds at most: 1.2 GB.
+MOST_TICKS = 10_000_000
 
 
 def shapers() -> dict[str, str]:
@@ -158,7 +162,7 @@ class Shaper:
         """
         Shape a whole command, from rest at its first value until it has come to its end.
 
-        Contiguous arrays of 64-bit floats are read where they are.
+        A contiguous array of one axis, of 64-bit floats, is read where it is.
 
         Parameters
         ----------
@@ -176,7 +180,7 @@ class Shaper:
             Where a value is not finite, or there is none.
         """
         array = np.asarray(command, dtype=np.float64)
-        columns = _columns("command", array)
+        columns = columns_of("command", array)
         shaped = self._inner.apply(columns)
         return shaped[0] if array.ndim == 1 else np.stack(shaped, axis=1)
 
@@ -185,7 +189,7 @@ class Shaper:
         return f"Shaper({self.name} for {modes}: {self.duration:.4f} s)"
 
     def _repr_html_(self) -> str:
-        return f"<b>{self.name}</b>" + table(["tap / s", "amplitude"], self.taps.tolist())
+        return bold(self.name) + table(["tap / s", "amplitude"], self.taps.tolist())
 
     def to_dict(self) -> dict[str, Any]:
         """
@@ -349,7 +353,7 @@ class Recommendation(Result):
 
     def _repr_html_(self) -> str:
         rows = [list(one.values()) for one in self.document["candidates"]]
-        return f"<b>{self.best.shaper}</b>" + table(list(self.document["best"]), rows)
+        return bold(self.best.shaper) + table(list(self.document["best"]), rows)
 
 
 def recommend(
@@ -471,6 +475,8 @@ class AdaptiveFilter:
         for name, value in [("rate", rate), ("longest_train", longest_train), ("horizon", horizon)]:
             if not (math.isfinite(value) and value > 0.0):
                 raise ShaperError(f"{name}: {value} is not a finite number above 0")
+            if value * (1.0 if name == "rate" else rate) > MOST_TICKS:
+                raise ShaperError(f"{name}: {value} at {rate} Hz is more than {MOST_TICKS} ticks")
         ticks = [math.ceil(seconds * rate) for seconds in (longest_train, horizon)]
         self._inner = _quell.AdaptiveFilter(float(rate), *ticks)
 
@@ -628,25 +634,12 @@ def _planned(
     position: ArrayLike, velocity: ArrayLike | None, acceleration: ArrayLike | None
 ) -> list[NDArray[np.float64]]:
     """Three arrays of one length."""
-    columns = _columns("position", np.asarray(position, dtype=np.float64).reshape(-1))
+    columns = columns_of("position", np.asarray(position, dtype=np.float64).reshape(-1))
     for name, values in [("velocity", velocity), ("acceleration", acceleration)]:
         if values is None:
             columns.append(np.zeros_like(columns[0]))
             continue
-        columns += _columns(name, np.asarray(values, dtype=np.float64).reshape(-1))
+        columns += columns_of(name, np.asarray(values, dtype=np.float64).reshape(-1))
         if len(columns[-1]) != len(columns[0]):
             raise ShaperError(f"{name}: {len(columns[-1])} values, and {len(columns[0])} positions")
     return columns
-
-
-def _columns(name: str, array: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """The columns of a command; an array that is contiguous is not copied."""
-    if array.ndim not in (1, 2) or len(array) == 0:
-        raise ShaperError(f"{name}: an array of shape {array.shape}; it is (n,) or (n, axes)")
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        at = tuple(int(index) for index in bad[0])
-        raise ShaperError(f"{name}: element {at} is {array[at]}, not a finite number")
-    if array.ndim == 1:
-        return [np.ascontiguousarray(array)]
-    return [np.ascontiguousarray(array[:, axis]) for axis in range(array.shape[1])]

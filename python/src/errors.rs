@@ -18,6 +18,7 @@ mod classes {
     import_exception!(quell.errors, PlanError);
     import_exception!(quell.errors, RecordingError);
     import_exception!(quell.errors, ShaperError);
+    import_exception!(quell.errors, SimulationError);
 }
 
 /// The message of the command line, without the word `error`.
@@ -63,6 +64,11 @@ pub fn model(error: ModelError) -> PyErr {
 /// A recording in which nothing can be identified.
 pub fn identification(error: &CliError) -> PyErr {
     classes::IdentificationError::new_err((told(error),))
+}
+
+/// A robot or a command that cannot be simulated.
+pub fn simulation(error: &CliError) -> PyErr {
+    classes::SimulationError::new_err((told(error),))
 }
 
 /// A diagnosis or prediction that cannot be made.

@@ -10,6 +10,7 @@ mod identification;
 mod model;
 mod motion;
 mod recording;
+mod robot;
 mod shaper;
 mod waiting;
 
@@ -32,6 +33,8 @@ mod _quell {
     use super::motion::plan;
     #[pymodule_export]
     use super::recording::{Recording, roles, units};
+    #[pymodule_export]
+    use super::robot::simulate_robot;
     #[pymodule_export]
     use super::shaper::{Shaper, recommend, shapers_table};
 

@@ -61,7 +61,8 @@ def test_the_types_are_strict() -> None:
     assert checked.returncode == 0, checked.stdout
     # And all that a user sees has a type; those of others are their own.
     command = [sys.executable, "-m", "pyright", "--verifytypes", "quell", "--ignoreexternal"]
-    verified = subprocess.run([*command, "--pythonpath", sys.executable], capture_output=True, text=True)
+    beside = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    verified = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PATH": beside})
     assert "completeness score: 100%" in verified.stdout, verified.stdout
 
 

@@ -34,9 +34,13 @@ def test_arrays_frames_and_files_are_one(tmp_path: Path) -> None:
     named = {"time": T, "motor_position_deg": Q, "deformation_mrad": D}
     expected(quell.Recording.from_pandas(pd.DataFrame(named)))
     expected(quell.Recording.from_pandas(pd.DataFrame(named).set_index("time")))
-    instants = pd.DataFrame(named).set_index(pd.to_datetime(T + 1.7e9, unit="s")).drop(columns="time")
-    by_instant = quell.Recording.from_pandas(instants)
-    np.testing.assert_allclose(by_instant["deformation"].stamps, T, atol=1e-6)
+    instants = pd.to_datetime(np.round(1e6 * (T + 1.7e9)), unit="us")
+    for index in (instants, instants.tz_localize("Europe/Paris")):
+        expected(quell.Recording.from_pandas(pd.DataFrame(named).set_index(index).drop(columns="time")))
+    nanoseconds = {**named, "time": np.round(1e9 * T).astype(np.int64) + 1_700_000_000_000_000_000}
+    expected(quell.Recording.from_pandas(pd.DataFrame(nanoseconds), time_unit="ns"))
+    with pytest.raises(quell.RecordingError, match="time or rate"):
+        quell.Recording.from_pandas(pd.DataFrame(named).drop(columns="time"))
 
     np.savez(tmp_path / "a.npz", **named)
     expected(quell.Recording.load(tmp_path / "a.npz"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -26,6 +27,27 @@ def test_a_mode_is_identified_with_its_input_known(recording: quell.Recording) -
     assert {"likelihood", "batch_fit"} <= {estimate.method for estimate in found.estimates}
     assert found.model is not None and found.model["natural_frequency_hz"] == pytest.approx(mode.frequency_hz, rel=1e-5)
     assert quell.Shaper("optimal", found.modes, rate=500).residual(8.0) < 0.01
+
+
+def test_a_shaped_command_leaves_a_simulated_robot_still_and_its_recording_is_identified() -> None:
+    move, still = quell.plan(0.0, 0.5, quell.Limits(2.0, 8.0, 60.0), rate=250), 750
+    left = []
+    for shaper in (None, quell.Shaper("zvd", (8.12, 0.084), rate=250)):
+        command = shaper.apply(move.position) if shaper else move.position
+        command = np.append(command, np.full(still, command[-1]))
+        moved = quell.simulate_robot(command, rate=250)
+        left.append(np.abs(moved.tip_deformation[-still + 50 :]).max())
+        assert moved.tip_deformation.shape == command.shape == moved.to_pandas().index.shape
+        if shaper is None:
+            mode = quell.identify(moved.recording, moved.model).modes[0]
+            assert (mode.frequency_hz, mode.damping_ratio) == pytest.approx((8.12, 0.084), rel=0.02)
+    assert left[1] < 0.03 * left[0]
+    with pytest.raises(quell.SimulationError, match="--joint 9|joints 1 to"):
+        quell.simulate_robot(command, rate=250, joint=9)
+    with pytest.raises(quell.SimulationError, match="nowhere.toml"):
+        quell.simulate_robot(command, rate=250, robot="nowhere.toml")
+    with pytest.raises(quell.SimulationError, match="payload"):
+        quell.simulate_robot(command, rate=250, payload=-1.0)
 
 
 def test_the_forms_of_a_result_agree(recording: quell.Recording, model: quell.Model, tmp_path: Path) -> None:
@@ -52,6 +74,8 @@ def test_a_model_that_lacks_nothing_is_told_so(diagnosis: quell.Diagnosis, recor
     assert quell.score(diagnosis.model, recording).rms_over_noise < 1.1
     assert diagnosis.to_pandas().empty and "no_mismatch" in diagnosis._repr_html_()
     assert diagnosis.to_dict()["verdict"] == "no_mismatch"
+    again = pickle.loads(pickle.dumps(diagnosis))
+    assert again.model == diagnosis.model and again.to_dict() == diagnosis.to_dict()
 
 
 def test_the_command_line_says_the_same(
