@@ -5,6 +5,9 @@ use pyo3::prelude::*;
 use quell::model;
 use std::path::PathBuf;
 
+/// Name and place of an effect, and its parameters.
+type Line = (&'static str, &'static str, Vec<(&'static str, f64)>);
+
 /// A model of an axis.
 #[pyclass(frozen, module = "quell._quell")]
 pub struct Model {
@@ -53,7 +56,7 @@ impl Model {
     }
 
     /// Name, place and parameters of each of its effects.
-    fn effects(&self) -> Vec<(&'static str, &'static str, Vec<(&'static str, f64)>)> {
+    fn effects(&self) -> Vec<Line> {
         let line = |one: &model::ModelEffect| {
             let names = one.effect.parameters.iter().map(|parameter| parameter.name);
             let values = one.parameters.iter().map(|value| value.value);
