@@ -5,19 +5,7 @@ Numbers are in SI; a suffix such as `_hz` says where they are not. The book has 
 """
 
 from ._quell import VERSION as __version__
-from .diagnosis import (
-    Candidate,
-    Diagnosis,
-    Finding,
-    Fit,
-    FittedParameter,
-    Location,
-    NextMove,
-    ProposedMove,
-    Quality,
-    Trace,
-    diagnose,
-)
+from .diagnosis import Diagnosis, diagnose
 from .errors import (
     DiagnosisError,
     Error,
@@ -28,24 +16,27 @@ from .errors import (
     ShaperError,
     SimulationError,
 )
+from .filtering import AdaptiveFilter, Retuned, Setpoint
+from .findings import (
+    Candidate,
+    Finding,
+    Fit,
+    FittedParameter,
+    Location,
+    NextMove,
+    ProposedMove,
+    Quality,
+    Trace,
+)
 from .identification import Estimate, Identification, RecommendedShaper, identify
 from .model import Effect, Model
 from .modes import Mode
 from .motion import Limits, Trajectory, plan
 from .prediction import Output, Prediction, Score, score, simulate
+from .recommendation import Recommendation, ShaperFigures, recommend
 from .recording import Channel, Recording, roles, units
 from .robot import SimulatedMove, simulate_robot
-from .shaping import (
-    AdaptiveFilter,
-    Recommendation,
-    Retuned,
-    Setpoint,
-    Shaper,
-    ShaperFigures,
-    recommend,
-    shape,
-    shapers,
-)
+from .shaping import Shaper, shape, shapers
 
 __all__ = [
     "AdaptiveFilter",

@@ -6,12 +6,13 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Union
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _quell
+from ._samples import TimeUnit
 from .errors import RecordingError
 
 TIMES = ("time_s", "time", "t_s", "t", "timestamp")
@@ -24,7 +25,7 @@ class Wanted:
 
     channels: Mapping[str, Columns] | None
     time: str | None
-    time_unit: Literal["s", "ms", "us", "ns"]
+    time_unit: TimeUnit
     rate: float | None
     units: Mapping[str, str] | None
 

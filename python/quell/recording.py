@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _quell, _variables
+from ._samples import TimeUnit, columns_of_role, plain, seconds, stamps_of, usual_unit, without_missing
 from ._result import bold, table
 from .errors import RecordingError
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 __all__ = ["Channel", "Recording", "roles", "units"]
 
 Missing = Literal["raise", "drop"]
-TimeUnit = Literal["s", "ms", "us", "ns"]
-PER_SECOND: dict[str, float] = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 Values = Union["Channel", ArrayLike]
 Columns = Union[str, "list[str]"]
 
@@ -162,11 +161,11 @@ class Recording:
         for role, values in channels.items():
             channel = values if isinstance(values, Channel) else None
             array = np.asarray(channel.values if channel else values, dtype=np.float64)
-            stamps = seconds(channel.time) if channel else _stamps(role, time, rate, len(array), time_unit)
-            unit = channel.unit if channel else (units or {}).get(role) or _usual_unit(role)
+            stamps = seconds(channel.time) if channel else stamps_of(role, time, rate, len(array), time_unit)
+            unit = channel.unit if channel else (units or {}).get(role) or usual_unit(role)
             if missing == "drop":
-                array, stamps = _without_missing(array, stamps)
-            given.append((role, unit, np.ascontiguousarray(stamps), _columns(role, array)))
+                array, stamps = without_missing(array, stamps)
+            given.append((role, unit, np.ascontiguousarray(stamps), columns_of_role(role, array)))
         return cls(_quell.Recording(name, payload, given))
 
     @classmethod
@@ -220,8 +219,8 @@ class Recording:
         RecordingError
             Where a column is absent, or as `from_arrays`.
         """
-        variables: dict[str, Any] = {str(key): _plain(data[key]) for key in data.columns}
-        index = _plain(data.index)
+        variables: dict[str, Any] = {str(key): plain(data[key]) for key in data.columns}
+        index = plain(data.index)
         if rate is None and time is None and _variables.time_of(variables) is None and index.dtype.kind in "fmM":
             variables["index"] = index
             time = "index"
@@ -441,62 +440,3 @@ def _again(
 ) -> Recording:
     """A recording that was pickled."""
     return Recording(_quell.Recording(name, payload, channels), file)
-
-
-def seconds(time: ArrayLike, unit: TimeUnit = "s") -> NDArray[np.float64]:
-    """Stamps in seconds; instants count from the first, and whole numbers too large to be exact as well."""
-    stamps: Any = np.asarray(time)
-    if np.issubdtype(stamps.dtype, np.datetime64):
-        stamps = stamps - stamps[:1]
-    if np.issubdtype(stamps.dtype, np.timedelta64):
-        return stamps / np.timedelta64(1, "s")
-    if unit not in PER_SECOND:
-        raise RecordingError(f'time_unit "{unit}": it is one of {", ".join(PER_SECOND)}')
-    if np.issubdtype(stamps.dtype, np.integer) and len(stamps) and abs(int(stamps[-1])) > 2**53:
-        stamps = stamps - stamps[0]
-    return np.asarray(stamps, dtype=np.float64) / PER_SECOND[unit]
-
-
-def _plain(values: Any) -> Any:
-    """A column or an index as an array; instants of a time zone without it."""
-    if getattr(values.dtype, "tz", None) is None:
-        return values.to_numpy()
-    return (getattr(values, "dt", values)).tz_convert(None).to_numpy()
-
-
-def _stamps(
-    role: str, time: ArrayLike | None, rate: float | None, count: int, unit: TimeUnit
-) -> NDArray[np.float64]:
-    if (time is None) == (rate is None):
-        raise RecordingError(f"channel {role}: either time or rate says when its samples are")
-    if time is not None:
-        return seconds(time, unit)
-    if not (rate and np.isfinite(rate) and rate > 0.0):
-        raise RecordingError(f"channel {role}: a rate of {rate} Hz is not a finite number above 0")
-    return np.arange(count) / rate
-
-
-def _usual_unit(role: str) -> str:
-    for name, _, usual in _quell.roles():
-        if name == role and len(usual) > 1:
-            raise RecordingError(f'channel {role}: units = {{"{role}": ...}} says its unit, such as {" or ".join(usual)}')
-        if name == role:
-            return usual[0]
-    return "1"
-
-
-def _without_missing(
-    array: NDArray[np.float64], stamps: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    if len(array) != len(stamps):
-        return array, stamps
-    there = ~np.isnan(array.reshape(len(array), -1)).any(axis=1) & ~np.isnan(stamps)
-    return array[there], stamps[there]
-
-
-def _columns(role: str, array: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    if array.ndim not in (1, 2):
-        raise RecordingError(f"channel {role}: an array of shape {array.shape}; it is (n,) or (n, 3)")
-    if array.ndim == 1:
-        return [np.ascontiguousarray(array)]
-    return [np.ascontiguousarray(array[:, k]) for k in range(array.shape[1])]

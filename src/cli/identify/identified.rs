@@ -31,17 +31,18 @@ impl Identified {
         model: Option<&NominalModel>,
         registration: TipRegistration,
     ) -> Result<Self, CliError> {
-        let alone = recordings.iter().all(|(_, one)| alone::is_alone(one));
-        if recordings.len() > 1 || alone {
-            let all = several::identified(&recordings)?;
-            let tuned = printer::tune(&all)?;
-            return Ok(Self(Kind::Alone(all, tuned)));
-        }
-        let Some((_, recording)) = recordings.pop() else {
-            return Err(CliError::input("no recording was given"));
+        let driven = match recordings.as_slice() {
+            [] => return Err(CliError::input("no recording was given")),
+            [(_, one)] => !alone::is_alone(one),
+            _ => false,
         };
-        let findings = Findings::of(recording, model, registration)?;
-        Ok(Self(Kind::Driven(Box::new(findings))))
+        if let Some((_, recording)) = recordings.pop_if(|_| driven) {
+            let findings = Findings::of(recording, model, registration)?;
+            return Ok(Self(Kind::Driven(Box::new(findings))));
+        }
+        let all = several::identified(&recordings)?;
+        let tuned = printer::tune(&all)?;
+        Ok(Self(Kind::Alone(all, tuned)))
     }
 
     /// The tables that the verb prints.
