@@ -583,6 +583,14 @@ fn val_forces_by_hand() {
     for (name, parameters, x, v, expected) in [
         ("viscous_friction", vec![2.0], 0.3, -0.5, -1.0),
         ("viscous_drag", vec![2.0], 0.3, -0.5, -1.0),
+        // tanh(ln 3 / 2) = 1 / 2.
+        (
+            "smooth_coulomb_friction",
+            vec![2.0, 0.1],
+            0.3,
+            -0.05 * 3f64.ln(),
+            -1.0,
+        ),
         ("force_offset", vec![2.0], 0.3, -0.5, 2.0),
         (
             "cogging",

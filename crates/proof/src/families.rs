@@ -20,6 +20,7 @@ pub const FAMILIES: &[Family] = &[
         "dry friction",
         &[
             "coulomb_friction",
+            "smooth_coulomb_friction",
             "stribeck_friction",
             "presliding_hysteresis",
             "asymmetric_friction",

@@ -31,6 +31,7 @@ const NAMED: &[(&[&str], &[&str])] = &[
     (
         &[
             "coulomb_friction",
+            "smooth_coulomb_friction",
             "stribeck_friction",
             "asymmetric_friction",
         ],

@@ -13,7 +13,7 @@ use super::{
 pub const ASYMMETRIC_FRICTION: Effect = Effect {
     name: "asymmetric_friction",
     title: "asymmetric friction",
-    places: &[Place::Drive, Place::Transmission],
+    places: &[Place::Drive, Place::Transmission, Place::Link],
     physics: "Dry friction is F (1 + a) in positive and F (1 - a) in negative motion: the flanks of \
         teeth wear on one side, seals have a lip, screws carry a load. Unlike a constant force it \
         does not act at rest, where friction holds. Source: Armstrong-Helouvry, Control of Machines \

@@ -7,7 +7,7 @@ use super::{Effect, Friction, Law, Likeness, Place, Property, Slot};
 pub const COULOMB_FRICTION: Effect = Effect {
     name: "coulomb_friction",
     title: "Coulomb friction",
-    places: &[Place::Drive, Place::Transmission],
+    places: &[Place::Drive, Place::Transmission, Place::Link],
     physics: "Two surfaces pressed together stick until the force between them exceeds F, and slide \
         against F, whatever the speed. It dissipates the same energy in each cycle for each unit of \
         amplitude, so that free vibration decays along a straight line and stops away from its centre. \

@@ -11,7 +11,7 @@ use super::{Effect, Friction, Law, Parameter, Place, Property, Quantity, Slot, S
 pub const LEARNED_FRICTION: Effect = Effect {
     name: "learned_friction",
     title: "learned friction",
-    places: &[Place::Drive, Place::Transmission],
+    places: &[Place::Drive, Place::Transmission, Place::Link],
     physics: "Two surfaces stick until the force between them exceeds the level of friction at rest, and slide \
         against a level that depends on the slip velocity: a curve for each direction, which is learned, with a \
         jump where the velocity changes its sign. Each is a cubic spline through levels at equally spaced speeds, \

@@ -64,6 +64,7 @@ mod sensor_lag;
 mod sensor_lag_second_order;
 mod shared_parameters;
 mod slot;
+mod smooth_coulomb_friction;
 mod spline;
 mod stiction;
 mod stiffness_drift;
@@ -158,6 +159,7 @@ pub struct Effect {
 /// The catalogue.
 pub const EFFECTS: &[&Effect] = &[
     &coulomb_friction::COULOMB_FRICTION,
+    &smooth_coulomb_friction::SMOOTH_COULOMB_FRICTION,
     &stribeck_friction::STRIBECK_FRICTION,
     &asymmetric_friction::ASYMMETRIC_FRICTION,
     &stiction::STICTION,

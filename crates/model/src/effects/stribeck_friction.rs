@@ -11,7 +11,7 @@ use super::{
 pub const STRIBECK_FRICTION: Effect = Effect {
     name: "stribeck_friction",
     title: "Stribeck friction",
-    places: &[Place::Drive, Place::Transmission],
+    places: &[Place::Drive, Place::Transmission, Place::Link],
     physics: "Lubricated surfaces stick until the force exceeds F (1 + excess), and slide against \
         F (1 + excess exp(-(v / v_s)^2)): at speed a film carries part of the load. The falling \
         slope makes slow motion jerk (stick-slip). With no excess it is Coulomb friction. Source: \
@@ -68,6 +68,6 @@ pub const STRIBECK_FRICTION: Effect = Effect {
 };
 
 /// The slower and the faster of the two.
-fn speeds(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn speeds(a: f64, b: f64) -> (f64, f64) {
     (a.min(b), a.max(b))
 }

@@ -53,8 +53,12 @@ pub struct Joint {
     pub stiffness: f64,
     /// Torque per rate of deformation.
     pub damping: f64,
-    /// Friction across the transmission.
+    /// Friction across the transmission, or in the link's bearing.
     pub dry: Option<DryFriction>,
+    /// Whether it is in the link's bearing.
+    pub dry_bearing: bool,
+    /// Torque and speed `v_0` of a bearing's friction of the size `tanh(v / v_0)`.
+    pub creeping_bearing: [f64; 2],
     /// Presliding friction across the transmission.
     pub bristles: Option<Bristles>,
     /// Hysteretic spring across the transmission.

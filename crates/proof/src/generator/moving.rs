@@ -194,6 +194,10 @@ impl Moving<'_> {
         let joint = self.joint;
         let (y, v) = (state[Y], state[Y_RATE]);
         let mut torque = -v * (joint.viscous_drag + joint.quadratic_drag * v.abs());
+        let [rub, speed] = joint.creeping_bearing;
+        if rub != 0.0 {
+            torque -= rub * (v / speed).tanh();
+        }
         if joint.gravity[0] != 0.0 {
             torque += joint.gravity[0] * (y + joint.gravity[1]).sin();
         }
@@ -218,11 +222,22 @@ impl Moving<'_> {
         (-back, pull)
     }
 
-    /// Torque of the transmission on the link that keeps the two sides together.
+    /// Speed of what the friction holds the link to.
+    fn held_by(&self, time: f64, state: &State) -> f64 {
+        match self.joint.dry_bearing {
+            true => 0.0,
+            false => state[B_RATE] + self.motor(time).0[1],
+        }
+    }
+
+    /// Torque of the friction on the link that keeps the two sides of the transmission together, or the link at rest.
     fn holding(&self, now: &Instant) -> f64 {
+        if self.joint.dry_bearing {
+            return now.elastic - now.load;
+        }
         let link = now.load / now.inertia;
         let base = now.ground * now.compliance;
-        (now.motor[2] + base - link) / (1.0 / now.inertia + now.compliance)
+        (now.motor[2] + base - link) / (1.0 / now.inertia + now.compliance) + now.elastic
     }
 }
 
@@ -230,17 +245,23 @@ impl Plant for Moving<'_> {
     fn rates(&self, time: f64, state: &State, contact: Contact) -> State {
         let joint = self.joint;
         let now = self.instant(time, state);
-        let torque = match (joint.dry, contact) {
-            (None, _) => -now.elastic,
+        let rubbing = match (joint.dry, contact) {
+            (None, _) => 0.0,
             (Some(_), Contact::Stuck) => self.holding(&now),
             (Some(dry), Contact::Sliding(sign)) => {
-                let speed = (sign * now.x_rate).max(0.0);
-                dry.sliding(sign, speed, now.position) - now.elastic
+                let slip = if joint.dry_bearing {
+                    state[Y_RATE]
+                } else {
+                    now.x_rate
+                };
+                dry.sliding(sign, (sign * slip).max(0.0), now.position)
             }
         };
+        let bearing = if joint.dry_bearing { rubbing } else { 0.0 };
+        let torque = rubbing - bearing - now.elastic;
         let mut rates = [0.0; STATES];
         rates[Y] = state[Y_RATE];
-        rates[Y_RATE] = (torque + now.load) / now.inertia;
+        rates[Y_RATE] = (torque + bearing + now.load) / now.inertia;
         rates[B] = state[B_RATE];
         rates[B_RATE] = (now.ground - torque) * now.compliance;
         if let Some((outer, _)) = joint.outer {
@@ -269,7 +290,7 @@ impl Plant for Moving<'_> {
 
     fn slip(&self, time: f64, state: &State) -> Option<f64> {
         self.joint.dry?;
-        Some(state[Y_RATE] - state[B_RATE] - self.motor(time).0[1])
+        Some(state[Y_RATE] - self.held_by(time, state))
     }
 
     fn excess(&self, time: f64, state: &State) -> (f64, f64) {
@@ -277,11 +298,11 @@ impl Plant for Moving<'_> {
             return (0.0, 1.0);
         };
         let now = self.instant(time, state);
-        dry.excess(self.holding(&now) + now.elastic, now.position)
+        dry.excess(self.holding(&now), now.position)
     }
 
     fn arrest(&self, time: f64, state: &mut State) {
-        state[Y_RATE] = state[B_RATE] + self.motor(time).0[1];
+        state[Y_RATE] = self.held_by(time, state);
     }
 
     fn edges(&self, time: f64, state: &State) -> [f64; 4] {

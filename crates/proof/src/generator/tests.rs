@@ -89,12 +89,16 @@ fn val_dry_friction_takes_four_of_its_deflections_a_cycle_and_then_holds() {
     // 0.1 > 0.09 slides once more to -0.08.
     let half = 0.1;
     let instants: Vec<f64> = (1..=8).map(|k| half * f64::from(k)).collect();
-    let seen = released(&joint, 1e-3, 1e-3, &instants);
-    for (k, seen) in seen.iter().enumerate() {
-        let turns = (k + 1).min(6) as f64;
-        let sign = if turns as i32 % 2 == 0 { 1.0 } else { -1.0 };
-        let expected = sign * (1e-3 - 2.0 * friction * turns);
-        assert!((seen - expected).abs() < 1e-10, "{k}: {seen} {expected}");
+    // Beside a motor that stands still a bearing does the same as the transmission.
+    for bearing in [false, true] {
+        joint.dry_bearing = bearing;
+        let seen = released(&joint, 1e-3, 1e-3, &instants);
+        for (k, seen) in seen.iter().enumerate() {
+            let turns = (k + 1).min(6) as f64;
+            let sign = if turns as i32 % 2 == 0 { 1.0 } else { -1.0 };
+            let expected = sign * (1e-3 - 2.0 * friction * turns);
+            assert!((seen - expected).abs() < 1e-10, "{k}: {seen} {expected}");
+        }
     }
 }
 

@@ -24,6 +24,12 @@ pub struct Covered {
 /// bristles of LuGre, the oil in a play, a damped stop) is not here.
 const SAME: &[(&str, &str, &[&str])] = &[
     ("coulomb_friction", "friction", &["friction"]),
+    ("smooth_coulomb_friction", "friction", &["friction"]),
+    (
+        "smooth_coulomb_friction",
+        "transition_velocity",
+        &["transition_velocity"],
+    ),
     ("stribeck_friction", "friction", &["friction"]),
     ("stribeck_friction", "excess", &["excess"]),
     (

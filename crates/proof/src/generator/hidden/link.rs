@@ -1,7 +1,7 @@
 //! On the link, under the base and from outside.
 
 use super::super::joint::Body;
-use super::super::surfaces::{Knock, Stop};
+use super::super::surfaces::{DryFriction, Knock, Stop};
 use super::{Arm, Entry, OUTER, Parameters, Scales, between, entry, log_between, sign};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
@@ -9,6 +9,8 @@ use std::f64::consts::{PI, TAU};
 const PLACE: &str = "link";
 
 pub(super) const ENTRIES: &[Entry] = &[
+    entry("coulomb_friction", PLACE, [0.05, 0.8], bearing),
+    entry("smooth_coulomb_friction", PLACE, [0.05, 0.8], creeping).more_than(only_bearing),
     entry("viscous_drag", PLACE, [0.1, 1.0], viscous_drag),
     entry("quadratic_drag", PLACE, [0.1, 1.0], quadratic_drag),
     entry("gravity_load", PLACE, [0.1, 1.0], gravity),
@@ -19,6 +21,26 @@ pub(super) const ENTRIES: &[Entry] = &[
     entry("base_mode", "base", [0.05, 0.5], base_mode).seen_by(OUTER),
     entry("external_disturbance", "environment", [0.1, 2.0], knocks),
 ];
+
+/// Dry friction in the link's bearing.
+fn bearing(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
+    let friction = size * scales.deformation;
+    arm.joint.dry = Some(DryFriction::coulomb(friction * arm.joint.stiffness));
+    arm.joint.dry_bearing = true;
+    vec![("friction", friction)]
+}
+
+/// The same without sticking.
+fn creeping(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+    let friction = size * scales.deformation;
+    let transition = scales.speed * log_between(0.003, 0.1, shape[0]);
+    arm.joint.creeping_bearing = [friction * arm.joint.stiffness, transition];
+    vec![("friction", friction), ("transition_velocity", transition)]
+}
+
+fn only_bearing(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f64; 2]) {
+    bearing(arm, scales, shape, size * by[0]);
+}
 
 fn viscous_drag(arm: &mut Arm, scales: &Scales, _: [f64; 4], size: f64) -> Parameters {
     let drag = size * scales.deformation / scales.speed;
