@@ -38,7 +38,9 @@ pub const LEARNED_FRICTION: Effect = Effect {
         ]))
     },
     starts: |scales| {
-        [scales.visited_motor_velocity(), scales.visited_slip()]
+        // The two sides of the axis are as fast as each other, but for the ringing.
+        let speeds = scales.visited_motor_velocity();
+        [speeds, scales.visited_slip(), speeds]
             .map(start::<PARAMETERS>)
             .to_vec()
     },
