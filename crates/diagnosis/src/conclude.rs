@@ -106,6 +106,7 @@ fn is_seen_alike(search: &Search, fit: &Fit) -> bool {
     let is_whole = |own: &Scored| own.before.windows == 1 && own.after.windows == 1;
     let in_one_piece = experiments().all(|own| own.windows.is_empty());
     data.judged_by == HeldOut::Recordings
+        && experiments().all(|own| own.coupling.is_none())
         && fit.model_alone.is_none()
         && fit.scores.len() == experiments().count()
         && fit.scores.iter().all(|own| is_whole(own) == in_one_piece)

@@ -1,12 +1,12 @@
-//! From a model and recordings to a diagnosis: one look at them, or two, in windows, each with a start of its own,
-//! and in one piece.
+//! From a model and recordings to a diagnosis: one look at them; where a force drives the motor side freely three:
+//! coupled to its measured motion, in windows, each with a start of its own, and in one piece.
 
 use super::candidate::Known;
 use super::document::Verdict;
 use super::error::DiagnosisError;
 use super::excitation::{Carried, at_rest, carried, mute, silent};
 use super::outcome::{Options, Outcome, Progress};
-use super::run::attempt;
+use super::run::{Looked, attempt};
 use super::score::score_in_one_piece;
 use super::stretches::{Stretches, is_whole, stretches};
 use super::thresholds::{FLOOR, LOST};
@@ -94,8 +94,18 @@ fn look(
         )
     };
     if fitted[0].windows.is_empty() {
-        return Ok(once((fitted, apart), &unknown)?.0);
+        return Ok(once((fitted, apart), &unknown)?.outcome);
     }
+    // Coupled to the measured motion an error of the force shows where and when it is made, and a fit has few minima.
+    // But what acts over a longer time than the coupling remembers, as a lag of a sensor, is hidden, and keys of the model
+    // take its place: where they are beyond belief, all is looked for again.
+    let coupled = |all: &[Experiment]| all.iter().map(|own| own.coupled(strongest(own))).collect();
+    let first = once((coupled(&fitted), coupled(&apart)), &unknown)?;
+    let unknown = Known {
+        points: first.points,
+        alone: first.believable,
+        ..unknown
+    };
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
         // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
@@ -105,19 +115,21 @@ fn look(
     // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
     // many minima. In windows there are few, and what was found in them says where to start. But what is
     // small shows in one piece only.
-    let (mut in_windows, points) = once(windowed, &unknown)?;
+    let Looked {
+        outcome: mut in_windows,
+        points,
+        ..
+    } = once(windowed, &unknown)?;
     let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
         drives an axis freely add up without bound.";
     in_windows.diagnosis.remarks.push(remark.into());
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
-    let (in_one, _) = once(
-        whole,
-        &Known {
-            points,
-            alone,
-            ..unknown.clone()
-        },
-    )?;
+    let seen = Known {
+        points,
+        alone: alone || unknown.alone,
+        ..unknown
+    };
+    let in_one = once(whole, &seen)?.outcome;
     if explains(&in_one) {
         return Ok(in_one);
     }
@@ -161,6 +173,13 @@ fn misses(own: &Outcome, train: &Stretches) -> f64 {
     };
     let parts = train.recordings.iter().zip(&train.of);
     parts.map(square).sum()
+}
+
+/// Rate of a coupling that remembers four samples, rad/s: what a sampled force is wrong by within a sample stays small.
+fn strongest(experiment: &Experiment) -> f64 {
+    let (from, until) = experiment.span();
+    let samples = experiment.input_time.len() as f64 - 1.0;
+    0.25 * samples / (until - from)
 }
 
 /// The same experiments without starts within them.

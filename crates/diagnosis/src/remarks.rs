@@ -63,19 +63,27 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
             named(0)
         ));
     }
-    for &key in &problem.free {
+    for key in problem.at_their_ends(point) {
         let (low, high) = problem.bounds[key];
         let (name, value) = (problem.kind.keys[key].name, point.keys[key]);
-        // Within a thousandth of the range.
-        let near = 1e-3 * (high - low);
-        if value - low < near || high - value < near {
-            remarks.push(format!(
-                "{name} = {value:.4} is at the end of what is believed of it ({low:.4} to {high:.4}): is the \
-                 nominal value right?"
-            ));
-        }
+        remarks.push(format!(
+            "{name} = {value:.4} is at the end of what is believed of it ({low:.4} to {high:.4}): is the \
+             nominal value right?"
+        ));
     }
     remarks
+}
+
+impl Problem<'_> {
+    /// Free keys of the model that are at the ends of their ranges, within a thousandth of these.
+    pub fn at_their_ends(&self, point: &Point) -> impl Iterator<Item = usize> {
+        let is_at_end = |key: &usize| {
+            let ((low, high), value) = (self.bounds[*key], point.keys[*key]);
+            let near = 1e-3 * (high - low);
+            value - low < near || high - value < near
+        };
+        self.free.iter().copied().filter(is_at_end)
+    }
 }
 
 /// Gains that nobody knew, as they were fitted.

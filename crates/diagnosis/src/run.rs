@@ -26,7 +26,17 @@ use super::weights::measure_noise;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 
-/// What experiments, and others held apart, say; and the explanations that were looked at.
+/// What a look ends with.
+pub(super) struct Looked {
+    /// What it says.
+    pub outcome: Outcome,
+    /// Where the explanations that were looked at ended.
+    pub points: Vec<Point>,
+    /// Whether effects were found beside which no key of the model is at the end of what is believed of it.
+    pub believable: bool,
+}
+
+/// What experiments, and others held apart, say.
 pub(super) fn attempt(
     model: &Model,
     recordings: Recordings,
@@ -34,10 +44,13 @@ pub(super) fn attempt(
     known: &Known,
     options: &Options,
     progress: Progress,
-) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
+) -> Result<Looked, DiagnosisError> {
     let data = Data::new(model, fitted, apart);
-    let (outcome, points) = investigate(model, (&data, recordings), known, options, progress)?;
-    Ok((named(outcome, &data, recordings.0), points))
+    let looked = investigate(model, (&data, recordings), known, options, progress)?;
+    Ok(Looked {
+        outcome: named(looked.outcome, &data, recordings.0),
+        ..looked
+    })
 }
 
 /// Where there are several recordings, each series that is drawn bears the name of its own.
@@ -52,14 +65,14 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
     outcome
 }
 
-/// The whole journey: what it says, and the explanations that were looked at.
+/// The whole journey.
 fn investigate(
     model: &Model,
     (data, recordings): (&Data, Recordings),
     known: &Known,
     options: &Options,
     progress: Progress,
-) -> Result<(Outcome, Vec<Point>), DiagnosisError> {
+) -> Result<Looked, DiagnosisError> {
     let mut remarks = recorded(recordings.0);
     progress(0.05, "refitting the model");
     let mut problem = problem(model, &data.experiments, data.train.clone());
@@ -105,14 +118,20 @@ fn investigate(
     let told = reported(verdict, &found);
     let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);
-    let terms = told.fitted.point.terms.iter().cloned();
+    let point = &told.fitted.point;
+    let believable = told.terms() > 0 && problem.at_their_ends(point).next().is_none();
+    let terms = point.terms.iter().cloned();
     let outcome = Outcome {
         happened: terms.filter(|term| term.recording.is_some()).collect(),
         model: better,
         diagnosis,
         traces,
     };
-    Ok((outcome, points))
+    Ok(Looked {
+        outcome,
+        points,
+        believable,
+    })
 }
 
 /// The given model, refitted, with the noise that it leaves measured.

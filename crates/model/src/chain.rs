@@ -10,6 +10,7 @@
 
 use super::attachment::Attachment;
 use super::bodies::Bodies;
+use super::coupling::Pull;
 pub use super::linear::{Linear, MotorSide, PositionLoop};
 use crate::effects::{Force, Friction, Inertia, Memory, Motion, Place, Resonance};
 
@@ -51,6 +52,8 @@ pub struct Chain {
     pub maps: Vec<Box<dyn crate::effects::Drive>>,
     /// The output of a sampled loop since its last tick.
     pub held: Option<f64>,
+    /// What couples a free motor side to its measured motion.
+    pub pull: Option<Pull>,
 }
 
 /// Most further modes of a chain.
@@ -91,6 +94,7 @@ impl Chain {
             kinematics: Vec::new(),
             maps: Vec::new(),
             held: None,
+            pull: None,
         }
     }
 
@@ -131,7 +135,11 @@ impl Chain {
         let (encoder, prescribed) = match linear.motor {
             MotorSide::Prescribed => ([input[0], input[1]], input[2]),
             MotorSide::Fixed => ([0.0; 2], 0.0),
-            MotorSide::Free { .. } => ([state[0], state[1]], 0.0),
+            MotorSide::Free { .. } => {
+                let own = [state[0], state[1]];
+                let pulled = |pull: &Pull| pull.acceleration(time, own);
+                (own, self.pull.as_ref().map_or(0.0, pulled))
+            }
         };
         let (mut motor, mut ratio) = (encoder, 1.0);
         if LAWS {

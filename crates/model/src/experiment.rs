@@ -1,6 +1,7 @@
 //! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
 
 use super::circle::Radius;
+use super::coupling::Coupling;
 use super::gain::Gain;
 use super::piecewise::{Grid, Hold};
 use quell_recording::Role;
@@ -65,6 +66,8 @@ pub struct Experiment {
     pub initial: [f64; 4],
     /// Where the motion starts anew; empty where the model does not drift.
     pub windows: Vec<Window>,
+    /// What couples a free motor side to its measured motion; none where it is simulated by itself.
+    pub coupling: Option<Coupling>,
     /// Unit of positions.
     pub position_unit: String,
     /// Unit of the input.
@@ -87,9 +90,16 @@ impl Experiment {
         let mut other = self.clone();
         let step = self.grid.step() * (1.0 + 1e-9);
         if let Ok(grid) = Grid::new(&self.input_time, &values, self.hold, step) {
-            (other.grid, other.input_values) = (grid, values);
+            other.set_grid(grid);
+            other.input_values = values;
         }
         other
+    }
+
+    /// Takes other nodes of the integration.
+    pub(super) fn set_grid(&mut self, grid: Grid) {
+        self.coupling = self.coupling.take().map(|own| own.over(&grid));
+        self.grid = grid;
     }
 
     /// First and last instant of the input, s.

@@ -137,6 +137,9 @@ impl<'a> Journey<'a> {
     #[inline]
     fn step(&mut self, k: usize) {
         let (t0, t1) = (self.grid.time[k], self.grid.time[k + 1]);
+        if let Some(pull) = &mut self.stepper.chain.pull {
+            pull.go_to(k, t0);
+        }
         let mut span = Span {
             t0,
             from: t0,

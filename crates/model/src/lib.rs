@@ -5,6 +5,7 @@ pub mod believed;
 mod bodies;
 pub mod chain;
 mod circle;
+mod coupling;
 pub mod curves;
 mod departure;
 pub mod effects;
@@ -33,6 +34,7 @@ mod windows;
 
 pub use attachment::Attachment;
 pub use circle::Radius;
+pub use coupling::Coupling;
 pub use departure::{Departure, StartComponent};
 pub use experiment::{Experiment, Output, Window};
 pub use file::ModelError;

@@ -67,6 +67,7 @@ impl Experiment {
             outputs: Vec::new(),
             initial: [0.0; 4],
             windows: Vec::new(),
+            coupling: None,
             position_unit,
             input_unit: input.unit,
             payload: recording.payload,
@@ -171,9 +172,10 @@ impl Experiment {
         };
         let grid = grid.ok()?;
         let spared = (grid.input.len() as f64) < SPARED * self.grid.input.len() as f64;
-        spared.then(|| Self {
-            grid,
-            ..self.clone()
+        spared.then(|| {
+            let mut long = self.clone();
+            long.set_grid(grid);
+            long
         })
     }
 

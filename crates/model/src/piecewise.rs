@@ -139,7 +139,7 @@ impl Grid {
 /// the samples within as far of it: as much noise goes as a slower sensor that averages would have.
 ///
 /// Source: Savitzky and Golay, Analytical Chemistry 36 (1964); here for stamps that need not be regular.
-fn smooth(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn smooth(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
     let knots = spaced(time, spacing);
     let near = |&knot: &usize| local_cubic(time, values, knot, spacing);
     (

@@ -1,6 +1,7 @@
 //! The predictions of a model at the stamps of the sensors.
 
 use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
+use super::coupling::Pull;
 use super::departure::{
     Departure,
     StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
@@ -197,6 +198,13 @@ fn ready<'a>(
         chain.maps.append(&mut drives);
     }
     let grid = grid(&chain, experiment, &drives);
+    if let Some(coupling) = &experiment.coupling {
+        let own = match &grid {
+            Cow::Borrowed(_) => coupling.clone(),
+            Cow::Owned(grid) => coupling.over(grid),
+        };
+        chain.pull = Some(Pull::new(own, &grid));
+    }
     let mut departures = departures.iter().copied();
     let state = start(
         &mut chain,

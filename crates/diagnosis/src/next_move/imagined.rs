@@ -92,6 +92,7 @@ fn replaced(
         initial: [position, 0.0, 0.0, 0.0],
         grid,
         windows: Vec::new(),
+        coupling: None,
         input_time: time,
         input_values: values,
         position_unit: base.position_unit.clone(),

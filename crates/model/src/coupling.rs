@@ -1,0 +1,116 @@
+//! Coupling of a free motor side to its measured motion.
+
+use super::experiment::{Experiment, RADIANS_A_STEP};
+use super::piecewise::{Cubic, Grid, smooth};
+use quell_recording::Role;
+use quell_signal::{CubicSpline, End};
+use std::sync::Arc;
+
+/// A spring and a damper, critical, from the motor side to where it was measured: `u'' = ... + w^2 (r - u) + 2 w (r' - u')`.
+///
+/// Nothing in an axis that a force drives brings the motor side back: a force that is wrong by little makes an
+/// error that grows without bound. Coupled to the measured motion `r` the simulation forgets within `1 / w`: a
+/// force that is wrong by `dF` shows as `dF / (m w^2)`, where and when it is wrong. This is an observer of fixed gain, and
+/// what it leaves is its innovation.
+///
+/// Source: Forssell and Ljung, Identification of unstable systems using output error and Box-Jenkins model
+/// structures, IEEE Trans. Automatic Control 45 (2000); Abarbanel, Creveling, Farsian, Kostuk, Dynamical state and
+/// parameter estimation, SIAM J. Applied Dynamical Systems 8 (2009).
+#[derive(Clone, Debug)]
+pub struct Coupling {
+    /// `w`, rad/s.
+    pub rate: f64,
+    /// `r`, as smooth as the coupling needs.
+    motion: Arc<CubicSpline>,
+    /// The same between the nodes of a grid.
+    pieces: Arc<[Cubic]>,
+}
+
+impl Coupling {
+    /// To the encoder of the motor side; none where there is none, or it has too few samples.
+    fn new(experiment: &Experiment, rate: f64) -> Option<Self> {
+        let mut outputs = experiment.outputs.iter();
+        let encoder = outputs.find(|output| output.role == Role::MotorPosition)?;
+        let (time, values) = smooth(&encoder.time, &encoder.values, RADIANS_A_STEP / rate);
+        let motion = CubicSpline::new(&time, &values, End::NotAKnot).ok()?;
+        let coupling = Self {
+            rate,
+            motion: Arc::new(motion),
+            pieces: Arc::new([]),
+        };
+        Some(coupling.over(&experiment.grid))
+    }
+
+    /// The same for other steps of the integration.
+    pub(super) fn over(&self, grid: &Grid) -> Self {
+        let piece = |ends: &[f64]| {
+            let h = ends[1] - ends[0];
+            let at = |t| (self.motion.value(t), self.motion.derivative(t));
+            let ((value, rate), (end, end_rate)) = (at(ends[0]), at(ends[1]));
+            let slope = (end - value) / h;
+            let square = (3.0 * slope - 2.0 * rate - end_rate) / h;
+            Cubic([
+                value,
+                rate,
+                square,
+                (rate + end_rate - 2.0 * slope) / (h * h),
+            ])
+        };
+        Self {
+            pieces: grid.time.windows(2).map(piece).collect(),
+            ..self.clone()
+        }
+    }
+}
+
+impl Experiment {
+    /// The same, its motor side coupled to the measured motion with this rate, rad/s, in one piece; itself where no
+    /// encoder shows the motor side.
+    #[must_use]
+    pub fn coupled(&self, rate: f64) -> Self {
+        let coupling = Coupling::new(self, rate);
+        let windows = match coupling {
+            Some(_) => Vec::new(),
+            None => self.windows.clone(),
+        };
+        Self {
+            coupling,
+            windows,
+            ..self.clone()
+        }
+    }
+}
+
+/// A coupling on its way over the grid.
+#[derive(Clone, Debug)]
+pub struct Pull {
+    coupling: Coupling,
+    start: f64,
+    piece: Cubic,
+}
+
+impl Pull {
+    /// In the first step of the grid.
+    pub(super) fn new(coupling: Coupling, grid: &Grid) -> Self {
+        let (start, piece) = (grid.time[0], coupling.pieces.first().copied());
+        Self {
+            piece: piece.unwrap_or_default(),
+            start,
+            coupling,
+        }
+    }
+
+    /// In a step that starts at an instant.
+    #[inline]
+    pub(super) fn go_to(&mut self, step: usize, start: f64) {
+        (self.piece, self.start) = (self.coupling.pieces[step], start);
+    }
+
+    /// Acceleration of a motor side at an instant of the step.
+    #[inline]
+    pub(super) fn acceleration(&self, time: f64, [position, velocity]: [f64; 2]) -> f64 {
+        let [r, rate, _] = self.piece.at(time - self.start);
+        let w = self.coupling.rate;
+        w * w * (r - position) + 2.0 * w * (rate - velocity)
+    }
+}
