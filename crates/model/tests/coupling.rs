@@ -1,0 +1,42 @@
+//! The coupling of a free motor side to its measured motion.
+
+use quell_model::{Departure, Experiment, Model, simulate};
+use quell_recording::{Channel, Recording, Role};
+
+/// A recorded force that the axis, which stands still, did not feel, moves the coupled simulation by `F / (m w^2)`, and
+/// without a coupling out of sight.
+#[test]
+fn val_a_wrong_force_errs_by_itself_over_the_coupling() {
+    let (mass, force, rate) = (4.0, 3.0, 20.0);
+    let text = format!("kind = \"rigid_axis\"\nmass = {mass}\nviscous = 0.1\n");
+    let model = Model::from_toml(&text, "model.toml").unwrap();
+    let channel = |role, unit: &str, value: f64| Channel {
+        role,
+        unit: unit.into(),
+        time: (0..1000).map(|k| 0.002 * f64::from(k)).collect(),
+        columns: vec![vec![value; 1000]],
+    };
+    let recording = Recording {
+        payload: None,
+        name: "still".into(),
+        channels: vec![
+            channel(Role::Force, "N", force),
+            channel(Role::MotorPosition, "m", 0.5),
+        ],
+    };
+    let experiment = Experiment::new(&model, &recording).unwrap();
+    let end = |experiment: &Experiment| {
+        let start = Departure::default();
+        let simulated = simulate(model.kind, &model.keys(), &[], experiment, &start);
+        simulated.trace.motor.last().unwrap()[0] - 0.5
+    };
+    let coupled = end(&experiment.coupled(rate));
+    let expected = force / (mass * rate * rate);
+    assert!(
+        (coupled / expected - 1.0).abs() < 1e-6,
+        "{coupled} {expected}"
+    );
+    let mut free = experiment;
+    free.windows.clear();
+    assert!(end(&free) > 100.0 * expected);
+}

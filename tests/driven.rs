@@ -1,0 +1,166 @@
+//! Axes with friction in their bearings, simulated by this file alone: one whose motor side is measured, and one that a
+//! torque drives, with a loop that the model does not know.
+
+use quell::diagnosis::{Diagnosis, Options, diagnose};
+use quell::model::Model;
+use quell::recording::{Channel, Recording, Role};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use std::f64::consts::TAU;
+
+/// One step of the classical Runge-Kutta method.
+fn step<const N: usize>(
+    rates: impl Fn(f64, &[f64; N]) -> [f64; N],
+    t: f64,
+    h: f64,
+    x: &mut [f64; N],
+) {
+    let along = |x: &[f64; N], k: &[f64; N], h: f64| std::array::from_fn(|i| x[i] + h * k[i]);
+    let k1 = rates(t, x);
+    let k2 = rates(t + h / 2.0, &along(x, &k1, h / 2.0));
+    let k3 = rates(t + h / 2.0, &along(x, &k2, h / 2.0));
+    let k4 = rates(t + h, &along(x, &k3, h));
+    *x = std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+}
+
+/// Position and velocity of moves without a jump of the acceleration, each with rest after it.
+fn moves(t: f64) -> [f64; 2] {
+    let all = [
+        (0.2, 0.5, 0.5),
+        (1.1, 0.7, -0.9),
+        (2.3, 0.4, 0.3),
+        (3.2, 0.8, 0.8),
+        (4.5, 0.5, -0.5),
+    ];
+    let (mut position, mut velocity) = (0.0, 0.0);
+    for (start, duration, way) in all {
+        let s = ((t - start) / duration).clamp(0.0, 1.0);
+        position += way * (s - (TAU * s).sin() / TAU);
+        velocity += way / duration * (1.0 - (TAU * s).cos());
+    }
+    [position, velocity]
+}
+
+/// Seconds of a recording.
+const LENGTH: f64 = 6.0;
+/// Standard deviation of the noise of a position, rad.
+const NOISE: f64 = 1e-5;
+
+fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> Diagnosis {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let channels = channels.into_iter().map(|(role, unit, mut values)| {
+        if unit == "rad" {
+            for value in &mut values {
+                *value += NOISE * random.sample::<f64, _>(StandardNormal);
+            }
+        }
+        Channel {
+            role,
+            unit: unit.into(),
+            time: (0..values.len()).map(|k| k as f64 / rate).collect(),
+            columns: vec![values],
+        }
+    });
+    let recording = Recording {
+        payload: None,
+        name: "moves".into(),
+        channels: channels.collect(),
+    };
+    let model = Model::from_toml(model, "model.toml").unwrap();
+    let outcome = diagnose(&model, &[recording], &[], &Options::default(), &|_, _| {});
+    outcome.unwrap().diagnosis
+}
+
+/// The value of a parameter of a finding at a place, and whether its interval holds the truth.
+fn check(diagnosis: &Diagnosis, effect: &str, place: &str, parameter: &str, truth: f64) {
+    let mut findings = diagnosis.findings.iter();
+    let finding = findings.find(|own| own.effect == effect && own.place == place);
+    let finding = finding.unwrap_or_else(|| panic!("no {effect}: {}", diagnosis.summary));
+    let own = finding.parameters.iter().find(|own| own.name == parameter);
+    let value = own.unwrap().value;
+    assert!(
+        (value / truth - 1.0).abs() < 0.05,
+        "{parameter} {value}, {truth}"
+    );
+}
+
+/// Friction `F tanh(v / v_0)` in the link's bearing is neither drag nor friction across the joint.
+#[test]
+fn a_bearing_that_creeps_is_named() {
+    let (w, damping) = (TAU * 7.0, 0.03);
+    let (friction, transition) = (0.6, 0.004);
+    let rates = |t: f64, x: &[f64; 2]| {
+        let [u, v] = moves(t);
+        let elastic = w * w * (u - x[0]) + 2.0 * damping * w * (v - x[1]);
+        [x[1], elastic - friction * (x[1] / transition).tanh()]
+    };
+    let (fine, every, mut x) = (1e-4, 40, [0.0; 2]);
+    let (mut motor, mut link) = (Vec::new(), Vec::new());
+    for k in 0..(LENGTH / fine) as usize {
+        let t = k as f64 * fine;
+        if k % every == 0 {
+            motor.push(moves(t)[0]);
+            link.push(x[0]);
+        }
+        step(rates, t, fine, &mut x);
+    }
+    let told = diagnosed(
+        "kind = \"flexible_joint\"\nnatural_frequency_hz = 7.3\ndamping_ratio = 0.04\n",
+        vec![
+            (Role::MotorPosition, "rad", motor),
+            (Role::LinkPosition, "rad", link),
+        ],
+        1.0 / (fine * every as f64),
+    );
+    let of = |parameter, truth| check(&told, "smooth_coulomb_friction", "link", parameter, truth);
+    of("friction", friction / (w * w));
+    of("transition_velocity", transition);
+}
+
+/// A torque that a loop makes drives the motor side, and nothing in the model brings it back.
+#[test]
+fn a_driven_motor_shows_its_friction_and_its_cogging() {
+    let (motor, link, stiffness, damping) = (0.8, 1.1, 2200.0, 2.0);
+    let (friction, transition, cogging) = (1.8, 0.02, 0.8);
+    let rates = |torque: f64, x: &[f64; 4]| {
+        let [u, du, y, dy] = *x;
+        let elastic = stiffness * (y - u) + damping * (dy - du);
+        let rubbing = friction * (du / transition).tanh() + cogging * (12.0 * u + 0.4).sin();
+        let force = torque + elastic - 1.5 * du - rubbing;
+        [du, force / motor, dy, (-elastic - 0.3 * dy) / link]
+    };
+    let (fine, every, mut x, mut torque) = (1e-4, 40, [0.0; 4], 0.0);
+    let mut seen = [Vec::new(), Vec::new(), Vec::new()];
+    for k in 0..(LENGTH / fine) as usize {
+        if k % every == 0 {
+            let [r, v] = moves(k as f64 * fine);
+            torque = 900.0 * (r - x[0]) + 60.0 * (v - x[1]);
+            let values = [torque, x[0], x[2]];
+            seen.iter_mut()
+                .zip(values)
+                .for_each(|(all, value)| all.push(value));
+        }
+        step(|_, x: &[f64; 4]| rates(torque, x), 0.0, fine, &mut x);
+    }
+    let [torque, motor, link] = seen;
+    let told = diagnosed(
+        "kind = \"two_mass\"\ninput_hold = \"zero_order\"\nmotor_inertia = 0.75\nlink_inertia = 1.2\n\
+         motor_viscous = 1.3\nlink_viscous = 0.3\nstiffness = 2000.0\ndamping = 2.5\n",
+        vec![
+            (Role::Torque, "N.m", torque),
+            (Role::MotorPosition, "rad", motor),
+            (Role::LinkPosition, "rad", link),
+        ],
+        1.0 / (fine * every as f64),
+    );
+    check(
+        &told,
+        "smooth_coulomb_friction",
+        "drive",
+        "friction",
+        friction,
+    );
+    check(&told, "cogging", "drive", "amplitude", cogging);
+    check(&told, "cogging", "drive", "order", 12.0);
+}
