@@ -29,12 +29,16 @@ pub fn problem<'a>(
     let mut beliefs = Vec::new();
     let mut bounds = Vec::new();
     let mut free = Vec::new();
+    let known = experiments.iter().all(|own| own.known.says_inertia());
+    // Of a normalised kind it also says what the frequency is that of.
+    let unused = (known && !kind.normalised).then(|| kind.key("link_inertia"));
     for (index, (key, value)) in kind.keys.iter().zip(&model.values).enumerate() {
         let std = value.std.map_or(key.belief, |std| match key.range.0 > 0.0 {
             true => std / value.value,
             false => std,
         });
-        if !value.fixed && std > 0.0 && (model.given[index] || key.default.is_none()) {
+        let unused = unused == Some(Some(index));
+        if !unused && !value.fixed && std > 0.0 && (model.given[index] || key.default.is_none()) {
             free.push(index);
         }
         beliefs.push((value.value, if std > 0.0 { std } else { f64::INFINITY }));
@@ -44,7 +48,8 @@ pub fn problem<'a>(
     let payloads = payloads(experiments);
     Problem {
         kind,
-        free_payloads: 1..payloads.len(),
+        // A known inertia is that with the payload.
+        free_payloads: 1..if known { 1 } else { payloads.len() },
         payloads,
         experiments,
         rows,

@@ -20,13 +20,22 @@ pub fn recorded(recordings: &[Recording]) -> Vec<String> {
                      or the column is wrong."
                 ));
             }
-            if !clock.gaps.is_empty() || clock.jitter > JITTER * clock.period {
+            let mut irregular = Vec::new();
+            if !clock.gaps.is_empty() {
+                let gaps = clock.gaps.len();
+                irregular.push(format!(
+                    "{} missing samples in {gaps} gap(s)",
+                    clock.missing
+                ));
+            }
+            if clock.jitter > JITTER * clock.period {
+                let jitter = 100.0 * clock.jitter / clock.period;
+                irregular.push(format!("the clock jitters by {jitter:.1} % of its period"));
+            }
+            if !irregular.is_empty() {
                 remarks.push(format!(
-                    "{name} of \"{of}\": {} missing samples in {} gap(s), the clock jitters by {:.1} % of its \
-                     period. Each sample was used at its own stamp, and none was made up.",
-                    clock.missing,
-                    clock.gaps.len(),
-                    100.0 * clock.jitter / clock.period
+                    "{name} of \"{of}\": {}. Each sample was used at its own stamp, and none was made up.",
+                    irregular.join(", ")
                 ));
             }
             let wraps: usize = health.columns.iter().map(|column| column.wraps.len()).sum();

@@ -48,7 +48,7 @@ pub fn of_values(experiment: &Experiment, output: &Output) -> String {
         Role::LinkPosition | Role::MotorPosition | Role::Deformation => {
             experiment.position_unit.clone()
         }
-        Role::LinkVelocity => format!("{}/s", experiment.position_unit),
+        Role::MotorVelocity | Role::LinkVelocity => format!("{}/s", experiment.position_unit),
         Role::LinkAcceleration => over_seconds_squared(&experiment.position_unit),
         _ => output.unit.clone(),
     }

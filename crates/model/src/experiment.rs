@@ -3,6 +3,7 @@
 use super::circle::Radius;
 use super::coupling::Coupling;
 use super::gain::Gain;
+use super::known::Known;
 use super::piecewise::{Grid, Hold};
 use quell_recording::Role;
 
@@ -68,6 +69,8 @@ pub struct Experiment {
     pub windows: Vec<Window>,
     /// What couples a free motor side to its measured motion; none where it is simulated by itself.
     pub coupling: Option<Coupling>,
+    /// Forces on the link and its inertia, as far as they are known over time.
+    pub known: Known,
     /// Unit of positions.
     pub position_unit: String,
     /// Unit of the input.

@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 
 /// `y'' = w^2 (u - y) + 2 xi w (u' - y')`: link position `y`, motor side position `u`.
 ///
-/// The damper sits across the joint; one to ground is the effect `viscous_drag`.
+/// The damper sits across the joint; one to ground is the effect `viscous_drag`. With a known force `F` and a known
+/// inertia `J` it is `J y'' = k (u - y) + c (u' - y') + F`, `k = w^2 link_inertia`.
 pub const FLEXIBLE_JOINT: Kind = Kind {
     name: "flexible_joint",
     keys: &[
@@ -43,8 +44,21 @@ pub const FLEXIBLE_JOINT: Kind = Kind {
             range: (-1e3, 1e3),
             belief: 0.0,
         },
+        Key {
+            // Only beside a known force or inertia: the motion of the motor side alone does not show it.
+            name: "link_inertia",
+            quantity: Quantity::new(1, -1, 2),
+            default: Some(0.0),
+            range: (1e-12, 1e9),
+            belief: 0.0,
+        },
     ],
-    inputs: &[Role::MotorPosition, Role::CommandPosition],
+    inputs: &[
+        Role::MotorPosition,
+        // Where the motor side has only a velocity it is integrated.
+        Role::MotorVelocity,
+        Role::CommandPosition,
+    ],
     outputs: &[
         Role::LinkPosition,
         Role::Deformation,
@@ -54,7 +68,7 @@ pub const FLEXIBLE_JOINT: Kind = Kind {
     ],
     places: |input| match input {
         // What the drive does is already inside a measured motor side.
-        Role::MotorPosition => &[
+        Role::MotorPosition | Role::MotorVelocity => &[
             Place::Transmission,
             Place::Link,
             Place::Base,
@@ -85,6 +99,10 @@ pub const FLEXIBLE_JOINT: Kind = Kind {
             position_loop: None,
             unit_force: w * w,
         }
+    },
+    newton: |p| {
+        let own = p.get(4).copied().filter(|inertia| *inertia > 0.0);
+        own.map(f64::recip)
     },
     mode: Some((0, 1)),
     normalised: true,

@@ -40,6 +40,8 @@ pub struct Kind {
     pub hold: fn(Role) -> Hold,
     /// The chain for values of the keys.
     pub linear: fn(&[f64], Role) -> Linear,
+    /// The chain's force for 1 N (1 N.m where the axis turns) on the link; none where the keys do not say it.
+    pub newton: fn(&[f64]) -> Option<f64>,
     /// Index of the keys that hold natural frequency (Hz) and damping ratio, where it has them.
     pub mode: Option<(usize, usize)>,
     /// Whether forces are divided by the stiffness, so that they are in the unit of positions.
@@ -51,13 +53,12 @@ impl Kind {
     /// stiffness and damper stay, natural frequency and damping ratio fall with its root.
     pub fn loaded(&self, keys: &[f64], inertia: f64) -> Vec<f64> {
         let mut loaded = keys.to_vec();
-        match (self.mode, self.key("link_inertia").or(self.key("mass"))) {
-            (Some((frequency, damping)), _) => {
-                loaded[frequency] /= inertia.sqrt();
-                loaded[damping] /= inertia.sqrt();
-            }
-            (None, Some(key)) => loaded[key] *= inertia,
-            (None, None) => {}
+        if let Some((frequency, damping)) = self.mode {
+            loaded[frequency] /= inertia.sqrt();
+            loaded[damping] /= inertia.sqrt();
+        }
+        if let Some(key) = self.key("link_inertia").or(self.key("mass")) {
+            loaded[key] *= inertia;
         }
         loaded
     }

@@ -16,6 +16,7 @@ mod gain;
 mod integrate;
 mod kind;
 mod kinds;
+mod known;
 mod linear;
 mod observation;
 mod oscillator;
@@ -42,6 +43,7 @@ pub use gain::Gain;
 pub use integrate::{Kick, Restart, Timed, integrate};
 pub use kind::{Key, Kind};
 pub use kinds::KINDS;
+pub use known::Known;
 pub use piecewise::{Cubic, Grid, Hold};
 pub use predict::{Simulated, Term, predict_windows, see_motion, simulate, simulate_windows};
 pub use reading::Prediction;
@@ -74,6 +76,54 @@ pub enum ExperimentError {
         kind: &'static str,
         /// Roles that it predicts.
         outputs: String,
+    },
+    /// A known force or inertia in another unit than the model's equation.
+    #[error(
+        "{role} of \"{recording}\" is in {unit}; the model's equation takes {wanted}: convert it, or give the model the \
+         constant between them (force_gain, torque_constant)"
+    )]
+    OtherUnit {
+        /// Name of the recording.
+        recording: String,
+        /// The channel.
+        role: Role,
+        /// Its unit.
+        unit: String,
+        /// The unit that it should have.
+        wanted: String,
+    },
+    /// A known force or inertia, and no inertia at which the believed frequency holds.
+    #[error(
+        "\"{recording}\" has {role}, but the model does not say at which inertia its natural frequency holds: give it \
+         link_inertia"
+    )]
+    NoLinkInertia {
+        /// Name of the recording.
+        recording: String,
+        /// The channel.
+        role: Role,
+    },
+    /// A known inertia for a model that has none.
+    #[error(
+        "\"{recording}\" has inertia, but a {kind} that is held in a motion has none: leave it out"
+    )]
+    NoInertia {
+        /// Name of the recording.
+        recording: String,
+        /// Kind of the model.
+        kind: &'static str,
+    },
+    /// An inertia of 0 or less.
+    #[error("inertia of \"{recording}\" is {value} {unit} at {time} s; it must be above 0")]
+    InertiaNotPositive {
+        /// Name of the recording.
+        recording: String,
+        /// The stamp, s.
+        time: f64,
+        /// The value.
+        value: f64,
+        /// Its unit.
+        unit: String,
     },
     /// A channel is bad, or a sensor's frame cannot be learned.
     #[error(transparent)]

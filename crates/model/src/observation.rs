@@ -3,13 +3,14 @@
 use super::chain::MotorSide;
 use super::experiment::{Experiment, RADIANS_A_STEP};
 use super::gain;
+use super::known::{Equation, Known};
 use super::output::output;
 use super::piecewise::{Grid, Hold};
 use super::predict::predict_windows;
 use super::windows::windows;
 use super::{Departure, ExperimentError, Model};
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::noise_floor;
+use quell_signal::{CubicSpline, End, noise_floor};
 
 /// Parts of a step that make the error of the integration nothing beside that of the input.
 const FINER: f64 = 4.0;
@@ -49,15 +50,16 @@ impl Experiment {
             .for_each(Channel::unwrap_turns);
         let mut gain = gain::unify(&mut recording);
         let input = Self::input(model, &recording)?;
-        let position = recording.channels.iter().find(|channel| {
-            let role = channel.role;
-            role != recording.channels[input].role && model.kind.outputs.contains(&role)
-                || role.is_position()
-        });
-        let position_unit = position.map_or("rad".into(), |channel| channel.unit.clone());
-        let mut input = recording.channels.remove(input);
+        let position_unit = position_unit(model, &recording, recording.channels[input].role);
+        let equation = Equation {
+            input: recording.channels[input].role,
+            input_unit: &recording.channels[input].unit,
+            position_unit: &position_unit,
+        };
+        let known = Known::of(model, &recording, &equation)?;
+        let mut input = motor_side(recording.channels.remove(input))?;
         let hold = model.hold.unwrap_or((model.kind.hold)(input.role));
-        let step = RADIANS_A_STEP / model.fastest();
+        let step = RADIANS_A_STEP / (model.fastest() * hastened(model, input.role, &known));
         let mut experiment = Self {
             grid: Grid::new(&input.time, &input.columns[0], hold, step)?,
             input: input.role,
@@ -68,6 +70,7 @@ impl Experiment {
             initial: [0.0; 4],
             windows: Vec::new(),
             coupling: None,
+            known,
             position_unit,
             input_unit: input.unit,
             payload: recording.payload,
@@ -119,7 +122,7 @@ impl Experiment {
         if self.hold != Hold::Spline {
             return;
         }
-        let (short, mut rough) = (RADIANS_A_STEP / model.fastest(), None);
+        let (short, mut rough) = (RADIANS_A_STEP / self.fastest(model), None);
         for spacing in [LONG * short, short] {
             let hold = Hold::Smooth(spacing);
             let smooth = |step| Grid::new(&self.input_time, &self.input_values, hold, step);
@@ -164,7 +167,7 @@ impl Experiment {
     /// The same with long steps, where that spares some: for a search, which fits the keys to them.
     #[must_use]
     pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
-        let step = LONG * RADIANS_A_STEP / model.fastest();
+        let step = LONG * RADIANS_A_STEP / self.fastest(model);
         let (time, values) = (&self.input_time, &self.input_values);
         let grid = match self.hold {
             Hold::ZeroOrder => Grid::of_means(time, values, step),
@@ -186,6 +189,11 @@ impl Experiment {
         let (keys, terms) = (model.keys(), model.terms());
         let all = predict_windows(model.kind, &keys, &terms, self, start, &clocks);
         all.into_iter().map(|one| one.values).collect()
+    }
+
+    /// Fastest angular frequency of the chain, rad/s, at the least of a known inertia.
+    fn fastest(&self, model: &Model) -> f64 {
+        model.fastest() * hastened(model, self.input, &self.known)
     }
 
     /// Which channel drives the model.
@@ -215,10 +223,60 @@ impl Experiment {
             MotorSide::Free { .. } => {
                 let start = motor_position.or(link).unwrap_or(0.0);
                 let bent = deformation.or(link.map(|link| link - start));
-                [start, 0.0, bent.unwrap_or(0.0), 0.0]
+                [
+                    start,
+                    first(Role::MotorVelocity).unwrap_or(0.0),
+                    bent.unwrap_or(0.0),
+                    0.0,
+                ]
             }
         };
     }
+}
+
+/// How much faster a known inertia makes the fastest vibration of a model.
+fn hastened(model: &Model, input: Role, known: &Known) -> f64 {
+    let keys = model.keys();
+    let newton = (model.kind.newton)(&keys).unwrap_or(0.0);
+    known.hastens(&(model.kind.linear)(&keys, input), newton)
+}
+
+/// The unit of positions: of the first channel that is one or is predicted, or that of a velocity.
+fn position_unit(model: &Model, recording: &Recording, input: Role) -> String {
+    let position = recording.channels.iter().find(|channel| {
+        let role = channel.role;
+        let predicted = role != input && model.kind.outputs.contains(&role);
+        predicted && role != Role::MotorVelocity || role.is_position()
+    });
+    let velocity = recording.channel(Role::MotorVelocity);
+    match (position, velocity) {
+        (Some(channel), _) => channel.unit.clone(),
+        (None, Some(velocity)) if velocity.unit == "m/s" => "m".into(),
+        _ => "rad".into(),
+    }
+}
+
+/// The motion of a motor side of which only the velocity was measured: its integral by the spline through it, from
+/// 0 on.
+fn motor_side(channel: Channel) -> Result<Channel, ExperimentError> {
+    if channel.role != Role::MotorVelocity {
+        return Ok(channel);
+    }
+    let (time, rate) = (&channel.time, &channel.columns[0]);
+    let spline = CubicSpline::new(time, rate, End::NotAKnot)?;
+    let (mut position, mut at) = (vec![0.0], 0.0);
+    for k in 1..time.len() {
+        let h = time[k] - time[k - 1];
+        let bend = spline.second(k - 1) + spline.second(k);
+        at += h * (0.5 * (rate[k - 1] + rate[k]) - h * h * bend / 24.0);
+        position.push(at);
+    }
+    Ok(Channel {
+        role: Role::MotorPosition,
+        unit: channel.unit.trim_end_matches("/s").into(),
+        time: channel.time,
+        columns: vec![position],
+    })
 }
 
 fn names(roles: &[Role]) -> String {

@@ -8,6 +8,8 @@ use quell_recording::Role;
 use std::f64::consts::TAU;
 
 /// `x'' + 2 xi w x' + w^2 x = g w^2 F`: link position `x` for a force `F`; at rest `x = g F`.
+///
+/// A known force is added to `F`, in its unit; a known inertia `J` stands for `1 / (g w^2)`.
 pub const OSCILLATOR: Kind = Kind {
     name: "oscillator",
     keys: &[
@@ -69,11 +71,17 @@ pub const OSCILLATOR: Kind = Kind {
             ..Linear::NONE
         }
     },
+    newton: |p| match p {
+        &[frequency, _, gain] => Some(gain * (frequency * TAU).powi(2)),
+        _ => None,
+    },
     mode: Some((0, 1)),
     normalised: true,
 };
 
 /// `F = k x + c x'`: the force that holds a spring and a damper in the motion `x`.
+///
+/// A known force `F_k` that pushes as well leaves `F = k x + c x' - F_k`.
 pub const SPRING_AND_DAMPER: Kind = Kind {
     name: "oscillator",
     keys: &[
@@ -118,6 +126,7 @@ pub const SPRING_AND_DAMPER: Kind = Kind {
             ..Linear::NONE
         }
     },
+    newton: |_| Some(1.0),
     mode: None,
     normalised: false,
 };

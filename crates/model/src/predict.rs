@@ -194,6 +194,10 @@ fn ready<'a>(
             &mut timed,
         );
     }
+    // None is known where the keys do not say what a newton is: such an experiment is refused.
+    experiment
+        .known
+        .act_on(&mut chain, (kind.newton)(keys).unwrap_or(0.0));
     if chain.linear.position_loop.is_some() {
         chain.maps.append(&mut drives);
     }

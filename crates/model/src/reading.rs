@@ -29,7 +29,8 @@ impl Eyes {
     /// The effects of the sensor of an output. An encoder on the motor side is what the sensor of the link
     /// is compared with.
     fn of(&self, output: &Output) -> &[Box<dyn Sensor>] {
-        match output.role == Role::MotorPosition && self.elastic {
+        let at_motor = matches!(output.role, Role::MotorPosition | Role::MotorVelocity);
+        match at_motor && self.elastic {
             true => &[],
             false => &self.sensors,
         }
@@ -56,6 +57,9 @@ impl Eyes {
         match role {
             Role::MotorPosition => nodes
                 .map(|k| [trace.motor[k][0], trace.motor[k][1]])
+                .collect(),
+            Role::MotorVelocity => nodes
+                .map(|k| [trace.motor[k][1], trace.motor[k][2]])
                 .collect(),
             Role::Deformation => nodes
                 .map(|k| {

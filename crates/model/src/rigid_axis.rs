@@ -13,6 +13,9 @@ use quell_recording::Role;
 /// computes it, its output held and its velocity the backward difference over one period, or over
 /// `loop_velocity_span_s` where that is longer.
 ///
+/// A known force `F_k` and a known inertia `J` make it `(m + J) u'' = g F - b u' + F_k`: `m` is then what moves with the
+/// motor alone.
+///
 /// Source: Janot, Gautier, Brunot, Data set and reference models of EMPS, Workshop on Nonlinear System
 /// Identification Benchmarks (2019), for axis and loop.
 pub const RIGID_AXIS: Kind = Kind {
@@ -89,7 +92,12 @@ pub const RIGID_AXIS: Kind = Kind {
         Role::MotorCurrent,
         Role::MotorVoltage,
     ],
-    outputs: &[Role::MotorPosition, Role::Force, Role::Torque],
+    outputs: &[
+        Role::MotorPosition,
+        Role::MotorVelocity,
+        Role::Force,
+        Role::Torque,
+    ],
     places: |_| {
         &[
             Place::Drive,
@@ -136,6 +144,7 @@ pub const RIGID_AXIS: Kind = Kind {
             ..Linear::NONE
         }
     },
+    newton: |_| Some(1.0),
     mode: None,
     normalised: false,
 };

@@ -12,6 +12,8 @@ const DAMPING: Quantity = Quantity::new(1, -1, 1);
 /// `J_m u'' = K I - B_m u' + k d + c d'`, `J_l y'' = -B_l y' - k d - c d'`, `d = y - u`: motor side `u`,
 /// link `y`, current `I`; a torque drives it with `K = 1`.
 ///
+/// A known force `F` is added to the second equation; a known inertia `J` stands there for `J_l`.
+///
 /// Source: Spong, Modeling and Control of Elastic Joint Robots, ASME J. Dynamic Systems, Measurement
 /// and Control 109 (1987).
 pub const TWO_MASS: Kind = Kind {
@@ -82,6 +84,7 @@ pub const TWO_MASS: Kind = Kind {
     ],
     outputs: &[
         Role::MotorPosition,
+        Role::MotorVelocity,
         Role::Deformation,
         Role::LinkPosition,
         Role::LinkVelocity,
@@ -131,6 +134,7 @@ pub const TWO_MASS: Kind = Kind {
             ..Linear::NONE
         }
     },
+    newton: |_| Some(1.0),
     mode: None,
     normalised: false,
 };

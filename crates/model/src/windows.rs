@@ -34,7 +34,7 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
     let measured = experiment
         .outputs
         .iter()
-        .any(|o| o.role == Role::MotorPosition);
+        .any(|o| matches!(o.role, Role::MotorPosition | Role::MotorVelocity));
     let MotorSide::Free { inertia, viscous } = linear.motor else {
         return Vec::new();
     };
@@ -69,6 +69,11 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
 /// The readings about an instant, by the straight line over this time on both sides.
 fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
     let mut state = [0.0; 4];
+    let velocity = |output: &&Output| output.role == Role::MotorVelocity;
+    if let Some(output) = experiment.outputs.iter().find(velocity) {
+        state[0] = travelled(output, time);
+        state[1] = line(output, time, reach)[0];
+    }
     for output in &experiment.outputs {
         let slot = match output.role {
             Role::MotorPosition => 0,
@@ -78,6 +83,16 @@ fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
         [state[slot], state[slot + 1]] = line(output, time, reach);
     }
     state
+}
+
+/// How far a velocity led until an instant, by trapezia.
+fn travelled(output: &Output, time: f64) -> f64 {
+    let until = output.time.partition_point(|t| *t <= time);
+    let (times, values) = (&output.time[..until], &output.values[..until]);
+    let steps = times.windows(2).zip(values.windows(2));
+    steps
+        .map(|(t, v)| 0.5 * (t[1] - t[0]) * (v[0] + v[1]))
+        .sum()
 }
 
 /// Value and slope at an instant.

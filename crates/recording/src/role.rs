@@ -10,6 +10,8 @@ pub enum Role {
     CommandPosition,
     /// Position at the motor side: the gearbox output seen by the encoder (rad or m).
     MotorPosition,
+    /// Velocity at the motor side, where nothing measures its position (rad/s or m/s).
+    MotorVelocity,
     /// Position of the link, the arm end of the joint (rad or m).
     LinkPosition,
     /// Link position minus motor position (rad, or m at the tip).
@@ -30,6 +32,11 @@ pub enum Role {
     MotorCurrent,
     /// Motor voltage (V).
     MotorVoltage,
+    /// Force or torque that acts on the link besides what the model has, known over time; positive in the
+    /// direction of positive motion (N or N.m).
+    KnownForce,
+    /// Inertia of the link, known over time (kg or kg.m^2, or relative to the model's own).
+    Inertia,
 }
 
 /// One line of the table of roles: the name in a manifest and what is usual for it.
@@ -59,6 +66,12 @@ pub const ROLES: &[RoleEntry] = &[
         &[Angle, Length],
         &[1],
     ),
+    entry(
+        Role::MotorVelocity,
+        "motor_velocity",
+        &[AngularVelocity, Velocity],
+        &[1],
+    ),
     entry(Role::LinkPosition, "link_position", &[Angle, Length], &[1]),
     entry(Role::Deformation, "deformation", &[Angle, Length], &[1]),
     entry(Role::TipPosition, "tip_position", &[Length], &[3]),
@@ -84,6 +97,13 @@ pub const ROLES: &[RoleEntry] = &[
     entry(Role::Torque, "torque", &[Torque], &[1]),
     entry(Role::MotorCurrent, "motor_current", &[Current], &[1]),
     entry(Role::MotorVoltage, "motor_voltage", &[Voltage], &[1]),
+    entry(Role::KnownForce, "known_force", &[Force, Torque], &[1]),
+    entry(
+        Role::Inertia,
+        "inertia",
+        &[MomentOfInertia, Mass, Number],
+        &[1],
+    ),
 ];
 
 const fn entry(

@@ -25,6 +25,10 @@ pub enum Dimension {
     Current,
     /// V
     Voltage,
+    /// kg
+    Mass,
+    /// kg.m^2
+    MomentOfInertia,
     /// A number without a unit, kept as it is.
     Number,
 }
@@ -143,6 +147,28 @@ pub const UNITS: &[Unit] = &[
     unit(&["mA"], "A", Dimension::Current, 1.0, 1e3),
     unit(&["V"], "V", Dimension::Voltage, 1.0, 1.0),
     unit(&["mV"], "V", Dimension::Voltage, 1.0, 1e3),
+    unit(&["kg"], "kg", Dimension::Mass, 1.0, 1.0),
+    unit(
+        &["kg.m^2", "kg.m2", "kgm2", "kg*m^2", "kg\u{b7}m\u{b2}"],
+        "kg.m^2",
+        Dimension::MomentOfInertia,
+        1.0,
+        1.0,
+    ),
+    unit(
+        &["kg.cm^2", "kg.cm2", "kgcm2"],
+        "kg.m^2",
+        Dimension::MomentOfInertia,
+        1.0,
+        1e4,
+    ),
+    unit(
+        &["g.cm^2", "g.cm2", "gcm2"],
+        "kg.m^2",
+        Dimension::MomentOfInertia,
+        1.0,
+        1e7,
+    ),
     unit(&["1"], "1", Dimension::Number, 1.0, 1.0),
     unit(&["count"], "count", Dimension::Number, 1.0, 1.0),
     unit(&["raw"], "raw", Dimension::Number, 1.0, 1.0),

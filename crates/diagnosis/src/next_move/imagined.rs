@@ -4,7 +4,7 @@ use super::programme::positions;
 use super::seen::Seen;
 use crate::document::ProposedMove;
 use crate::point::{Local, Point};
-use quell_model::{Experiment, Grid, Kind, Output, simulate_windows};
+use quell_model::{Experiment, Grid, Kind, Known, Output, simulate_windows};
 use quell_recording::Role;
 
 /// Time between the recordings and the proposed experiment, s: what happened once in the recordings (a
@@ -98,6 +98,8 @@ fn replaced(
         position_unit: base.position_unit.clone(),
         input_unit: base.input_unit.clone(),
         payload: base.payload.clone(),
+        // What is known of the recorded motion is not known of this one.
+        known: Known::default(),
         ..*base
     })
 }

@@ -32,8 +32,8 @@ pub(super) fn carrier(role: Role, columns: usize) -> Carrier {
         Role::CommandPosition | Role::MotorPosition | Role::LinkPosition | Role::Deformation => {
             (&JOINT_STATE, &["position"])
         }
-        Role::LinkVelocity => (&JOINT_STATE, &["velocity"]),
-        Role::Force | Role::Torque => (&JOINT_STATE, &["effort"]),
+        Role::MotorVelocity | Role::LinkVelocity => (&JOINT_STATE, &["velocity"]),
+        Role::Force | Role::Torque | Role::KnownForce => (&JOINT_STATE, &["effort"]),
         Role::TipPosition => (&POINT_STAMPED, &["point.x", "point.y", "point.z"]),
         Role::TipAcceleration if columns == 3 => {
             (&VECTOR_STAMPED, &["vector.x", "vector.y", "vector.z"])
@@ -41,7 +41,8 @@ pub(super) fn carrier(role: Role, columns: usize) -> Carrier {
         Role::TipAcceleration
         | Role::LinkAcceleration
         | Role::MotorCurrent
-        | Role::MotorVoltage => (&FLOAT, &["data"]),
+        | Role::MotorVoltage
+        | Role::Inertia => (&FLOAT, &["data"]),
     };
     Carrier { definition, fields }
 }

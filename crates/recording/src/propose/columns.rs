@@ -179,7 +179,8 @@ fn by_dimension(dimension: Dimension) -> Option<(Role, bool)> {
         Dimension::Torque => Some((Role::Torque, true)),
         Dimension::Current => Some((Role::MotorCurrent, true)),
         Dimension::Voltage => Some((Role::MotorVoltage, true)),
-        Dimension::Number => None,
+        Dimension::MomentOfInertia => Some((Role::Inertia, true)),
+        Dimension::Mass | Dimension::Number => None,
     }
 }
 

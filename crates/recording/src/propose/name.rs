@@ -63,6 +63,12 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         false,
     ),
     (
+        Role::MotorVelocity,
+        &["motor"],
+        &["velocity", "vel", "speed", "rpm"],
+        true,
+    ),
+    (
         Role::LinkVelocity,
         &["link"],
         &["velocity", "vel", "speed"],

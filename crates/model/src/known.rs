@@ -1,0 +1,189 @@
+//! What is known of a joint over time: a force that acts on its link, the inertia of its link.
+//!
+//! ```text
+//! J(t) y'' = ... + F(t)          a link on a transmission: J(t) stands for the constant of the model
+//! (m + J(t)) u'' = ... + F(t)    an axis without a spring: beside what moves with its motor
+//! ```
+//!
+//! `F` is positive where it pushes in the direction of positive motion. All that else changes with the inertia, as
+//! centrifugal and Coriolis forces, belongs to `F`. Both are straight lines between their samples, and stay beyond the
+//! ends as they are there. An inertia in the unit `1` is a factor on the model's own, with any kind.
+
+mod unit;
+
+use super::chain::{Chain, ForceElement, Linear, MotorSide};
+use super::{ExperimentError, Model};
+use crate::effects::{Force, Inertia, Memory, Motion, Place};
+use quell_recording::{Channel, Recording, Role};
+use quell_signal::SignalError;
+use std::sync::Arc;
+
+/// The known forces and the known inertia of one recording.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    forces: Vec<Arc<Series>>,
+    inertia: Option<KnownInertia>,
+}
+
+#[derive(Clone, Debug)]
+struct KnownInertia {
+    series: Arc<Series>,
+    /// Whether it is a factor on the model's own.
+    relative: bool,
+}
+
+/// Straight lines through samples.
+#[derive(Debug)]
+struct Series {
+    time: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Known {
+    /// What a recording says, driven by a channel of this role and unit, its positions in that unit.
+    pub(super) fn of(
+        model: &Model,
+        recording: &Recording,
+        equation: &unit::Equation,
+    ) -> Result<Self, ExperimentError> {
+        let mut known = Self::default();
+        for channel in &recording.channels {
+            match channel.role {
+                Role::KnownForce => {
+                    equation.takes_force(model, recording, channel)?;
+                    known.forces.push(Arc::new(Series::of(channel)?));
+                }
+                Role::Inertia => {
+                    equation.takes_inertia(model, recording, channel)?;
+                    known.inertia = Some(KnownInertia {
+                        relative: channel.unit == "1",
+                        series: Arc::new(Series::of(channel)?),
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(known)
+    }
+
+    /// Whether the inertia is known itself, and not only how it changes.
+    pub fn says_inertia(&self) -> bool {
+        self.inertia.as_ref().is_some_and(|own| !own.relative)
+    }
+
+    /// How much faster the fastest vibration becomes by the least of the known inertia.
+    pub(super) fn hastens(&self, linear: &Linear, newton: f64) -> f64 {
+        let Some(inertia) = &self.inertia else {
+            return 1.0;
+        };
+        let least = inertia.series.values.iter().copied();
+        let factor = inertia.factor(linear, newton);
+        let least = least.map(|value| factor.of(value));
+        least.fold(1.0, f64::min).sqrt().recip()
+    }
+
+    /// Puts it into a chain; `newton` is the chain's force for 1 N, or 1 N.m.
+    pub(super) fn act_on(&self, chain: &mut Chain, newton: f64) {
+        for series in &self.forces {
+            let law = Box::new(Push {
+                series: Arc::clone(series),
+                scale: newton / chain.linear.unit_force,
+            });
+            let (place, memory) = (Place::Link, Memory::default());
+            chain.forces.push(ForceElement { place, law, memory });
+        }
+        if let Some(inertia) = &self.inertia {
+            let factor = inertia.factor(&chain.linear, newton);
+            let series = Arc::clone(&inertia.series);
+            chain.inertias.push(Box::new(Seen { series, factor }));
+        }
+    }
+}
+
+impl KnownInertia {
+    fn factor(&self, linear: &Linear, newton: f64) -> Factor {
+        match (self.relative, linear.link, linear.motor) {
+            (true, ..) => Factor {
+                base: 0.0,
+                slope: 1.0,
+            },
+            (false, Some((own, _)), _) => Factor {
+                base: 0.0,
+                slope: newton / own,
+            },
+            (false, None, MotorSide::Free { inertia, .. }) => Factor {
+                base: 1.0,
+                slope: newton / inertia,
+            },
+            (false, None, _) => Factor {
+                base: 1.0,
+                slope: 0.0,
+            },
+        }
+    }
+}
+
+/// The factor on an inertia of the chain: `base + slope J`.
+struct Factor {
+    base: f64,
+    slope: f64,
+}
+
+impl Factor {
+    fn of(&self, inertia: f64) -> f64 {
+        self.base + self.slope * inertia
+    }
+}
+
+impl Series {
+    fn of(channel: &Channel) -> Result<Self, SignalError> {
+        let (time, values) = (&channel.time, &channel.columns[0]);
+        // A spline refuses what has no course: fewer than two samples, what is not finite, a clock that stands.
+        quell_signal::CubicSpline::new(time, values, quell_signal::End::Natural)?;
+        Ok(Self {
+            time: time.clone(),
+            values: values.clone(),
+        })
+    }
+
+    #[inline]
+    fn at(&self, time: f64) -> f64 {
+        let last = self.time.len() - 1;
+        let time = time.clamp(self.time[0], self.time[last]);
+        let share = (time - self.time[0]) / (self.time[last] - self.time[0]);
+        // Where the clock is even this is it already.
+        let guess = ((share * last as f64) as usize).min(last - 1);
+        let k = match self.time[guess] <= time && time <= self.time[guess + 1] {
+            true => guess,
+            false => self.time.partition_point(|t| *t <= time).clamp(1, last) - 1,
+        };
+        let share = (time - self.time[k]) / (self.time[k + 1] - self.time[k]);
+        self.values[k] + share * (self.values[k + 1] - self.values[k])
+    }
+}
+
+/// A known force: what resists the link is its negative.
+struct Push {
+    series: Arc<Series>,
+    scale: f64,
+}
+
+impl Force for Push {
+    fn force(&self, motion: &Motion, _x: f64, _v: f64, _memory: &Memory) -> f64 {
+        -self.scale * self.series.at(motion.time)
+    }
+}
+
+/// A known inertia.
+struct Seen {
+    series: Arc<Series>,
+    factor: Factor,
+}
+
+impl Inertia for Seen {
+    fn factor(&self, time: f64, _position: f64) -> f64 {
+        self.factor.of(self.series.at(time))
+    }
+}
+
+pub(super) use unit::Equation;
