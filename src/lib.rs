@@ -9,6 +9,7 @@
 //! - [`recording`], [`signal`]: what was measured, each channel on its own clock;
 //! - [`identification`]: frequency and damping from a recording;
 //! - [`model`], [`effects`]: models of an axis, and the catalogue of physics that one may lack;
+//! - [`rigid_body`]: torque and inertia that each joint of a robot sees along a recorded motion;
 //! - [`diagnosis`], [`report`], [`page`]: what a model lacks, told to people;
 //! - [`proof`]: recordings in which physics is concealed, and the score of a diagnosis on them.
 //!
@@ -37,6 +38,7 @@ pub use quell_page as page;
 pub use quell_proof as proof;
 pub use quell_recording as recording;
 pub use quell_report as report;
+pub use quell_rigid_body as rigid_body;
 pub use quell_shapers as shapers;
 pub use quell_signal as signal;
 pub use quell_simulation::{closed_loop, plant};

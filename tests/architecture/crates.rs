@@ -14,6 +14,7 @@ const REACHES: &[(&str, &[&str])] = &[
     ("quell-page", &[]),
     ("quell-signal", &["recording", "shapers"]),
     ("quell-model", &["recording", "shapers", "signal"]),
+    ("quell-rigid-body", &["recording", "shapers", "signal"]),
     // The controller must not know the truth that it is to learn.
     (
         "quell-control",

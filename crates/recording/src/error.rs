@@ -2,7 +2,6 @@
 
 mod words;
 
-pub(super) use words::closest;
 pub use words::nearest;
 
 use std::fmt;

@@ -100,7 +100,7 @@ pub struct Recording {
 
 impl Recording {
     /// Reads a recording: a manifest, a folder that has a `recording.toml`, an MCAP file with Quell's own
-    /// topics, or a CSV file that can only mean one thing. Of a file with several joints `run.mcap#joint_2` takes one.
+    /// topics, or a CSV file that can only mean one thing. Of several joints `run.mcap#joint_2`, `folder#joint_2` takes one.
     ///
     /// Values are converted to SI. File names in the manifest are relative to its folder.
     ///
@@ -110,8 +110,26 @@ impl Recording {
         let (file, joint) = mcap_and_joint(path.as_ref());
         match McapFile::is_named(&file) {
             true => McapFile::open(&file)?.recording(joint.as_deref()),
-            false => manifest::read(&file),
+            false => {
+                let (file, joint) = file_and_joint(&file);
+                manifest::read(&file, joint.as_deref())
+            }
         }
+    }
+
+    /// Reads the recordings of all joints of a robot, each with its name: those that a manifest's channels name, or an
+    /// MCAP file's topics. None where no joint is named.
+    ///
+    /// # Errors
+    /// As [`Recording::from_path`].
+    pub fn joints(path: impl AsRef<Path>) -> Result<Vec<(String, Self)>, RecordingError> {
+        let path = path.as_ref();
+        if !McapFile::is_named(path) {
+            return manifest::read_joints(path);
+        }
+        let file = McapFile::open(path)?;
+        let of = |joint: String| Ok((joint.clone(), file.recording(Some(&joint))?));
+        file.joints().into_iter().map(of).collect()
     }
 
     /// Writes the recording into a folder, as `recording.toml` and one CSV file a channel,
@@ -185,6 +203,17 @@ pub fn mcap_and_joint(path: &Path) -> (PathBuf, Option<String>) {
     match text.rsplit_once(".mcap#") {
         Some((stem, joint)) if !path.exists() => {
             (format!("{stem}.mcap").into(), Some(joint.into()))
+        }
+        _ => (path.into(), None),
+    }
+}
+
+/// A manifest or its folder, and the joint of `folder#joint_2`; a path that is there is left as it is.
+fn file_and_joint(path: &Path) -> (PathBuf, Option<String>) {
+    let text = path.to_string_lossy();
+    match text.rsplit_once('#') {
+        Some((file, joint)) if !path.exists() && Path::new(file).exists() => {
+            (file.into(), Some(joint.into()))
         }
         _ => (path.into(), None),
     }

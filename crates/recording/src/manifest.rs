@@ -24,6 +24,7 @@ const KEYS: &[&str] = &[
     "csv",
     "channel",
     "role",
+    "joint",
     "file",
     "time",
     "time_unit",
@@ -70,6 +71,9 @@ type Rows = Spanned<[usize; 2]>;
 struct Entry {
     /// What is measured, a name of the [table of roles](#roles).
     role: Spanned<String>,
+    /// Whose channel it is, where a recording has several joints: its name in the robot's description. Without it a channel
+    /// is every joint's.
+    joint: Option<Spanned<String>>,
     /// File beside the manifest: `.csv`, `.csv.gz` or `.mcap`.
     file: Spanned<PathBuf>,
     /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
@@ -113,37 +117,71 @@ struct Files {
 /// Stamps and columns as they stand in a file.
 type Numbers = (Vec<f64>, Vec<Vec<f64>>);
 
-/// Reads the recording that a manifest (or the folder of a `recording.toml`) describes.
-pub(super) fn read(path: &Path) -> Result<Recording, RecordingError> {
+/// Reads the recording that a manifest (or the folder of a `recording.toml`) describes; of several joints the one of
+/// this name.
+pub(super) fn read(path: &Path, joint: Option<&str>) -> Result<Recording, RecordingError> {
     let path = locate(path)?;
-    if propose::is_csv(&path) {
-        return read_text(&path, &propose::certain(&path)?);
+    read_joint(&path, &text(&path)?, joint)
+}
+
+/// Reads the recordings of all joints that a manifest names.
+pub(super) fn read_joints(path: &Path) -> Result<Vec<(String, Recording)>, RecordingError> {
+    let path = locate(path)?;
+    let text = text(&path)?;
+    let source = Source {
+        path: &path,
+        text: &text,
+    };
+    let (manifest, mut files) = (source.manifest()?, Files::default());
+    let of = |joint: String| {
+        let recording = source.recording(&manifest, Some(&joint), &mut files)?;
+        Ok((joint, recording))
+    };
+    manifest.joints().into_iter().map(of).collect()
+}
+
+/// The text of a manifest, or of that which a CSV file alone means.
+fn text(path: &Path) -> Result<String, RecordingError> {
+    if propose::is_csv(path) {
+        return propose::certain(path);
     }
-    let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::InvalidData => Problem::NotUtf8.in_file(&path),
-        _ => from_io(&error).in_file(&path),
-    })?;
-    read_text(&path, &text)
+    std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => Problem::NotUtf8.in_file(path),
+        _ => from_io(&error).in_file(path),
+    })
 }
 
 /// The recording that the text of a manifest describes, with files beside `path`.
-pub(super) fn read_text(path: &Path, text: &str) -> Result<Recording, RecordingError> {
+fn read_joint(path: &Path, text: &str, joint: Option<&str>) -> Result<Recording, RecordingError> {
     let source = Source { path, text };
-    let manifest: Manifest = toml::from_str(text).map_err(|error| source.syntax(&error))?;
-    if manifest.channel.is_empty() {
-        return Err(key("channel", "there is none").in_file(path));
+    let (manifest, mut files) = (source.manifest()?, Files::default());
+    let joints = manifest.joints();
+    let known = |name: &str| joints.iter().any(|joint| joint == name);
+    let reason = match joint {
+        Some(name) if !known(name) => format!("no channel names \"{name}\""),
+        None if joints.len() > 1 => format!(
+            "there are {}: {}; take one as {}#{}, or all with quell diagnose --robot",
+            joints.len(),
+            joints.join(", "),
+            path.display(),
+            joints[0]
+        ),
+        _ => return source.recording(&manifest, joint, &mut files),
+    };
+    Err(key("joint", reason).in_file(path))
+}
+
+impl Manifest {
+    /// The joints that its channels name, in their order.
+    fn joints(&self) -> Vec<String> {
+        let mut joints: Vec<String> = Vec::new();
+        for joint in self.channel.iter().filter_map(|entry| entry.joint.as_ref()) {
+            if !joints.contains(joint.get_ref()) {
+                joints.push(joint.get_ref().clone());
+            }
+        }
+        joints
     }
-    let mut files = Files::default();
-    let channels = manifest
-        .channel
-        .iter()
-        .map(|entry| source.channel(entry, &manifest, &mut files));
-    let channels = channels.collect::<Result<_, _>>()?;
-    Ok(Recording {
-        name: manifest.name,
-        payload: manifest.payload,
-        channels,
-    })
 }
 
 fn locate(path: &Path) -> Result<PathBuf, RecordingError> {
@@ -202,6 +240,34 @@ impl Source<'_> {
             Problem::Toml(error.message().trim().replace('\n', "; "))
         };
         self.at(span.start, problem)
+    }
+
+    fn manifest(&self) -> Result<Manifest, RecordingError> {
+        let manifest: Manifest = toml::from_str(self.text).map_err(|error| self.syntax(&error))?;
+        match manifest.channel.is_empty() {
+            true => Err(key("channel", "there is none").in_file(self.path)),
+            false => Ok(manifest),
+        }
+    }
+
+    /// The recording of a joint, of all channels where none is named.
+    fn recording(
+        &self,
+        manifest: &Manifest,
+        joint: Option<&str>,
+        files: &mut Files,
+    ) -> Result<Recording, RecordingError> {
+        let own = |entry: &&Entry| match (&entry.joint, joint) {
+            (Some(own), Some(joint)) => own.get_ref() == joint,
+            _ => true,
+        };
+        let channels = manifest.channel.iter().filter(own);
+        let channels = channels.map(|entry| self.channel(entry, manifest, files));
+        Ok(Recording {
+            name: manifest.name.clone(),
+            payload: manifest.payload.clone(),
+            channels: channels.collect::<Result<_, _>>()?,
+        })
     }
 
     fn channel(

@@ -1,6 +1,6 @@
 //! What is wrong with a TOML file, on one line: where, which key or value, and what was probably meant.
 
-use super::error::closest;
+use super::error::nearest;
 use std::fmt;
 
 /// A file that is no TOML, or has a key that is unknown, missing or of another type.
@@ -44,7 +44,7 @@ fn unknown(message: &str) -> Option<String> {
         .find_map(|(what, start)| Some((what, message.strip_prefix(start)?)))?;
     let (name, expected) = rest.split_once('`')?;
     let expected: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
-    let meant = match closest(name, expected.iter().copied()) {
+    let meant = match nearest(name, expected.iter().copied()) {
         Some(nearest) => format!("did you mean {nearest:?}?"),
         None => format!("there are {}", expected.join(", ")),
     };

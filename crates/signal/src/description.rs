@@ -1,8 +1,8 @@
 //! The chain of a robot description: kinematics and bodies.
 
-use nalgebra::{Matrix3, Point3};
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
-use super::kinematics::Chain;
+use super::kinematics::{Chain, JointKind};
 
 /// A rigid body carried by a joint of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,4 +26,32 @@ pub struct UrdfChain {
     pub bodies: Vec<Body>,
     /// Velocity limit of each joint, rad/s or m/s; 0 where the file gives none.
     pub velocity_limits: Vec<f64>,
+}
+
+/// One joint of a tree of links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeJoint {
+    /// Name in the robot's description.
+    pub name: String,
+    /// The joint before it, counted from 0; none at the base.
+    pub parent: Option<usize>,
+    /// From the frame of the link before to the frame of its own link at `q = 0`.
+    pub before: Isometry3<f64>,
+    /// Axis of the motion, in either frame.
+    pub axis: Unit<Vector3<f64>>,
+    /// Turns or slides.
+    pub kind: JointKind,
+    /// Viscous friction that the description has, N.m.s/rad or N.s/m; 0 where it has none.
+    pub damping: f64,
+    /// Dry friction that the description has, N.m or N; 0 where it has none.
+    pub friction: f64,
+}
+
+/// All moving links of a description: each joint behind the one that carries it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    /// The joints.
+    pub joints: Vec<TreeJoint>,
+    /// Bodies of the links that move and have a mass.
+    pub bodies: Vec<Body>,
 }

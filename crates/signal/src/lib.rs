@@ -27,7 +27,7 @@ pub use deformation::{
     DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
     tip_deformation,
 };
-pub use description::{Body, UrdfChain};
+pub use description::{Body, Tree, TreeJoint, UrdfChain};
 pub use error::SignalError;
 pub use forced_response::ForcedResponse;
 pub use fourier::fourier;
@@ -41,4 +41,4 @@ pub use rest::{Motion, Phase, RestDetector, RestRule, free_decays, phases};
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End};
 pub use tip_registration::TipRegistration;
-pub use urdf::read_urdf;
+pub use urdf::{read_urdf, read_urdf_tree};

@@ -2,13 +2,15 @@
 
 #[cfg(feature = "urdf")]
 mod parse;
+#[cfg(feature = "urdf")]
+mod tree;
 
 use std::path::Path;
 
 use super::SignalError;
-use super::description::UrdfChain;
+use super::description::{Tree, UrdfChain};
 #[cfg(feature = "urdf")]
-use parse::parse;
+use {parse::parse, tree::tree};
 
 /// Reads the chain from the base to `tip_link`, or to the link at the end of the longest chain.
 ///
@@ -27,7 +29,28 @@ pub fn read_urdf(file: &Path, tip_link: Option<&str>) -> Result<UrdfChain, Signa
     parse(&text, tip_link).map_err(refuse)
 }
 
+/// Reads all moving joints and links, branches too. Joints that mimic another, float or slide in a plane are refused.
+///
+/// # Errors
+/// As [`read_urdf`], and where no joint moves or several links are carried by none.
+pub fn read_urdf_tree(file: &Path) -> Result<Tree, SignalError> {
+    let refuse = |reason: String| SignalError::Urdf {
+        file: file.to_path_buf(),
+        reason,
+    };
+    let text = std::fs::read_to_string(file).map_err(|error| refuse(error.to_string()))?;
+    tree(&text).map_err(refuse)
+}
+
+#[cfg(not(feature = "urdf"))]
+fn tree(_: &str) -> Result<Tree, String> {
+    Err(ABSENT.into())
+}
+
+#[cfg(not(feature = "urdf"))]
+const ABSENT: &str = "this program is built without URDF: build it with the feature `urdf`";
+
 #[cfg(not(feature = "urdf"))]
 fn parse(_: &str, _: Option<&str>) -> Result<UrdfChain, String> {
-    Err("this program is built without URDF: build it with the feature `urdf`".into())
+    Err(ABSENT.into())
 }

@@ -60,15 +60,7 @@ pub(super) fn hint(text: &str) -> &'static str {
 
 /// The candidate that a misspelt name resembles most, if any does: at most a third of its letters
 /// differ, by insertions, deletions, substitutions and swaps.
-pub fn nearest(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'static str>,
-) -> Option<&'static str> {
-    closest(name, candidates)
-}
-
-/// The same among candidates that live as long as they may.
-pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name = name.to_lowercase();
     candidates
         .into_iter()

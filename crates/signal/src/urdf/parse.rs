@@ -76,7 +76,7 @@ fn deepest_link(robot: &urdf_rs::Robot) -> Result<&str, String> {
         .ok_or_else(|| "the file has no links".to_string())
 }
 
-fn moving_joint(
+pub(super) fn moving_joint(
     joint: &urdf_rs::Joint,
     before: Isometry3<f64>,
 ) -> Result<Option<ChainJoint>, String> {
@@ -109,7 +109,11 @@ fn moving_joint(
     }))
 }
 
-fn body(inertial: &urdf_rs::Inertial, joint: usize, link: &Isometry3<f64>) -> Option<Body> {
+pub(super) fn body(
+    inertial: &urdf_rs::Inertial,
+    joint: usize,
+    link: &Isometry3<f64>,
+) -> Option<Body> {
     let mass = inertial.mass.value;
     if mass <= 0.0 {
         return None;
@@ -128,7 +132,7 @@ fn body(inertial: &urdf_rs::Inertial, joint: usize, link: &Isometry3<f64>) -> Op
     })
 }
 
-fn isometry(pose: &Pose) -> Isometry3<f64> {
+pub(super) fn isometry(pose: &Pose) -> Isometry3<f64> {
     let [roll, pitch, yaw] = pose.rpy.0;
     Isometry3::from_parts(
         Translation3::from(Vector3::from(pose.xyz.0)),

@@ -1,0 +1,16 @@
+#![doc = include_str!("../README.md")]
+
+mod beside;
+mod contradiction;
+mod coupling;
+mod course;
+mod dynamics;
+mod payload;
+mod robot;
+
+pub use beside::{Beside, beside};
+pub use coupling::{Cause, Coupling, couplings};
+pub use course::Course;
+pub use dynamics::Dynamics;
+pub use payload::{Payload, payload};
+pub use robot::{Joint, Robot, RobotError};
