@@ -40,11 +40,8 @@ fn joint() -> Chain {
         link: Some((1.0, 0.0)),
         stiffness: w * w,
         damping: 2.0 * DAMPING_RATIO * w,
-        motor_gain: 0.0,
-        link_gain: 0.0,
-        position_loop: None,
-        link_is_input: false,
         unit_force: w * w,
+        ..Linear::NONE
     })
 }
 

@@ -2,6 +2,7 @@
 
 mod batch;
 mod help;
+mod robot;
 
 pub use help::long_help;
 
@@ -15,11 +16,13 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::{Case, page, text};
 use help::HELP;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// The files that are written; the last has the physics in it.
 const FILES: [&str; 3] = ["report.html", "diagnosis.json", "model.toml"];
+/// Gravity of a robot that stands upright: the standard acceleration of free fall, m/s^2.
+const EARTH: [f64; 3] = [0.0, 0.0, -9.80665];
 /// Steps of the progress bar.
 const STEPS: f64 = 1000.0;
 
@@ -28,9 +31,17 @@ const STEPS: f64 = 1000.0;
 #[derive(Debug, clap::Args)]
 #[command(after_help = HELP, after_long_help = long_help(Catalogue::default()))]
 pub struct Args {
-    /// The model that is believed in.
-    #[arg(long, value_name = "FILE")]
-    pub model: PathBuf,
+    /// The model that is believed in. With --robot also a folder with JOINT.toml for some of the joints.
+    #[arg(long, value_name = "FILE", required_unless_present = "robot")]
+    pub model: Option<PathBuf>,
+    /// The robot's description (URDF): diagnoses every joint of the recordings, each with the forces and the inertia that
+    /// it sees along the motion of all. Without --model a joint is a rigid axis whose torque was measured.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["batch", "queue"])]
+    pub robot: Option<PathBuf>,
+    /// Gravity in the frame of the robot's base, m/s^2.
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true,
+          requires = "robot", default_values_t = EARTH, value_parser = super::values::finite)]
+    pub gravity: Vec<f64>,
     /// The manifests, the folders that hold a recording.toml, or MCAP files.
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<PathBuf>,
@@ -63,6 +74,21 @@ pub struct Args {
     /// Seed of the confidence intervals' bootstrap.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
+}
+
+impl Args {
+    /// The model's file; only with --robot it need not be given.
+    fn model(&self) -> &Path {
+        self.model.as_deref().unwrap_or(Path::new(""))
+    }
+
+    fn options(&self) -> Options {
+        Options {
+            seed: self.seed,
+            enough: self.time_limit.map_or_else(Stop::default, after),
+            ..Options::default()
+        }
+    }
 }
 
 /// A time above 0.
@@ -101,18 +127,18 @@ pub fn run(args: Args) -> Result<(), CliError> {
         let error = CliError::input("--shard: there is no batch of which this could be a share");
         return Err(error.with_help("add --batch, or --queue URL submit"));
     }
-    let out = Out::open(&args.out, ("diagnose", args.force), &[&args.model], FILES)?;
-    let model = Model::from_path(&args.model).map_err(CliError::input)?;
+    if let Some(description) = &args.robot {
+        return robot::run(description, &args);
+    }
+    let file = args.model();
+    let out = Out::open(&args.out, ("diagnose", args.force), &[file], FILES)?;
+    let model = Model::from_path(file).map_err(CliError::input)?;
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>, CliError> {
         let all = paths.iter().map(|path| Ok(Recording::from_path(path)?));
         all.collect()
     };
     let (train, held_out) = (read(&args.recordings)?, read(&args.held_out)?);
-    let options = Options {
-        seed: args.seed,
-        enough: args.time_limit.map_or_else(Stop::default, after),
-        ..Options::default()
-    };
+    let options = args.options();
     let bar = Progress::new(STEPS as u64, "{bar:30} {percent:>3} % {msg}")?;
     let progress = |done: f64, what: &str| bar.set((done.clamp(0.0, 1.0) * STEPS) as u64, what);
     let work = || diagnose(&model, &train, &held_out, &options, &progress);
@@ -161,7 +187,7 @@ fn write(
     outcome: &Outcome,
     names: &[String],
 ) -> Result<Vec<PathBuf>, CliError> {
-    let model = args.model.display().to_string();
+    let model = args.model().display().to_string();
     let page = page(&outcome.diagnosis, &outcome.traces, &model, names).footnote(format!(
         "quell diagnose --model {model}, seed {}",
         args.seed

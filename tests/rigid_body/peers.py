@@ -57,7 +57,7 @@ def by_mujoco(engine, state, order, q, v, a):
     mujoco.mj_inverse(engine, state)
     torques = state.qfrc_inverse[order]
     mass = np.zeros((engine.nv, engine.nv))
-    mujoco.mj_fullM(engine, mass, state.qM)
+    mujoco.mj_fullM(engine, state, mass)
     return {"torques": torques.tolist(), "inertias": (np.diag(mass) - engine.dof_armature)[order].tolist()}
 
 

@@ -216,6 +216,9 @@ impl Chain {
         }
         if linear.link_is_input {
             instant.force = -bodies.force[1];
+            if linear.held_inertia > 0.0 {
+                instant.force += linear.held_inertia * self.reshaped(&motion, bias[1]);
+            }
         }
         instant.motor = bodies.acceleration(0);
         instant.link = bodies.acceleration(1);
@@ -252,6 +255,18 @@ impl Chain {
             }
         }
         bodies.hold(sticks)
+    }
+
+    /// The force over the nominal inertia that a held link takes to be accelerated: `m y'' + m' y'^2 / 2`.
+    fn reshaped(&self, motion: &Motion, acceleration: f64) -> f64 {
+        let (time, [y, v]) = (motion.time, motion.link);
+        let (mut factor, mut slope) = (1.0, 0.0);
+        for inertia in &self.inertias {
+            let own = inertia.factor(time, y);
+            slope = slope * own + factor * inertia.slope(time, y);
+            factor *= own;
+        }
+        factor * acceleration + 0.5 * slope * v * v
     }
 
     /// Where a place is in this chain.

@@ -91,13 +91,10 @@ pub const FLEXIBLE_JOINT: Kind = Kind {
         Linear {
             motor: MotorSide::Prescribed,
             link: Some((1.0, 0.0)),
-            link_is_input: false,
             stiffness: w * w,
             damping: 2.0 * xi * w,
-            motor_gain: 0.0,
-            link_gain: 0.0,
-            position_loop: None,
             unit_force: w * w,
+            ..Linear::NONE
         }
     },
     newton: |p| {

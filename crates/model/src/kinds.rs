@@ -9,6 +9,7 @@ pub const KINDS: &[&Kind] = &[
     &crate::oscillator::OSCILLATOR,
     &crate::oscillator::SPRING_AND_DAMPER,
     &crate::two_mass::TWO_MASS,
+    &crate::inverse_dynamics::INVERSE_DYNAMICS,
 ];
 
 impl Kind {

@@ -107,6 +107,10 @@ impl KnownInertia {
                 base: 0.0,
                 slope: 1.0,
             },
+            (false, ..) if linear.link_is_input => Factor {
+                base: 1.0,
+                slope: newton / linear.held_inertia,
+            },
             (false, Some((own, _)), _) => Factor {
                 base: 0.0,
                 slope: newton / own,

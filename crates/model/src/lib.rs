@@ -14,6 +14,7 @@ mod file;
 mod flexible_joint;
 mod gain;
 mod integrate;
+mod inverse_dynamics;
 mod kind;
 mod kinds;
 mod known;

@@ -45,6 +45,8 @@ pub struct Linear {
     pub link: Option<(f64, f64)>,
     /// Whether the input is the link's position; the chain then says what force holds it there.
     pub link_is_input: bool,
+    /// Inertia that such an input must accelerate, too.
+    pub held_inertia: f64,
     /// Stiffness of the transmission in the equation's unit of force.
     pub stiffness: f64,
     /// Damping across the transmission.
@@ -65,6 +67,7 @@ impl Linear {
         motor: MotorSide::Fixed,
         link: None,
         link_is_input: false,
+        held_inertia: 0.0,
         stiffness: 0.0,
         damping: 0.0,
         motor_gain: 0.0,

@@ -50,7 +50,7 @@ pub(super) fn output(
         witness: Vec::new(),
         radius: None,
         gain: None,
-        own_clock: channel.time != experiment.input_time,
+        own_clock: !on_one_clock(model, experiment, &channel.time),
         time: channel.time,
         values,
         scale,
@@ -58,6 +58,15 @@ pub(super) fn output(
         clock_offset: 0.0,
         noise_witness: None,
     })
+}
+
+/// Whether an output has the clock of the input. A torque that is known of some of the stamps of a motion only has that
+/// clock, too.
+fn on_one_clock(model: &Model, experiment: &Experiment, time: &[f64]) -> bool {
+    let held = (model.kind.linear)(&model.keys(), experiment.input).held_inertia > 0.0;
+    let mut all = experiment.input_time.iter();
+    let mut within = || time.iter().all(|stamp| all.any(|own| own == stamp));
+    time == experiment.input_time || held && within()
 }
 
 /// The angle of a tip that a tracker follows in a frame of its own.

@@ -11,6 +11,13 @@ pub enum Cell {
     Text(String),
     /// A number, shown with four significant digits; not finite shows as a dash.
     Number(f64),
+    /// Words that lead to a file beside the page.
+    Link {
+        /// The words.
+        text: String,
+        /// The file, from the page's folder.
+        file: String,
+    },
 }
 
 impl From<&str> for Cell {
@@ -134,6 +141,7 @@ impl Table {
                 @for (index, column) in self.columns.iter().enumerate() {
                     td class=[column.class()] {
                         @match row.cells.get(index) {
+                            Some(Cell::Link { text, file }) => { a href=(file) { (text) } }
                             Some(Cell::Text(text)) => {
                                 @if let Some(slot) = own(index, text) { (swatch(slot)) }
                                 (text)

@@ -1,5 +1,6 @@
 //! The channels `known_force` and `inertia` of each joint of a robot.
 
+use super::contradiction::{is_moving, torque};
 use super::coupling::Coupling;
 use super::robot::{Joint, Robot};
 use quell_recording::{Channel, Recording, Role};
@@ -11,6 +12,8 @@ pub struct Beside {
     pub joint: String,
     /// Its channels, `known_force` and `inertia` among them.
     pub recording: Recording,
+    /// For `inverse_dynamics`: the smoothed position, and the torque while the joint moves; none where no torque was measured.
+    pub inverse: Option<Recording>,
     /// The mean of the inertia along the motion, kg.m^2 or kg.
     pub inertia: f64,
 }
@@ -60,8 +63,42 @@ fn of(robot: &Robot, joint: &Joint, couplings: &[Coupling]) -> Beside {
             .push(channel(Role::Inertia, unit, inertia));
     }
     Beside {
+        inverse: inverse(robot, joint, &recording),
         joint: joint.name.clone(),
         recording,
         inertia: mean,
     }
+}
+
+/// At rest friction holds whatever it can bear: what the torque is there nobody knows.
+fn inverse(robot: &Robot, joint: &Joint, known: &Recording) -> Option<Recording> {
+    let (torque, course) = (torque(robot, joint)?, robot.course(joint.index));
+    let samples = torque.time.iter().zip(&torque.columns[0]);
+    let moving = samples.filter(|(time, _)| is_moving(course, **time));
+    let (time, values): (Vec<f64>, Vec<f64>) = moving.unzip();
+    let position = Channel {
+        role: Role::MotorPosition,
+        unit: if robot.unit(joint.index) == "N" {
+            "m"
+        } else {
+            "rad"
+        }
+        .into(),
+        time: course.time.clone(),
+        columns: vec![course.state.iter().map(|state| state[0]).collect()],
+    };
+    let measured = Channel {
+        time,
+        columns: vec![values],
+        ..torque.clone()
+    };
+    let beside = known.channels.iter();
+    let beside = beside.filter(|own| matches!(own.role, Role::KnownForce | Role::Inertia));
+    Some(Recording {
+        channels: [position, measured]
+            .into_iter()
+            .chain(beside.cloned())
+            .collect(),
+        ..known.clone()
+    })
 }

@@ -1,5 +1,6 @@
 //! What the torques of a joint leave of a description, and what the joint's own friction explains of it.
 
+use super::course::Course;
 use super::dynamics::Dynamics;
 use super::robot::{Joint, Robot};
 use nalgebra::{DMatrix, DVector};
@@ -24,6 +25,8 @@ pub struct Rows {
     pub states: Vec<[Vec<f64>; 3]>,
     /// The measured torque.
     torque: Vec<f64>,
+    /// The noise of the torque.
+    pub noise: f64,
     /// An orthonormal basis of what the joint may do itself.
     own: DMatrix<f64>,
 }
@@ -31,7 +34,9 @@ pub struct Rows {
 /// What a joint may do itself.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Own {
-    /// A rotor's inertia, an offset, any friction over its velocity.
+    /// An offset, and any friction over its velocity.
+    Speed,
+    /// The same, and a rotor's inertia.
     Friction,
     /// The same, and any force over its position.
     FrictionAndPosition,
@@ -44,15 +49,19 @@ pub fn torque<'a>(robot: &Robot, joint: &'a Joint) -> Option<&'a Channel> {
     channels.find(|own| matches!(own.role, Role::Torque | Role::Force) && own.unit == unit)
 }
 
+/// Whether a joint moves at an instant, so that its friction has a direction.
+pub fn is_moving(course: &Course, time: f64) -> bool {
+    course.at(time)[1].abs() > REST * course.fastest
+}
+
 impl Rows {
     /// The rows of a joint; none where it has no torque or hardly moves.
     pub fn of(robot: &Robot, joint: &Joint, own: Own) -> Option<Self> {
         let channel = torque(robot, joint)?;
         let stride = channel.time.len().div_ceil(ROWS);
-        let speed = |time: f64| robot.course(joint.index).at(time)[1].abs();
-        let most = channel.time.iter().map(|t| speed(*t)).fold(0.0, f64::max);
+        let course = robot.course(joint.index);
         let stamps = channel.time.iter().zip(&channel.columns[0]).step_by(stride);
-        let moving = stamps.filter(|(time, _)| speed(**time) > REST * most);
+        let moving = stamps.filter(|(time, _)| is_moving(course, **time));
         let (time, torque): (Vec<f64>, Vec<f64>) = moving.unzip();
         let states: Vec<_> = time.iter().map(|t| robot.state(*t)).collect();
         let curves = curves(&states, joint.index, own);
@@ -62,6 +71,7 @@ impl Rows {
             time,
             states,
             torque,
+            noise: quell_signal::noise_floor(&channel.columns[0]).standard_deviation,
         })
     }
 
@@ -93,7 +103,10 @@ impl Rows {
 fn curves(states: &[[Vec<f64>; 3]], joint: usize, own: Own) -> Vec<Vec<f64>> {
     let series = |order: usize| -> Vec<f64> { states.iter().map(|s| s[order][joint]).collect() };
     let [position, rate, acceleration] = [0, 1, 2].map(series);
-    let mut columns = vec![acceleration, vec![1.0; rate.len()]];
+    let mut columns = vec![vec![1.0; rate.len()]];
+    if own != Own::Speed {
+        columns.push(acceleration);
+    }
     for sign in [1.0, -1.0] {
         let speed: Vec<f64> = rate.iter().map(|v| sign * v).collect();
         columns.extend(hats(&speed, 0.0, SPEEDS));

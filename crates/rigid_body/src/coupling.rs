@@ -59,7 +59,8 @@ impl Coupling {
 }
 
 /// The couplings that the measured torques show: those that neither the description nor any friction and any force over
-/// position of the joint itself explains, the surest first, each beside those before it.
+/// position of the joint itself explains, the surest first, each beside those before it. One that adds less than the noise
+/// of a sample is none: so much the smoothing of the accelerations leaves.
 pub fn couplings(robot: &Robot, dynamics: &Dynamics) -> Vec<Coupling> {
     let mut found = Vec::new();
     for joint in &robot.joints {
@@ -72,7 +73,8 @@ pub fn couplings(robot: &Robot, dynamics: &Dynamics) -> Vec<Coupling> {
             let fitted = columns
                 .iter()
                 .map(|own| (own.0, own.1, fitted(&rows, &own.2, &left)));
-            let best = fitted.max_by(|a, b| a.2.certainty().total_cmp(&b.2.certainty()));
+            let seen = fitted.filter(|own| own.2.reach > rows.noise);
+            let best = seen.max_by(|a, b| a.2.certainty().total_cmp(&b.2.certainty()));
             let Some((other, cause, fit)) = best.filter(|best| best.2.certainty() > CHANCE) else {
                 break;
             };
@@ -120,6 +122,8 @@ fn causes(robot: &Robot, rows: &Rows) -> Vec<(usize, Cause, DVector<f64>)> {
 struct Fit {
     size: f64,
     std: f64,
+    /// Root mean square of what it adds to the torque.
+    reach: f64,
 }
 
 impl Fit {
@@ -142,8 +146,10 @@ fn fitted(rows: &Rows, column: &DVector<f64>, left: &DVector<f64>) -> Fit {
     let mean = parts.iter().sum::<f64>() / BLOCKS as f64;
     let scatter: f64 = parts.iter().map(|part| (part - mean).powi(2)).sum();
     let count = BLOCKS as f64;
+    let size = along / all;
     Fit {
-        size: along / all,
+        size,
+        reach: size.abs() * (all / left.len() as f64).sqrt(),
         std: (scatter * (count - 1.0) / count)
             .sqrt()
             .max(f64::MIN_POSITIVE),

@@ -18,6 +18,8 @@ pub struct Course {
     pub time: Vec<f64>,
     /// Position, velocity, acceleration at each.
     pub state: Vec<[f64; 3]>,
+    /// The greatest speed.
+    pub fastest: f64,
 }
 
 /// Where the logarithm of the intensity is looked for: from a motion of which a million samples show the acceleration to
@@ -45,9 +47,11 @@ impl Course {
             true => filter.smoothed(filter.likeliest().exp()),
         };
         let scaled = |[q, v, a]: [f64; 3]| [q, v / unit, a / (unit * unit)];
+        let state: Vec<[f64; 3]> = state.into_iter().map(scaled).collect();
         Ok(Self {
             time: time.clone(),
-            state: state.into_iter().map(scaled).collect(),
+            fastest: state.iter().fold(0.0, |most, own| own[1].abs().max(most)),
+            state,
         })
     }
 
@@ -56,6 +60,7 @@ impl Course {
         Self {
             time: vec![0.0],
             state: vec![[position, 0.0, 0.0]],
+            fastest: 0.0,
         }
     }
 

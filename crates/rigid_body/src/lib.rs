@@ -7,6 +7,7 @@ mod course;
 mod dynamics;
 mod payload;
 mod robot;
+mod rotor;
 
 pub use beside::{Beside, beside};
 pub use coupling::{Cause, Coupling, couplings};
@@ -14,3 +15,4 @@ pub use course::Course;
 pub use dynamics::Dynamics;
 pub use payload::{Payload, payload};
 pub use robot::{Joint, Robot, RobotError};
+pub use rotor::rotor;

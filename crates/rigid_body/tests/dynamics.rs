@@ -141,7 +141,6 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// Without gravity and torques the kinetic energy `q' M q' / 2` stays: its rate is `q' (tau - tau(q, q', 0)) + q' M' q' / 2`.
-    /// The work of gravity is that of its torques.
     #[test]
     fn energy_stays(
         links in prop::collection::vec(link(), 1..6),

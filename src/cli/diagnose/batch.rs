@@ -77,7 +77,7 @@ pub fn submit(queue: &str, args: &Args) -> Result<(), CliError> {
 }
 
 fn batch(args: &Args, paths: &[PathBuf]) -> Result<Batch, CliError> {
-    let file = &args.model;
+    let file = args.model();
     let read = std::fs::read_to_string(file);
     let model = read.map_err(|error| CliError::input(format!("{}: {error}", file.display())))?;
     // What is wrong with it is told here, and not by every worker.

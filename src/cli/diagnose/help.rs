@@ -11,6 +11,8 @@ Examples:
   quell diagnose --model model.toml arm7
   quell diagnose --model model.toml monday tuesday --held-out friday --out friday-report
   quell diagnose --model model.toml arm7 --json
+  quell diagnose --robot arm.urdf six_axes --out arm-report
+  quell diagnose --robot arm.urdf --model models six_axes
   quell diagnose --batch --model model.toml fleet --out out
   quell diagnose --queue nats://host:4222 submit --model model.toml fleet
 
@@ -22,6 +24,10 @@ The model says what is believed, such as
   tip_height_m = 0.9
 Its parameters are refitted first, and what is still missing is looked for in the catalogue of
 effects. Without --held-out every third stretch of three periods judges what the rest was fitted to.
+
+With --robot each channel names its joint, and every joint is diagnosed: with gravity, the motion of
+the other joints and its own inertia as the description says them. What the robot carries and which
+joints are coupled beside the description is looked for first, where torques were measured.
 
 With --batch or --queue each recording is diagnosed by itself, and a folder stands for the
 recordings below it; what has its result already is not done again. --queue only puts them in:

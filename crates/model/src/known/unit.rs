@@ -66,7 +66,8 @@ impl Equation<'_> {
         recording: &Recording,
         channel: &Channel,
     ) -> Result<(), ExperimentError> {
-        if (model.kind.linear)(&model.keys(), self.input).link_is_input {
+        let linear = (model.kind.linear)(&model.keys(), self.input);
+        if linear.link_is_input && linear.held_inertia == 0.0 {
             return Err(ExperimentError::NoInertia {
                 recording: recording.name.clone(),
                 kind: model.kind.name,

@@ -1,0 +1,158 @@
+//! One recording of a robot, ready to be diagnosed joint by joint.
+
+use crate::cli::CliError;
+use crate::model::Model;
+use crate::recording::{Recording, Role, plain};
+use crate::rigid_body::{
+    Beside, Cause, Coupling, Dynamics, Payload, Robot, RobotError, beside, couplings, payload,
+    rotor,
+};
+use crate::signal::{JointKind, Tree};
+use nalgebra::Vector3;
+use std::path::Path;
+
+/// Share of the links' inertia that a rotor has at least, where the torques show none: too little to matter.
+const LEAST: f64 = 1e-3;
+
+/// A recording, and what its torques say against the description.
+pub(super) struct Prepared {
+    pub name: String,
+    pub robot: Robot,
+    /// The description with the payload.
+    dynamics: Dynamics,
+    pub payload: Option<Payload>,
+    pub couplings: Vec<Coupling>,
+    beside: Vec<Beside>,
+}
+
+impl Prepared {
+    pub fn read(tree: &Tree, gravity: Vector3<f64>, path: &Path) -> Result<Self, CliError> {
+        let joints = Recording::joints(path)?;
+        let Some(name) = joints.first().map(|(_, recording)| recording.name.clone()) else {
+            let recording = path.display().to_string();
+            return Err(CliError::input(RobotError::NoJoint { recording }));
+        };
+        let robot = Robot::new(Dynamics::new(tree, gravity), joints).map_err(CliError::input)?;
+        let payload = payload(&robot);
+        let mut loaded = robot.clone();
+        if let Some(payload) = &payload {
+            loaded.dynamics = robot.dynamics.with(payload.body());
+        }
+        let couplings = couplings(&robot, &loaded.dynamics);
+        Ok(Self {
+            name,
+            beside: beside(&loaded, &couplings),
+            dynamics: loaded.dynamics,
+            robot,
+            payload,
+            couplings,
+        })
+    }
+
+    /// A joint with what is known beside it.
+    pub fn beside(&self, joint: &str) -> Option<&Beside> {
+        self.beside.iter().find(|own| own.joint == joint)
+    }
+
+    /// What a model of a joint is held against.
+    pub fn recording(&self, joint: &str, model: &Model) -> Option<Recording> {
+        let own = self.beside(joint)?;
+        let kind = model.kind;
+        let predicts_torque = kind.outputs.contains(&Role::Torque);
+        match &own.inverse {
+            Some(inverse) if predicts_torque && kind.inputs.contains(&Role::MotorPosition) => {
+                Some(inverse.clone())
+            }
+            _ => Some(own.recording.clone()),
+        }
+    }
+
+    /// A rigid axis with the friction that the description has, where its torque was measured.
+    pub fn believed(&self, joint: &str) -> Option<Model> {
+        let own = self.robot.joints.iter().find(|own| own.name == joint)?;
+        let seen = self.beside(joint)?.inertia;
+        let mass = rotor(&self.robot, &self.dynamics, own).map(|mass| mass.max(LEAST * seen))?;
+        let described = &self.robot.dynamics.joints()[own.index];
+        // The torque shows the rotor within a factor; the fit has the rest to say.
+        let mut text =
+            format!("kind = \"inverse_dynamics\"\nmass = {{ value = {mass}, std = {mass} }}\n");
+        if described.damping > 0.0 {
+            text += &format!("viscous = {}\n", described.damping);
+        }
+        if described.friction > 0.0 {
+            text += &format!(
+                "[[effect]]\nname = \"coulomb_friction\"\nplace = \"transmission\"\n[effect.parameters]\nfriction = {}\n",
+                described.friction
+            );
+        }
+        Model::from_toml(&text, joint).ok()
+    }
+
+    /// What the recording says of the whole robot against its description.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks: Vec<String> = self.payload.iter().map(|own| self.carries(own)).collect();
+        remarks.extend(self.couplings.iter().map(|own| self.coupled(own)));
+        let unseen = self.robot.unseen();
+        if !unseen.is_empty() {
+            let names = unseen.join(", ");
+            remarks.push(format!(
+                "\"{}\" does not have {names}: taken to stand at 0.",
+                self.name
+            ));
+        }
+        remarks
+    }
+
+    /// The same as far as it is a joint's.
+    pub fn remarks_of(&self, joint: &str) -> Vec<String> {
+        let mut remarks: Vec<String> = self.payload.iter().map(|own| self.carries(own)).collect();
+        let own = |coupling: &&Coupling| self.joint(coupling.joint) == joint;
+        let couplings = self.couplings.iter().filter(own);
+        remarks.extend(couplings.map(|own| self.coupled(own)));
+        remarks
+    }
+
+    fn joint(&self, index: usize) -> &str {
+        &self.robot.dynamics.joints()[index].name
+    }
+
+    fn carries(&self, own: &Payload) -> String {
+        format!(
+            "The torques of \"{}\" contradict the description: the link behind {} carries {} kg ({} kg one standard \
+             deviation) more, {} m from that joint's axis. It was taken into account.",
+            self.name,
+            self.joint(own.joint),
+            rounded(own.mass),
+            rounded(own.mass_std),
+            rounded(own.lever)
+        )
+    }
+
+    fn coupled(&self, own: &Coupling) -> String {
+        let (cause, per) = match own.cause {
+            Cause::Acceleration => ("the acceleration", ".s^2"),
+            Cause::Velocity => ("the velocity", ".s"),
+            Cause::Direction => ("the direction of motion", ""),
+        };
+        let other = match self.robot.dynamics.joints()[own.other].kind {
+            _ if own.cause == Cause::Direction => "",
+            JointKind::Revolute => "/rad",
+            JointKind::Prismatic => "/m",
+        };
+        format!(
+            "{} is coupled with {}, which the description does not have: a torque of {} {}{per}{other} ({} one standard \
+             deviation) follows {cause} of {}. It was taken into account.",
+            self.joint(own.joint),
+            self.joint(own.other),
+            rounded(own.size),
+            self.robot.unit(own.joint),
+            rounded(own.std),
+            self.joint(own.other)
+        )
+    }
+}
+
+/// A number with three digits.
+fn rounded(value: f64) -> String {
+    plain(format!("{value:.2e}").parse().unwrap_or(value))
+}
