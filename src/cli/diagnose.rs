@@ -38,9 +38,9 @@ pub struct Args {
     /// it sees along the motion of all. Without --model a joint is a rigid axis whose torque was measured.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["batch", "queue"])]
     pub robot: Option<PathBuf>,
-    /// Gravity in the frame of the robot's base, m/s^2.
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true,
-          requires = "robot", default_values_t = EARTH, value_parser = super::values::finite)]
+    /// Gravity in the frame of the robot's base, m/s^2 [default: 0,0,-9.80665].
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
+          requires = "robot", value_parser = super::values::finite)]
     pub gravity: Vec<f64>,
     /// The manifests, the folders that hold a recording.toml, or MCAP files.
     #[arg(required = true, value_name = "RECORDING")]

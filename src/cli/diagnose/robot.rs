@@ -35,7 +35,7 @@ pub(super) struct Told {
 /// [`CliError::Input`] where description, models or recordings are refused, or a joint was set aside.
 pub fn run(description: &Path, args: &Args) -> Result<(), CliError> {
     let tree = read_urdf_tree(description).map_err(CliError::input)?;
-    let gravity = Vector3::from_column_slice(&args.gravity);
+    let gravity = gravity(&args.gravity)?;
     let read = |paths: &[PathBuf]| -> Result<Vec<Prepared>, CliError> {
         let all = paths
             .iter()
@@ -86,6 +86,18 @@ pub fn run(description: &Path, args: &Args) -> Result<(), CliError> {
         }
     }
     shown((args, description), &out, &train, told)
+}
+
+/// Gravity as it was given, or that of a robot that stands upright.
+fn gravity(given: &[f64]) -> Result<Vector3<f64>, CliError> {
+    match given {
+        [] => Ok(Vector3::from(super::EARTH)),
+        [x, y, z] => Ok(Vector3::new(*x, *y, *z)),
+        other => Err(CliError::input(format!(
+            "--gravity: it has three values, X,Y,Z, and not {}",
+            other.len()
+        ))),
+    }
 }
 
 /// The joints of all recordings, in the description's order.

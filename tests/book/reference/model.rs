@@ -34,6 +34,7 @@ pub fn page() -> String {
         "crates/model/src/rigid_axis.rs",
         "crates/model/src/oscillator.rs",
         "crates/model/src/two_mass.rs",
+        "crates/model/src/inverse_dynamics.rs",
     ]);
     let equations = sources.constants("Kind");
     assert_eq!(
