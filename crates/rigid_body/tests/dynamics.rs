@@ -78,59 +78,52 @@ fn vector() -> impl Strategy<Value = Vector3<f64>> {
 }
 
 /// A joint with a body, behind one of those before it.
-fn link() -> impl Strategy<
-    Value = (
-        Vector3<f64>,
-        Vector3<f64>,
-        Vector3<f64>,
-        Vector3<f64>,
-        bool,
-        f64,
-        usize,
-    ),
-> {
-    let axis = vector().prop_filter("a length", |axis| axis.norm() > 0.1);
-    (
-        vector(),
-        vector(),
-        axis,
-        vector(),
-        prop::bool::weighted(0.3),
-        0.1..3.0f64,
-        0..100usize,
-    )
+#[derive(Clone, Debug)]
+struct Link {
+    /// From the link before, and how it is turned there.
+    placed: [Vector3<f64>; 2],
+    axis: Vector3<f64>,
+    centre: Vector3<f64>,
+    slides: bool,
+    mass: f64,
+    parent: usize,
 }
 
-fn tree(
-    links: &[(
-        Vector3<f64>,
-        Vector3<f64>,
-        Vector3<f64>,
-        Vector3<f64>,
-        bool,
-        f64,
-        usize,
-    )],
-) -> Tree {
+fn link() -> impl Strategy<Value = Link> {
+    let axis = vector().prop_filter("a length", |axis| axis.norm() > 0.1);
+    let placed = prop::array::uniform2(vector());
+    let slides = prop::bool::weighted(0.3);
+    let all = (placed, axis, vector(), slides, 0.1..3.0f64, 0..100usize);
+    all.prop_map(|(placed, axis, centre, slides, mass, parent)| Link {
+        placed,
+        axis,
+        centre,
+        slides,
+        mass,
+        parent,
+    })
+}
+
+fn tree(links: &[Link]) -> Tree {
     let mut tree = Tree {
         joints: Vec::new(),
         bodies: Vec::new(),
     };
-    for (k, (shift, turn, axis, centre, slides, mass, parent)) in links.iter().enumerate() {
-        let kind = if *slides {
-            JointKind::Prismatic
-        } else {
-            JointKind::Revolute
+    for (k, link) in links.iter().enumerate() {
+        let kind = match link.slides {
+            true => JointKind::Prismatic,
+            false => JointKind::Revolute,
         };
-        let before = Isometry3::new(*shift, *turn);
-        let parent = (k > 0).then(|| parent % k.max(1));
-        tree.joints.push(joint(parent, before, *axis, kind));
-        let turned = nalgebra::Rotation3::new(*turn);
+        let [shift, turn] = link.placed;
+        let parent = (k > 0).then(|| link.parent % k.max(1));
+        let before = Isometry3::new(shift, turn);
+        tree.joints.push(joint(parent, before, link.axis, kind));
+        let turned = nalgebra::Rotation3::new(turn);
         let own = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
         tree.bodies.push(Body {
             joint: k,
-            mass: *mass,
-            centre: Point3::from(*centre),
+            mass: link.mass,
+            centre: Point3::from(link.centre),
             inertia: turned * own * turned.transpose(),
         });
     }
