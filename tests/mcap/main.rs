@@ -37,6 +37,11 @@ fn values(tick: i64, role: Role, count: usize) -> Vec<f64> {
     (0..count).map(value).collect()
 }
 
+/// Frequencies and damping ratios of two modes.
+fn modes(t: f64) -> [f64; 4] {
+    [8.0 + t, 0.05, 19.0 - t, 0.03]
+}
+
 /// Commands at 1 kHz and each sensor at 250 Hz with its own phase, of `ticks` milliseconds.
 fn write(writer: &mut McapWriter, ticks: i64) -> Result<(), RecordingError> {
     for tick in 0..ticks {
@@ -48,6 +53,10 @@ fn write(writer: &mut McapWriter, ticks: i64) -> Result<(), RecordingError> {
                 let stamp = (tick - 2) as f64 / 1e3;
                 writer.write_sample(t, "hip", role, stamp, &values(tick, role, count))?;
             }
+        }
+        if tick % 1000 == 0 {
+            let numbers = modes(t);
+            writer.write_numbers(t, "hip", "modes", &[("mode", 2), ("f,xi", 2)], &numbers)?;
         }
     }
     Ok(())
@@ -104,6 +113,24 @@ fn what_is_written_is_read_back_to_the_bit() {
             assert_eq!(columns, values(*tick, role, count), "{role}");
         }
     }
+}
+
+/// What is known of a joint is no channel of its recording, and is read by name.
+#[test]
+fn numbers_are_read_by_their_definition() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, whole());
+    let entry = "[[channel]]\nrole = \"deformation\"\nfile = \"run.mcap\"\nunit = \"rad\"\n\
+                 topic = \"/quell/hip/modes\"\nfield = \"data[2]\"\n";
+    let path = folder.path().join("recording.toml");
+    std::fs::write(&path, format!("name = \"modes\"\n{entry}")).unwrap();
+    let recording = Recording::from_path(&path).unwrap();
+    let second = &recording.channel(Role::Deformation).unwrap().columns[0];
+    assert_eq!(*second, [0.0, 1.0, 2.0].map(|t| modes(t)[2]));
+    let mut writer = created(&folder.path().join("bad.mcap"), &["hip"]);
+    let refused = writer.write_numbers(0.0, "hip", "modes", &[("mode", 2)], &[1.0]);
+    let error = refused.expect_err("one number is not two").to_string();
+    assert!(error.contains("modes"), "{error}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Independent readers and writers, in Python: skipped where they cannot be installed.
 
-use super::{MS, ORIGIN, SAMPLES, save, values, whole};
+use super::{MS, ORIGIN, SAMPLES, modes, save, values, whole};
 use quell::recording::{McapFile, Recording, Role};
 use serde_json::Value;
 use std::path::Path;
@@ -33,7 +33,7 @@ fn other_readers_read_every_message() {
                 .filter(|row| row[0] == *topic)
                 .collect::<Vec<_>>()
         };
-        assert_eq!(file.topics().len(), 2 + SAMPLES.len());
+        assert_eq!(file.topics().len(), 3 + SAMPLES.len());
         for topic in file.topics() {
             assert_eq!(
                 of(&topic.name).len(),
@@ -47,6 +47,10 @@ fn other_readers_read_every_message() {
             let values = serde_json::json!([bits(t.sin()), bits(t.cos())]);
             assert_eq!((&row[1], &row[3]), (&now.into(), &now.into()), "{reader}");
             assert_eq!((&row[4][0], &row[5]), (&"hip".into(), &values), "{reader}");
+        }
+        for (t, row) in (0..).zip(of("/quell/hip/modes")) {
+            let values = serde_json::json!(modes(f64::from(t)).map(bits));
+            assert_eq!(row[5], values, "{reader}");
         }
         for (index, (role, count)) in SAMPLES.into_iter().enumerate() {
             let topic = match role {

@@ -3,7 +3,7 @@
 use super::client::Client;
 use super::moves::a_move;
 use super::stand_in::{BOUNDS, outside, settings};
-use quell::recording::{Recording, Role};
+use quell::recording::{McapFile, Recording, Role};
 use quell::service::recorder::{Bounds, Shelf};
 use serde_json::Value;
 use std::path::Path;
@@ -53,6 +53,14 @@ fn moves_are_recorded_whole_and_within_bounds() {
         same.channel(Role::MotorPosition).unwrap().columns,
         motor.columns
     );
+    // The modes that were known and the train in force, as ROS 2 hears them.
+    let topics = McapFile::open(&file).unwrap();
+    for name in ["/quell/joint_1/modes", "/quell/joint_1/impulses"] {
+        let topic = topics.topics().iter().find(|topic| topic.name == name);
+        let topic = topic.expect("a topic");
+        let kind = "std_msgs/msg/Float64MultiArray";
+        assert_eq!((topic.kind.as_str(), topic.messages), (kind, 1), "{name}");
+    }
     let archive = client.get("/api/recordings/move-000001");
     let mut archive = tar::Archive::new(archive.body.as_slice());
     let files: Vec<_> = archive

@@ -2,8 +2,8 @@
 
 use quell::report::page;
 use quell::service::contract::{
-    Accepted, EnableState, EngineEnds, JointSnapshot, ModeValue, Request, ServiceError, Snapshot,
-    Stopping, channels,
+    Accepted, EnableState, EngineEnds, JointSnapshot, KnownMode, LearningView, ModeValue, Request,
+    ServiceError, Snapshot, Stopping, TrainView, channels,
 };
 use quell::service::http::{Settings, serve};
 use quell::service::recorder::{Bounds, Recorder, Shelf};
@@ -88,6 +88,14 @@ fn snapshot() -> Snapshot {
                 frequency_hz: 8.0,
                 damping_ratio: 0.05,
             }),
+            train: TrainView {
+                times_s: vec![0.0, 0.06],
+                amplitudes: vec![0.5, 0.5],
+            },
+            learning: LearningView {
+                modes: vec![KnownMode::default(), KnownMode::default()],
+                ..LearningView::default()
+            },
             ..JointSnapshot::default()
         }],
         ..Snapshot::default()

@@ -18,6 +18,18 @@ pub struct LearningView {
     pub held_reason: Option<String>,
 }
 
+impl LearningView {
+    /// Labels and sizes of [`Self::numbers`], as `std_msgs/msg/Float64MultiArray` has them.
+    pub fn dimensions(&self) -> [(&'static str, usize); 2] {
+        [("mode", self.modes.len()), (KnownMode::LABEL, 6)]
+    }
+
+    /// The modes as numbers, one after the other; whether a mode is shaped for is 1 or 0.
+    pub fn numbers(&self) -> Vec<f64> {
+        self.modes.iter().flat_map(KnownMode::numbers).collect()
+    }
+}
+
 /// A mode on the way of a move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct KnownMode {
@@ -35,6 +47,22 @@ pub struct KnownMode {
     pub contribution_percent: f64,
     /// Whether it is shaped for; one that hardly rings is told, not shaped for.
     pub shaped: bool,
+}
+
+impl KnownMode {
+    const LABEL: &'static str =
+        "frequency_hz,frequency_std_hz,damping_ratio,damping_ratio_std,contribution_percent,shaped";
+
+    fn numbers(&self) -> [f64; 6] {
+        [
+            self.frequency_hz,
+            self.frequency_std_hz,
+            self.damping_ratio,
+            self.damping_ratio_std,
+            self.contribution_percent,
+            f64::from(self.shaped),
+        ]
+    }
 }
 
 impl From<&ModeOnWay> for KnownMode {

@@ -133,6 +133,21 @@ pub struct TrainView {
     pub amplitudes: Vec<f64>,
 }
 
+impl TrainView {
+    /// Labels and sizes of [`Self::numbers`], as `std_msgs/msg/Float64MultiArray` has them.
+    pub fn dimensions(&self) -> [(&'static str, usize); 2] {
+        [("impulse", self.times_s.len()), ("time_s,amplitude", 2)]
+    }
+
+    /// Instant and amplitude of each impulse.
+    pub fn numbers(&self) -> Vec<f64> {
+        let impulses = self.times_s.iter().zip(&self.amplitudes);
+        impulses
+            .flat_map(|(time, amplitude)| [*time, *amplitude])
+            .collect()
+    }
+}
+
 /// An estimate and what was made of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct EstimateView {

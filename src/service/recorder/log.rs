@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::known::Known;
 use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role, Sink};
-use crate::service::contract::{Batch, Measured, Quantity};
+use crate::service::contract::{Batch, JointSnapshot, Measured, Quantity};
 
 /// Rows that a channel may have: five minutes at 4 kHz. What comes later is left out.
 const MOST_ROWS: usize = 1_200_000;
@@ -20,6 +21,8 @@ pub struct Log {
     from: f64,
     command: Command,
     sensors: Vec<Sensor>,
+    /// Modes and trains meanwhile.
+    known: Known,
     /// Least of reception minus stamp, s: the sensors' clocks stand so far behind the service's, but
     /// for the delay of the fastest sample.
     behind: f64,
@@ -32,6 +35,8 @@ pub struct Written {
     commands: usize,
     /// By sensor.
     samples: Vec<usize>,
+    /// Changes of what is known of the joint.
+    known: usize,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -57,6 +62,7 @@ impl Log {
             from,
             command: Command::default(),
             sensors: Vec::new(),
+            known: Known::default(),
             behind: f64::INFINITY,
         }
     }
@@ -79,6 +85,11 @@ impl Log {
                 self.sensor(one.quantity).push(one);
             }
         }
+    }
+
+    /// Takes what is known of the joint at `time`, s on the service's clock.
+    pub fn know(&mut self, time: f64, joint: &JointSnapshot) {
+        self.known.take(time.max(self.from), joint);
     }
 
     /// Whether it has commands, and measurements that tell how the clocks stand.
@@ -169,6 +180,7 @@ impl Log {
             behind: self.behind,
             commands: 0,
             samples: Vec::new(),
+            known: 0,
         }
     }
 
@@ -196,6 +208,8 @@ impl Log {
                     *next += 1;
                 }
             }
+            let now = (time, clocks.0);
+            self.known.write_on(&mut written.known, now, file, joint)?;
             file.write_command(time - clocks.0, joint, position, velocity, acceleration)?;
             written.commands += 1;
         }

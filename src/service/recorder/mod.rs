@@ -2,6 +2,7 @@
 
 mod demand;
 mod journal;
+mod known;
 mod log;
 mod running;
 mod shelf;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::journal::Journal;
 use super::log::Log;
 use super::{About, MCAP, Shelf, ShelfError};
-use crate::service::contract::{DiskPart, Handle, RecordingNews};
+use crate::service::contract::{DiskPart, Handle, RecordingNews, Snapshot};
 
 /// One recording that is being made.
 pub struct Running {
@@ -42,6 +42,14 @@ impl Running {
             described: false,
             told: false,
             until: f64::INFINITY,
+        }
+    }
+
+    /// Takes what is known of its joint now.
+    pub fn know(&mut self, now: &Snapshot) {
+        let mut joints = now.joints.iter();
+        if let Some(joint) = joints.find(|joint| joint.name == self.about.joint) {
+            self.log.know(now.time_s, joint);
         }
     }
 

@@ -98,7 +98,11 @@ impl Task {
                 self.started(start);
             }
         }
-        self.running.iter_mut().for_each(|one| one.log.take(&batch));
+        let snapshot = self.handle.snapshot();
+        for one in &mut self.running {
+            one.log.take(&batch);
+            one.know(&snapshot);
+        }
         let now = last_time(&batch);
         for event in &batch.events {
             if let Event::MoveEnded(result) = event {

@@ -72,6 +72,21 @@ impl Encoder {
         self.u32(values.len() as u32);
         values.iter().for_each(|value| self.f64(*value));
     }
+
+    /// `std_msgs/msg/Float64MultiArray`: of each dimension its label and size, the outermost first, and the data, the innermost
+    /// dimension side by side. The last stride is the innermost size.
+    pub fn float64_multi_array(&mut self, dimensions: &[(&str, usize)], data: &[f64]) {
+        self.u32(dimensions.len() as u32);
+        for (index, (label, size)) in dimensions.iter().enumerate() {
+            let stride: usize = dimensions[index..].iter().map(|(_, size)| size).product();
+            self.string(label);
+            self.u32(*size as u32);
+            self.u32(stride as u32);
+        }
+        // No values stand before the data.
+        self.u32(0);
+        self.f64s(data);
+    }
 }
 
 /// Reads one message of either byte order; every read is checked against the bytes that are there.

@@ -50,6 +50,15 @@ pub(super) const FLOAT: Definition = Definition {
     text: "float64 data\n",
 };
 
+pub(super) const FLOATS: Definition = Definition {
+    name: "std_msgs/msg/Float64MultiArray",
+    text: "std_msgs/MultiArrayLayout layout\nfloat64[] data\n\
+           ================================================================================\n\
+           MSG: std_msgs/MultiArrayLayout\nstd_msgs/MultiArrayDimension[] dim\nuint32 data_offset\n\
+           ================================================================================\n\
+           MSG: std_msgs/MultiArrayDimension\nstring label\nuint32 size\nuint32 stride\n",
+};
+
 /// `sensor_msgs/msg/JointState` of one joint; what is not measured stays empty.
 pub(super) struct JointState<'a> {
     pub name: &'a str,

@@ -5,6 +5,7 @@
 //! | `/joint_states` | `sensor_msgs/msg/JointState` | `motor_position` |
 //! | `/quell/<joint>/command` | `sensor_msgs/msg/JointState` | `command_position`; the velocity beside it |
 //! | `/quell/<joint>/command_acceleration` | `std_msgs/msg/Float64` | none, for the eye |
+//! | `/quell/<joint>/<numbers>` | `std_msgs/msg/Float64MultiArray` | none: what is known of the joint |
 //! | `/quell/<joint>/<role>` | see [`carrier`] | the role of that name |
 
 use super::message::{Definition, FLOAT, JOINT_STATE, POINT_STAMPED, VECTOR_STAMPED};

@@ -1,7 +1,7 @@
 //! A recording that is written while it is made, as an MCAP file in the profile of ROS 2.
 
 use super::cdr::Encoder;
-use super::message::{self, Definition, FLOAT, JointState};
+use super::message::{self, Definition, FLOAT, FLOATS, JointState};
 use super::prefix::Prefix;
 use super::topic;
 use crate::error::{Problem, RecordingError};
@@ -20,7 +20,7 @@ const SPAN: i64 = 250_000_000;
 /// The last stamp of ROS 2, ns: its seconds have 32 bits with a sign.
 const LAST: i64 = i32::MAX as i64 * 1_000_000_000 + 999_999_999;
 
-/// Writes commands and measurements into an MCAP file that other tools of ROS 2 read, chunk by chunk: a file
+/// Writes commands, measurements and what is known of joints into an MCAP file that other tools of ROS 2 read, chunk by chunk: a file
 /// that is cut in the middle lacks a quarter of a second.
 ///
 /// Times are s, values SI. The recorder's clock counts from a wall time that stands in the file; the stamp of a
@@ -95,8 +95,9 @@ impl McapWriter {
         acceleration: f64,
     ) -> Result<(), RecordingError> {
         let role = Role::CommandPosition;
-        self.check(joint, role, &[time, position, velocity, acceleration])?;
-        let now = self.wall(role, time)?;
+        let name = role.name();
+        self.check(joint, name, &[time, position, velocity, acceleration])?;
+        let now = self.wall(name, time)?;
         let state = JointState {
             name: joint,
             position: &[position],
@@ -123,12 +124,13 @@ impl McapWriter {
         stamp: f64,
         values: &[f64],
     ) -> Result<(), RecordingError> {
-        self.check(joint, role, &[time, stamp])?;
-        self.check(joint, role, values)?;
+        let name = role.name();
+        self.check(joint, name, &[time, stamp])?;
+        self.check(joint, name, values)?;
         if !role.entry().columns.contains(&values.len()) {
-            return Err(self.bad(role, format!("it has {} values", values.len())));
+            return Err(self.bad(name, format!("it has {} values", values.len())));
         }
-        let (now, stamp) = (self.wall(role, time)?, self.wall(role, stamp)?);
+        let (now, stamp) = (self.wall(name, time)?, self.wall(name, stamp)?);
         let carrier = topic::carrier(role, values.len());
         match (values, carrier.fields[0]) {
             (&[x, y, z], _) => message::encode_vector(stamp, "", [x, y, z], &mut self.body),
@@ -148,6 +150,32 @@ impl McapWriter {
         }
         let topic = topic::topic(joint, role);
         self.put(&topic, carrier.definition, now, stamp)
+    }
+
+    /// Writes numbers that were known of a joint from `time` of the recorder's clock on, as `/quell/<joint>/<name>`. Each dimension
+    /// has a label and a size, the outermost first; the innermost stands side by side. A reader of recordings passes them over.
+    ///
+    /// # Errors
+    /// As [`Self::write_command`], and where the dimensions are not those of the numbers.
+    pub fn write_numbers(
+        &mut self,
+        time: f64,
+        joint: &str,
+        name: &'static str,
+        dimensions: &[(&str, usize)],
+        numbers: &[f64],
+    ) -> Result<(), RecordingError> {
+        self.check(joint, name, &[time])?;
+        self.check(joint, name, numbers)?;
+        let sizes: usize = dimensions.iter().map(|(_, size)| size).product();
+        if sizes != numbers.len() {
+            let reason = format!("{} numbers are not {dimensions:?}", numbers.len());
+            return Err(self.bad(name, reason));
+        }
+        let now = self.wall(name, time)?;
+        self.body.clear();
+        self.body.float64_multi_array(dimensions, numbers);
+        self.put(&topic::quantity(joint, name), &FLOATS, now, now)
     }
 
     /// Closes the chunk and hands it to the operating system: what is written so far survives a crash.
@@ -212,7 +240,7 @@ impl McapWriter {
     }
 
     /// A time in s as wall time in ns, rounded to the nearest.
-    fn wall(&self, role: Role, time: f64) -> Result<i64, RecordingError> {
+    fn wall(&self, role: &'static str, time: f64) -> Result<i64, RecordingError> {
         let wall = self.origin.saturating_add((time * 1e9).round() as i64);
         match (0..=LAST).contains(&wall) {
             true => Ok(wall),
@@ -223,7 +251,7 @@ impl McapWriter {
         }
     }
 
-    fn check(&self, joint: &str, role: Role, values: &[f64]) -> Result<(), RecordingError> {
+    fn check(&self, joint: &str, role: &'static str, values: &[f64]) -> Result<(), RecordingError> {
         if !self.joints.iter().any(|known| known == joint) {
             let reason = format!("the file is not made for a joint \"{joint}\"");
             return Err(self.bad(role, reason));
@@ -234,8 +262,7 @@ impl McapWriter {
         }
     }
 
-    fn bad(&self, role: Role, reason: String) -> RecordingError {
-        let role = role.name();
+    fn bad(&self, role: &'static str, reason: String) -> RecordingError {
         Problem::Channel { role, reason }.in_file(&self.path)
     }
 }

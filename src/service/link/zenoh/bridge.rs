@@ -13,7 +13,7 @@ use super::messages::{self, FLOAT64_MULTI_ARRAY, JOINT_TRAJECTORY};
 use super::node::{Node, Publisher, Subscription};
 use crate::recording::Encoder;
 use crate::service::config::Config;
-use crate::service::contract::{Handle, JointSnapshot, KnownMode, Request};
+use crate::service::contract::{Handle, JointSnapshot, Request};
 
 /// Trajectories that may wait to become moves.
 const WAITING: usize = 16;
@@ -22,9 +22,6 @@ const TOLD: Duration = Duration::from_millis(100);
 /// The fields of a mode's message.
 const MODE: &str = "frequency_hz,damping_ratio,estimated_frequency_hz,estimated_frequency_std_hz,\
                     estimated_damping_ratio,estimated_damping_ratio_std,converged";
-/// The numbers of a mode that moves have taught.
-const KNOWN: &str =
-    "frequency_hz,frequency_std_hz,damping_ratio,damping_ratio_std,contribution_percent,shaped";
 
 /// The messages to the bridge's thread.
 enum Word {
@@ -160,29 +157,25 @@ fn tell(joint: &JointSnapshot, told: &mut Told, body: &mut Encoder) {
         of(estimate.map(|estimate| estimate.damping_ratio_std)),
         f64::from(estimate.is_some_and(|estimate| estimate.converged)),
     ];
-    messages::float64_multi_array(&[(MODE, values.len())], &values, body);
-    told.mode.put(body.bytes());
-    let train = &joint.train;
-    let impulses = train.times_s.iter().zip(&train.amplitudes);
-    let impulses: Vec<_> = impulses
-        .flat_map(|(time, amplitude)| [*time, *amplitude])
-        .collect();
-    let dimensions = [("impulse", impulses.len() / 2), ("time_s,amplitude", 2)];
-    messages::float64_multi_array(&dimensions, &impulses, body);
-    told.impulses.put(body.bytes());
-    let modes = &joint.learning.modes;
-    let values: Vec<_> = modes.iter().flat_map(known).collect();
-    messages::float64_multi_array(&[("mode", modes.len()), (KNOWN, 6)], &values, body);
-    told.modes.put(body.bytes());
+    put(&mut told.mode, &[(MODE, values.len())], &values, body);
+    let impulses = joint.train.numbers();
+    put(
+        &mut told.impulses,
+        &joint.train.dimensions(),
+        &impulses,
+        body,
+    );
+    let modes = joint.learning.numbers();
+    put(&mut told.modes, &joint.learning.dimensions(), &modes, body);
 }
 
-fn known(mode: &KnownMode) -> [f64; 6] {
-    [
-        mode.frequency_hz,
-        mode.frequency_std_hz,
-        mode.damping_ratio,
-        mode.damping_ratio_std,
-        mode.contribution_percent,
-        f64::from(mode.shaped),
-    ]
+fn put(
+    publisher: &mut Publisher,
+    dimensions: &[(&str, usize)],
+    numbers: &[f64],
+    body: &mut Encoder,
+) {
+    body.clear();
+    body.float64_multi_array(dimensions, numbers);
+    publisher.put(body.bytes());
 }

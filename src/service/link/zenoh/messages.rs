@@ -1,6 +1,6 @@
 //! The messages of ROS 2 that come and go: names, type hashes, CDR bodies.
 
-use crate::recording::{Decoder, Encoder};
+use crate::recording::Decoder;
 use crate::service::link::datagram::LARGEST;
 
 const SECOND: i64 = 1_000_000_000;
@@ -110,22 +110,6 @@ pub(super) fn targets(bytes: &[u8]) -> Option<Vec<(String, f64)>> {
     (names.len() == last.len() && points > 0).then(|| names.zip(last).collect())
 }
 
-/// Writes `std_msgs/msg/Float64MultiArray`: of each dimension its label and size, the outermost first,
-/// and the data, the innermost dimension side by side. The last stride is the innermost size.
-pub(super) fn float64_multi_array(dimensions: &[(&str, usize)], data: &[f64], out: &mut Encoder) {
-    out.clear();
-    out.u32(dimensions.len() as u32);
-    for (index, (label, size)) in dimensions.iter().enumerate() {
-        let stride: usize = dimensions[index..].iter().map(|(_, size)| size).product();
-        out.string(label);
-        out.u32(*size as u32);
-        out.u32(stride as u32);
-    }
-    // No values stand before the data.
-    out.u32(0);
-    out.f64s(data);
-}
-
 /// `std_msgs/msg/Header`: its stamp in ns.
 fn header(from: &mut Decoder) -> Option<i64> {
     let stamp = time(from)?;
@@ -163,6 +147,7 @@ fn is_usual(value: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Encoder;
 
     /// A trajectory of two joints and two points.
     fn trajectory() -> Vec<u8> {

@@ -172,7 +172,8 @@ impl Sending {
             while let Ok(command) = waiting.pop() {
                 let positions = &command[..joints];
                 let dimensions = [("joint", joints)];
-                messages::float64_multi_array(&dimensions, positions, &mut body);
+                body.clear();
+                body.float64_multi_array(&dimensions, positions);
                 match publisher.put(body.bytes()) {
                     true => count(&self.sent, 1),
                     false => count(&self.failures, 1),
