@@ -16,7 +16,7 @@ use crate::learning::{
     Account, Learner, LearnerSettings, Memory, ModeOnWay, Prescription, Seen, Surroundings,
 };
 
-use crate::tolerance::{Fastest, Moving, Tolerance, ToleranceError, fastest};
+use crate::tolerance::{Moving, Tolerance, ToleranceError, fastest};
 
 /// Positions at which a map is drawn.
 const DRAWN: usize = 64;
@@ -25,6 +25,8 @@ const DRAWN: usize = 64;
 pub enum Job {
     /// Solve the train for a plan.
     Prescribe(Box<Wanted>),
+    /// Solve a move within a tolerance.
+    Within(Box<Within>),
     /// A move has rung out.
     Ended(Box<Ended>),
     /// Forget a joint.
@@ -45,16 +47,32 @@ pub struct Wanted {
     pub in_force: GridTrain,
     /// The train without any adaptation.
     pub base: GridTrain,
-    /// Instead of a train: the move as fast as a tolerance allows.
-    pub within: Option<Within>,
+    /// Whether the plan may be stopped anywhere on its way, as a jog.
+    pub anywhere: bool,
 }
 
 /// A move within a tolerance.
 pub struct Within {
-    /// The joint, with the mode that is known in motion.
-    pub moving: Moving,
+    /// Number of the move.
+    pub ticket: u64,
+    /// Its joints.
+    pub members: Vec<Member>,
     /// What it may leave.
     pub tolerance: Tolerance,
+    /// Control period, s.
+    pub period: f64,
+}
+
+/// A joint of a move within a tolerance.
+pub struct Member {
+    /// The joint.
+    pub joint: usize,
+    /// Its plan at the limits.
+    pub plan: SampledTrajectory,
+    /// The rest of what there is along its way.
+    pub surroundings: Surroundings,
+    /// Its ends and limits, with the mode that is known in motion.
+    pub moving: Moving,
 }
 
 /// A move that has ended.
@@ -94,12 +112,12 @@ pub enum Said {
     },
     /// The move within a tolerance, or why there is none.
     Within {
-        /// The joint.
-        joint: usize,
-        /// Number of the plan.
+        /// Number of the move.
         ticket: u64,
-        /// Its plan.
-        found: Result<Fastest, ToleranceError>,
+        /// What it was solved for, joint by joint.
+        moving: Vec<Moving>,
+        /// The motion of each joint.
+        found: Result<Vec<SampledTrajectory>, ToleranceError>,
     },
     /// A move was judged.
     Judged(Box<Judged>),
@@ -196,14 +214,14 @@ impl Learners {
 
     fn do_one(&mut self, job: Job) {
         match job {
-            Job::Prescribe(mut wanted) => {
-                if let Some(within) = wanted.within.take() {
-                    return self.within(&wanted, within);
-                }
+            Job::Prescribe(wanted) => {
                 let (learner, _) = &mut self.joints[wanted.joint];
                 learner.set_base(wanted.base);
-                let prescription =
-                    learner.prescribe(&wanted.plan, &wanted.surroundings, &wanted.in_force);
+                let (plan, around) = (&wanted.plan, &wanted.surroundings);
+                let prescription = match wanted.anywhere {
+                    true => learner.prescribe_anywhere(plan, around, &wanted.in_force),
+                    false => learner.prescribe(plan, around, &wanted.in_force),
+                };
                 // The engine may have gone, here and below.
                 let _ = self.said.send(Said::Prescribed {
                     joint: wanted.joint,
@@ -211,6 +229,7 @@ impl Learners {
                     prescription: Box::new(prescription),
                 });
             }
+            Job::Within(within) => self.within(*within),
             Job::Ended(ended) => self.hear(&ended),
             Job::Forget(joint) => {
                 self.joints[joint].0.forget();
@@ -219,21 +238,23 @@ impl Learners {
         }
     }
 
-    /// Solves a move within a tolerance, for the modes of its way where they are known.
-    fn within(&self, wanted: &Wanted, within: Within) {
-        let Within {
-            mut moving,
-            tolerance,
-        } = within;
-        let (learner, _) = &self.joints[wanted.joint];
-        let modes = learner.on_way(&wanted.plan, &wanted.surroundings);
-        if !modes.is_empty() {
-            moving.modes = modes.iter().map(ModeOnWay::anywhere).collect();
-        }
+    /// Solves a move within a tolerance, for the modes of its ways where they are known.
+    fn within(&self, within: Within) {
+        let each = within.members.into_iter().map(|member| {
+            let (learner, _) = &self.joints[member.joint];
+            let modes = learner.on_way(&member.plan, &member.surroundings);
+            let mut moving = member.moving;
+            if !modes.is_empty() {
+                moving.modes = modes.iter().map(ModeOnWay::anywhere).collect();
+            }
+            moving
+        });
+        let moving: Vec<Moving> = each.collect();
+        let found = fastest(&moving, within.tolerance, within.period);
         let _ = self.said.send(Said::Within {
-            joint: wanted.joint,
-            ticket: wanted.ticket,
-            found: fastest(&[moving], tolerance, wanted.plan.period()),
+            ticket: within.ticket,
+            moving,
+            found: found.map(|found| found.plans),
         });
     }
 

@@ -72,8 +72,12 @@ fn of_target(target: f64, shaper: Option<&str>) -> Request {
 pub fn of_together(world: &mut World, target: f64) -> (MoveResult, f64) {
     let joint = "joint_1".to_owned();
     let targets = vec![Target { joint, target }];
-    let shaper = None;
-    run(world, Request::MoveTogether { targets, shaper }, target)
+    let request = Request::MoveTogether {
+        targets,
+        shaper: None,
+        tolerance: None,
+    };
+    run(world, request, target)
 }
 
 /// The same of a request that moves to a target.

@@ -12,6 +12,7 @@ use quell::service::contract::{
 use quell::service::disk::Disk;
 use quell::service::link::RobotLink;
 use quell::service::station::{RobotParts, Station};
+use quell::tolerance::Tolerance;
 use quell_shapers::Setpoint;
 
 use super::world::{LIMITS, PERIOD, config};
@@ -136,14 +137,7 @@ impl Bench {
 
     /// Sets out for these targets.
     fn go(&mut self, targets: &[f64]) -> Answer {
-        let targets = targets.iter().enumerate().map(|(index, &target)| Target {
-            joint: format!("joint_{}", index + 1),
-            target,
-        });
-        self.ask(Request::MoveTogether {
-            targets: targets.collect(),
-            shaper: None,
-        })
+        self.ask(together(targets, None))
     }
 
     /// First and last time at which the command of a joint changes, and the largest share of a limit.
@@ -160,6 +154,73 @@ impl Bench {
         });
         Some(([*times.first()?, *times.last()?], share.fold(0.0, f64::max)))
     }
+}
+
+fn together(targets: &[f64], residual: Option<f64>) -> Request {
+    let targets = targets.iter().enumerate().map(|(index, &target)| Target {
+        joint: format!("joint_{}", index + 1),
+        target,
+    });
+    Request::MoveTogether {
+        targets: targets.collect(),
+        shaper: None,
+        tolerance: residual.map(|residual| Tolerance {
+            residual: Some(residual),
+            deviation: None,
+        }),
+    }
+}
+
+/// On a straight line, faster than with trains, within the limits, to the exact end.
+#[test]
+fn several_joints_move_within_a_tolerance() {
+    let mut bench = Bench::new();
+    let targets = [1.5, 0.4, -0.7];
+    let Ok(Accepted::Together { duration_s, .. }) = bench.go(&targets) else {
+        panic!("refused");
+    };
+    bench.steps(800);
+    bench.go(&[0.0; JOINTS]).expect("a move");
+    bench.steps(800);
+    bench.arm.lock().expect("no panic").sent.clear();
+    let within = bench.ask(together(&targets, Some(0.05)));
+    let Ok(Accepted::Together {
+        moves,
+        duration_s: fast,
+    }) = within
+    else {
+        panic!("{within:?}");
+    };
+    assert_eq!(moves.len(), JOINTS);
+    assert!(fast < duration_s, "{fast} {duration_s}");
+    bench.steps(800);
+    let arm = bench.arm.lock().expect("no panic");
+    assert_eq!(arm.positions, targets);
+    for tick in arm.sent.chunks(JOINTS) {
+        for (_, joint, setpoint) in tick {
+            let share = setpoint.position / targets[*joint];
+            let first = tick[0].2.position / targets[0];
+            assert!((share - first).abs() < 1e-9, "{tick:?}");
+            assert!(setpoint.velocity.abs() <= LIMITS.velocity * (1.0 + 1e-9));
+            assert!(setpoint.acceleration.abs() <= LIMITS.acceleration * (1.0 + 1e-9));
+        }
+    }
+}
+
+/// At no feed nothing moves, nor does what had been asked for before when there is feed again.
+#[test]
+fn a_move_that_is_being_solved_does_not_survive_a_feed_of_none() {
+    let mut bench = Bench::new();
+    let mut asked = bench.begin(together(&[1.0, 1.0, 1.0], Some(0.05)));
+    bench.station.answer();
+    let _none = bench.begin(Request::Feed { share: 0.0 });
+    let _full = bench.begin(Request::Feed { share: 1.0 });
+    bench.station.answer();
+    bench.steps(500);
+    let mut context = Context::from_waker(Waker::noop());
+    let answer = asked.as_mut().poll(&mut context);
+    assert!(matches!(answer, Poll::Ready(Err(_))), "{answer:?}");
+    assert_eq!(bench.arm.lock().expect("no panic").positions, [0.0; JOINTS]);
 }
 
 #[test]
@@ -206,6 +267,7 @@ fn none_moves_where_one_cannot() {
             2
         ],
         shaper: None,
+        tolerance: None,
     };
     assert!(matches!(bench.ask(twice), Err(ServiceError::Twice { .. })));
     assert!(matches!(
@@ -232,6 +294,7 @@ fn none_moves_where_one_cannot() {
     let mut asked = bench.begin(Request::MoveTogether {
         targets: targets.to_vec(),
         shaper: None,
+        tolerance: None,
     });
     bench.station.answer();
     // Before a tick has seen the plans.

@@ -39,6 +39,7 @@ fn a_stop_holds_for_a_move_that_waits_for_its_trains() {
     world.ask(Request::MoveTogether {
         targets,
         shaper: None,
+        tolerance: None,
     });
     world.ask(Request::Stop);
     let mut answers = Vec::new();

@@ -34,6 +34,8 @@ pub enum Request {
         targets: Vec<Target>,
         /// Shaper for this move alone, `none` for unshaped; each joint's own where absent.
         shaper: Option<String>,
+        /// What it may leave, in the place of a shaper, where it is to be as fast as that allows.
+        tolerance: Option<Tolerance>,
     },
     /// Move a joint while it is held moving.
     Jog {

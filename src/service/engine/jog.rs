@@ -88,7 +88,7 @@ impl Engine {
             target,
             shaper,
             speed,
-            tolerance: None,
+            within: false,
         };
         Ok(Some((index, what)))
     }

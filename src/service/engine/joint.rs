@@ -13,7 +13,6 @@ use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
 use crate::service::tick::{AxisReport, JointReport, Together, Train};
 use crate::signal::DeformationSensor;
-use crate::tolerance::Tolerance;
 
 /// Where the answer to a request goes, if anybody waits for it.
 pub type Reply = oneshot::Sender<Result<Accepted, ServiceError>>;
@@ -144,8 +143,8 @@ pub enum What {
         shaper: Option<Option<&'static dyn Shaper>>,
         /// Most speed of the plan, rad/s; infinite where only the limits bound it.
         speed: f64,
-        /// What it may leave, where it is to be as fast as that allows.
-        tolerance: Option<Tolerance>,
+        /// Whether it is as fast as a tolerance allows.
+        within: bool,
     },
     /// A stop.
     Stop,

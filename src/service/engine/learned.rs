@@ -24,6 +24,17 @@ pub struct Learning {
     pub solved: Option<Train>,
     /// Until when the order of this ticket waits for its train, s.
     pub waits: Option<(u64, f64)>,
+    /// The plan in motion whose train is being solved.
+    pub turn: Option<Turn>,
     /// The last plan that was given the train that was solved for it.
     pub prescribed: Option<u64>,
+}
+
+/// A plan that began in motion, and whose train is being solved meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// Number of the question.
+    pub asked: u64,
+    /// Number of the plan.
+    pub plan: u64,
 }

@@ -3,7 +3,8 @@
 //! A move from rest waits for its train, but no longer than [`PATIENCE`]: it is then made with the one that stands. A train goes
 //! to the tick with the plan that it was solved for.
 
-use quell_shapers::UncertainMode;
+use quell_shapers::{Shaper, UncertainMode};
+use quell_trajectories::SampledTrajectory;
 
 use super::axis::train;
 use super::joint::{Asked, What, name_of};
@@ -15,14 +16,11 @@ use crate::learning::{Account, Hold, Memory, Prescription, Surroundings, Way};
 use crate::service::contract::{
     Accepted, Event as Told, KnownMode, LearningView, MoveResult, ServiceError,
 };
-use crate::service::learners::{Ended, Job, Judged, Said, Wanted, Within};
+use crate::service::learners::{Ended, Job, Judged, Said, Wanted};
 use crate::service::tick::{Start, Train};
-use crate::tolerance::{Fastest, Moving, ToleranceError};
 
 /// Time that a move waits for its train, s: a person notices no less.
 pub(super) const PATIENCE: f64 = 0.1;
-/// Time in which a plan within a tolerance has to be solved, s: five times what the longest takes, and less than a plan is tried for.
-const SOLVED: f64 = 2.0;
 /// Time that the result of a move waits to be judged, s: a fit takes up to 0.48 s on a busy machine, and those of several joints stand
 /// behind one another.
 const JUDGED: f64 = 2.0;
@@ -54,12 +52,8 @@ impl Engine {
             ticket: asked.ticket,
             ..wanted
         };
-        let patience = match wanted.within {
-            Some(_) => SOLVED,
-            None => PATIENCE,
-        };
         let joint = &mut self.joints[index];
-        joint.learning.waits = Some((asked.ticket, self.clock.now() + patience));
+        joint.learning.waits = Some((asked.ticket, self.clock.now() + PATIENCE));
         joint.asked = Some(asked);
         // It lives as long as the engine.
         let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
@@ -67,48 +61,44 @@ impl Engine {
 
     /// The plan as the learner wants it; none where its train is not to be solved.
     fn wanted_train(&self, index: usize, asked: &Asked, planned: &Planned) -> Option<Wanted> {
-        let joint = &self.joints[index];
-        let is_whole = matches!(asked.what, What::Move { speed, .. } if speed.is_infinite());
-        let own = name_of(planned.shaper) == name_of(joint.standing_shaper());
-        let learns = joint.adaptation && joint.learning.modes > 0 && planned.shaper.is_some();
-        let within = self.within(index, asked, planned);
         let Start::Rest(in_force) = &planned.start else {
             return None;
         };
-        if within.is_none() && !(is_whole && own && learns) {
-            return None;
-        }
-        let believed = UncertainMode::believed(joint.config.belief);
+        let wanted = self.wanted(index, asked.what, &planned.samples, planned.shaper)?;
         Some(Wanted {
-            joint: index,
-            ticket: asked.ticket,
-            surroundings: self.surroundings(index, None),
             in_force: in_force.train.clone(),
-            base: train(planned.shaper, &believed, self.config.period).ok()?,
-            plan: planned.samples.clone(),
-            within,
+            ..wanted
         })
     }
 
-    /// The move within a tolerance that is asked for, for the mode as the joint knows it.
-    fn within(&self, index: usize, asked: &Asked, planned: &Planned) -> Option<Within> {
-        let What::Move {
-            target,
-            tolerance: Some(tolerance),
-            ..
-        } = asked.what
-        else {
+    /// The plan of a joint by a rule as the learner wants it, in force the train of the belief; none where nothing is known of it.
+    pub(super) fn wanted(
+        &self,
+        index: usize,
+        what: What,
+        plan: &SampledTrajectory,
+        rule: Option<&'static dyn Shaper>,
+    ) -> Option<Wanted> {
+        let joint = &self.joints[index];
+        let What::Move { speed, .. } = what else {
             return None;
         };
-        let joint = &self.joints[index];
-        let start = planned.samples.positions(0).first();
-        let moving = Moving {
-            ends: [*start?, target],
-            limits: self.fed(joint.config.limits, f64::INFINITY),
-            modes: vec![joint.known()],
-            lever: joint.sensor.arc().map_or(1.0, |arc| arc.radius()),
-        };
-        Some(Within { moving, tolerance })
+        let own = name_of(rule) == name_of(joint.standing_shaper());
+        if !(own && rule.is_some() && joint.adaptation && joint.learning.modes > 0) {
+            return None;
+        }
+        let believed = UncertainMode::believed(joint.config.belief);
+        let base = train(rule, &believed, self.config.period).ok()?;
+        Some(Wanted {
+            joint: index,
+            ticket: 0,
+            surroundings: self.surroundings(index, None),
+            in_force: base.clone(),
+            base,
+            plan: plan.clone(),
+            // Who jogs lets go anywhere.
+            anywhere: speed.is_finite(),
+        })
     }
 
     /// What there is along the way of a joint: the other joints, from where they were (rad) to where they are, and the payload.
@@ -138,10 +128,10 @@ impl Engine {
                     false => self.prescribed(joint, ticket, *prescription),
                 },
                 Said::Within {
-                    joint,
                     ticket,
+                    moving,
                     found,
-                } => self.found_within(joint, ticket, found),
+                } => self.solved_within(ticket, &moving, found),
                 Said::Judged(judged) => self.judged(*judged),
                 Said::Known {
                     joint,
@@ -173,6 +163,10 @@ impl Engine {
     /// The train for a plan is solved. What is not waited for any more would be the train of another way.
     fn prescribed(&mut self, index: usize, ticket: u64, prescription: Prescription) {
         let joint = &mut self.joints[index];
+        let turn = joint.learning.turn.take_if(|turn| turn.asked == ticket);
+        if let Some(turn) = turn {
+            return self.retune(index, turn, prescription);
+        }
         let waits = joint.learning.waits.take_if(|waits| waits.0 == ticket);
         let asked = joint.asked.take_if(|asked| asked.ticket == ticket);
         let (Some(_), Some(asked)) = (waits, asked) else {
@@ -203,34 +197,6 @@ impl Engine {
         }
     }
 
-    /// The plan within a tolerance is solved, or there is none. It is sent as it is: nothing is retuned.
-    fn found_within(&mut self, index: usize, ticket: u64, found: Result<Fastest, ToleranceError>) {
-        let joint = &mut self.joints[index];
-        let waits = joint.learning.waits.take_if(|waits| waits.0 == ticket);
-        let asked = joint.asked.take_if(|asked| asked.ticket == ticket);
-        let (Some(_), Some(asked)) = (waits, asked) else {
-            return;
-        };
-        let planned = self.planned(index, asked.what, asked.ahead, asked.effort);
-        let planned = planned.and_then(|planned| {
-            let refused = |reason: String| ServiceError::Plan { reason };
-            let found = found.map_err(|error| refused(error.to_string()))?;
-            let samples = found.plans.into_iter().next().unwrap_or(planned.samples);
-            let joint = &self.joints[index];
-            let train = standing_train(joint, None, self.config.period)?;
-            Ok(Planned {
-                samples,
-                start: Start::Rest(Box::new(train)),
-                speed: 1.0,
-                shaper: None,
-            })
-        });
-        match planned {
-            Ok(planned) => self.order(index, asked, planned),
-            Err(error) => super::orders::answer(asked.reply, Err(error)),
-        }
-    }
-
     /// Orders what has waited for its train.
     fn order_waiting(&mut self, index: usize, asked: Asked) {
         match self.planned(index, asked.what, asked.ahead, asked.effort) {
@@ -251,13 +217,7 @@ impl Engine {
             let Some(asked) = joint.asked.take_if(|asked| asked.ticket == ticket) else {
                 continue;
             };
-            match asked.what {
-                // A tolerance is not dropped.
-                What::Move {
-                    tolerance: Some(_), ..
-                } => super::orders::answer(asked.reply, Err(ServiceError::Busy)),
-                _ => self.order_waiting(index, asked),
-            }
+            self.order_waiting(index, asked);
         }
     }
 

@@ -24,6 +24,8 @@ mod standstill;
 mod together;
 mod together_trains;
 mod trains;
+mod turns;
+mod within;
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -220,6 +222,7 @@ impl Engine {
 
     /// Stops every joint that moves, and names them. A move that waits hears `why`.
     fn stop_all(&mut self, why: &ServiceError) -> Vec<Stopping> {
+        self.drop_waiting(why);
         let all = 0..self.joints.len();
         all.filter_map(|index| self.stop(index, why.clone()))
             .collect()

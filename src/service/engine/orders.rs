@@ -305,8 +305,12 @@ impl Engine {
             (What::Stop, None) => {}
             (What::Move { .. }, _) => self.begin_move(index, &ordered, taken, from),
         }
+        self.joints[index].learning.turn = None;
+        if let Start::Tick(_) = &taken.plan.start {
+            self.have_turned(index, &ordered);
+        }
         if let Some(together) = ordered.together {
-            self.wanted(index, ordered.ticket);
+            self.begun(index, ordered.ticket);
             return self.member_taken(together.id, index, ordered.id);
         }
         let accepted = Accepted::Move {
@@ -314,14 +318,14 @@ impl Engine {
             duration_s: self.duration(&ordered),
             speed: ordered.speed,
         };
-        let reply = self.wanted(index, ordered.ticket);
+        let reply = self.begun(index, ordered.ticket);
         let withdrawn = ordered.withdrawn.map(|withdrawn| withdrawn.reply);
         answer(reply.or(withdrawn), Ok(accepted));
     }
 
     /// Ends what was wanted by the plan of this ticket, which has begun. Something else that is wanted was
     /// planned for a joint that did not do what it does now.
-    fn wanted(&mut self, index: usize, ticket: u64) -> Option<Reply> {
+    fn begun(&mut self, index: usize, ticket: u64) -> Option<Reply> {
         let asked = &mut self.joints[index].asked;
         if let Some(asked) = asked.take_if(|asked| asked.ticket == ticket) {
             return asked.reply;
@@ -347,9 +351,7 @@ impl Engine {
             from_rad: from,
             target_rad: joint.position,
             shaper: match asked.what {
-                What::Move {
-                    tolerance: Some(_), ..
-                } => WITHIN.to_owned(),
+                What::Move { within: true, .. } => WITHIN.to_owned(),
                 _ => name_of(asked.shaper).to_owned(),
             },
             recording,

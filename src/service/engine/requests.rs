@@ -5,6 +5,7 @@ use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 use super::Engine;
 use super::axis::train;
 use super::joint::What;
+use super::together::Form;
 use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
 use crate::service::tick::ToTick;
 use crate::tolerance::Tolerance;
@@ -53,22 +54,32 @@ impl Engine {
                 joint,
                 target,
                 tolerance,
-            } => match self.check_within(&joint, target, tolerance) {
-                Ok((index, what)) => {
-                    self.end_hold(index);
-                    return self.ask(index, what, Some(reply));
-                }
-                Err(error) => Err(error),
-            },
-            Request::MoveTogether { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
-                Err(ServiceError::Stopped)
-            }
-            Request::MoveTogether { targets, shaper } => {
-                match self.check_together(&targets, shaper.as_deref()) {
-                    Ok((members, shaper)) => return self.ask_together(members, shaper, reply),
+            } => {
+                let target = Target { joint, target };
+                match self.check_within(&[target], tolerance) {
+                    Ok(members) => {
+                        return self.ask_within(members, tolerance, Form::Alone, reply);
+                    }
                     Err(error) => Err(error),
                 }
             }
+            Request::MoveTogether { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
+                Err(ServiceError::Stopped)
+            }
+            Request::MoveTogether {
+                targets,
+                tolerance: Some(tolerance),
+                ..
+            } => match self.check_within(&targets, tolerance) {
+                Ok(members) => return self.ask_within(members, tolerance, Form::Together, reply),
+                Err(error) => Err(error),
+            },
+            Request::MoveTogether {
+                targets, shaper, ..
+            } => match self.check_together(&targets, shaper.as_deref()) {
+                Ok((members, shaper)) => return self.ask_together(members, shaper, reply),
+                Err(error) => Err(error),
+            },
             Request::Stop => {
                 self.last_stop = self.last_stop.max(Some(number));
                 let joints = self.stop_all(&ServiceError::Stopped);
@@ -144,36 +155,28 @@ impl Engine {
                 target,
                 shaper,
                 speed,
-                tolerance: None,
+                within: false,
             },
         ))
     }
 
-    /// A move within a tolerance begins at rest, and where millimetres are told the tip's distance from the axis is known.
+    /// The joints of a move within a tolerance. Where millimetres are told each tip's distance from its axis is known.
     fn check_within(
         &self,
-        name: &str,
-        target: f64,
+        targets: &[Target],
         tolerance: Tolerance,
-    ) -> Result<(usize, What), ServiceError> {
-        let (index, _) = self.check_move(name, target, None)?;
-        let joint = &self.joints[index];
-        if !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty() {
-            let joint = name.to_owned();
-            return Err(ServiceError::InMotion { joint });
+    ) -> Result<Vec<(usize, f64)>, ServiceError> {
+        let (members, _) = self.check_together(targets, None)?;
+        for &(index, _) in &members {
+            self.check_free(index)?;
+            let joint = &self.joints[index];
+            if tolerance.deviation.is_some() && joint.sensor.arc().is_none() {
+                let name = &joint.config.name;
+                let reason = format!("where the tip of {name} is, is not known: give no deviation");
+                return Err(ServiceError::Plan { reason });
+            }
         }
-        if tolerance.deviation.is_some() && joint.sensor.arc().is_none() {
-            let reason = format!("where the tip of {name} is, is not known: give no deviation");
-            return Err(ServiceError::Plan { reason });
-        }
-        let (shaper, speed) = (None, f64::INFINITY);
-        let what = What::Move {
-            target,
-            shaper,
-            speed,
-            tolerance: Some(tolerance),
-        };
-        Ok((index, what))
+        Ok(members)
     }
 
     /// The joints of a move of several, and its rule, if it has one of its own.

@@ -7,7 +7,7 @@
 //! The plans are taken by the tick together or not at all; what ends one of them before that ends all.
 
 use quell_shapers::Shaper;
-use quell_trajectories::{AxisState, Limits, Trajectory};
+use quell_trajectories::{AxisState, Limits, SampledTrajectory, Trajectory};
 
 use super::Engine;
 use super::joint::{Asked, Reply, What};
@@ -15,6 +15,7 @@ use super::orders::{TRIED, answer};
 use super::planning::{Planned, refused, standing_train};
 use crate::service::contract::{Accepted, Begun, ServiceError};
 use crate::service::tick::{NotTaken, Plan, Start, ToTick, Together, Train};
+use crate::tolerance::Tolerance;
 
 /// A move of several joints that the tick has not begun yet.
 pub struct Group {
@@ -22,6 +23,10 @@ pub struct Group {
     /// The joints and where they shall end, rad.
     pub members: Vec<(usize, f64)>,
     pub shaper: Option<Option<&'static dyn Shaper>>,
+    /// What it may leave, and the motion of each joint once it is solved.
+    pub within: Option<(Tolerance, Vec<SampledTrajectory>)>,
+    /// How it is answered.
+    form: Form,
     /// Joints whose trains were solved for this move.
     pub prescribed: Vec<usize>,
     /// Plans that the tick has not answered.
@@ -37,6 +42,60 @@ pub struct Group {
     pub reply: Option<Reply>,
 }
 
+/// How the move of joints is told that asked for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As the move of one joint.
+    Alone,
+    /// As that of several.
+    Together,
+}
+
+impl Group {
+    /// A move that begins as soon as it may.
+    pub fn new(id: u64, members: Vec<(usize, f64)>, now: f64, reply: Reply) -> Self {
+        Self {
+            id,
+            members,
+            shaper: None,
+            within: None,
+            form: Form::Together,
+            prescribed: Vec::new(),
+            waiting: 0,
+            begun: Vec::new(),
+            duration: 0.0,
+            why: None,
+            outdated: false,
+            deadline: now + TRIED,
+            reply: Some(reply),
+        }
+    }
+
+    /// The same within a tolerance, whose motion is not solved yet.
+    pub fn within(self, tolerance: Tolerance, form: Form) -> Self {
+        Self {
+            within: Some((tolerance, Vec::new())),
+            form,
+            ..self
+        }
+    }
+
+    /// The answer, all of it having begun.
+    fn accepted(&self) -> Accepted {
+        match (self.form, self.begun.as_slice()) {
+            (Form::Alone, [begun]) => Accepted::Move {
+                id: begun.id,
+                duration_s: self.duration,
+                speed: 1.0,
+            },
+            _ => Accepted::Together {
+                moves: self.begun.clone(),
+                duration_s: self.duration,
+            },
+        }
+    }
+}
+
 impl Engine {
     /// Plans for joints at rest, once their trains are solved, and orders; whoever asked hears once the tick has begun all of it.
     pub(super) fn ask_together(
@@ -46,18 +105,10 @@ impl Engine {
         reply: Reply,
     ) {
         self.tickets += 1;
+        let now = self.clock.now();
         let group = Group {
-            id: self.tickets,
-            members,
             shaper,
-            prescribed: Vec::new(),
-            waiting: 0,
-            begun: Vec::new(),
-            duration: 0.0,
-            why: None,
-            outdated: false,
-            deadline: self.clock.now() + TRIED,
-            reply: Some(reply),
+            ..Group::new(self.tickets, members, now, reply)
         };
         self.have_trains(group);
     }
@@ -84,7 +135,7 @@ impl Engine {
                     target,
                     shaper: group.shaper,
                     speed: f64::INFINITY,
-                    tolerance: None,
+                    within: group.within.is_some(),
                 },
                 id: self.state.last_move,
                 ticket: 0,
@@ -109,6 +160,9 @@ impl Engine {
         if self.feed == 0.0 {
             return Err(ServiceError::NoFeed);
         }
+        if let Some((_, motion)) = &group.within {
+            return self.planned_within(&group.members, motion);
+        }
         let each = group.members.iter();
         let alone: Vec<_> = each
             .map(|&(index, target)| self.planned_alone(index, target, group.shaper))
@@ -118,6 +172,18 @@ impl Engine {
         Ok((stretched.collect::<Result<_, _>>()?, whole))
     }
 
+    /// Whether a joint takes moves, rests, and nothing is asked of it.
+    pub(super) fn check_free(&self, index: usize) -> Result<(), ServiceError> {
+        let joint = &self.joints[index];
+        joint.takes_moves()?;
+        match joint.is_at_rest() && joint.asked.is_none() && joint.ordered.is_empty() {
+            true => Ok(()),
+            false => Err(ServiceError::InMotion {
+                joint: joint.config.name.clone(),
+            }),
+        }
+    }
+
     /// The quickest plan of one joint.
     pub(super) fn planned_alone(
         &self,
@@ -125,12 +191,8 @@ impl Engine {
         target: f64,
         shaper: Option<Option<&'static dyn Shaper>>,
     ) -> Result<Alone, ServiceError> {
+        self.check_free(index)?;
         let joint = &self.joints[index];
-        joint.takes_moves()?;
-        if !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty() {
-            let joint = joint.config.name.clone();
-            return Err(ServiceError::InMotion { joint });
-        }
         let shaper = shaper.unwrap_or(joint.standing_shaper());
         let train = standing_train(joint, shaper, self.config.period)?;
         // The gain of a train with negative impulses bounds what it makes of any plan.
@@ -238,10 +300,7 @@ impl Engine {
         let group = self.groups.remove(at);
         match group.why {
             None => {
-                let accepted = Accepted::Together {
-                    moves: group.begun,
-                    duration_s: group.duration,
-                };
+                let accepted = group.accepted();
                 answer(group.reply, Ok(accepted));
             }
             Some(_) if group.outdated && group.begun.is_empty() => self.begin_together(group),

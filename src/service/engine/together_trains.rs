@@ -8,20 +8,17 @@ use super::joint::name_of;
 use super::learning::PATIENCE;
 use super::orders::answer;
 use super::together::Group;
-use crate::learning::{Prescription, Way};
+use crate::learning::{Prescription, Surroundings, Way};
 use crate::service::contract::ServiceError;
 use crate::service::learners::{Job, Wanted};
 
 /// A move of several joints that waits for its trains.
 pub struct Waiting {
-    group: Group,
+    pub group: Group,
     /// Numbers of the plans whose trains are not solved yet.
-    tickets: Vec<u64>,
+    pub tickets: Vec<u64>,
     /// Until when it waits, s.
     pub until: f64,
-    /// The last stop that it was asked after, and the permit under which it was.
-    last_stop: Option<u64>,
-    permit: u64,
 }
 
 impl Engine {
@@ -48,8 +45,6 @@ impl Engine {
             group,
             tickets,
             until: self.clock.now() + PATIENCE,
-            last_stop: self.last_stop,
-            permit: self.enabling.permit,
         });
     }
 
@@ -62,25 +57,29 @@ impl Engine {
             return None;
         }
         let alone = self.planned_alone(index, target, group.shaper).ok()?;
-        let mut surroundings = self.surroundings(index, None);
-        // The others are on their way, too.
-        let others = (0..self.joints.len()).filter(|other| *other != index);
-        for (way, other) in surroundings.others.iter_mut().zip(others) {
-            let mut members = group.members.iter();
-            if let Some((_, target)) = members.find(|(member, _)| *member == other) {
-                *way = Way::new(self.joints[other].position, *target);
-            }
-        }
         let believed = UncertainMode::believed(joint.config.belief);
         Some(Wanted {
             joint: index,
             ticket: 0,
             plan: alone.plan.sample(self.config.period).ok()?,
-            surroundings,
+            surroundings: self.surroundings_of(index, &group.members),
             in_force: alone.train.train,
             base: train(rule, &believed, self.config.period).ok()?,
-            within: None,
+            anywhere: false,
         })
+    }
+
+    /// What there is along the way of a joint while others move, too, each to its target (rad).
+    pub(super) fn surroundings_of(&self, index: usize, members: &[(usize, f64)]) -> Surroundings {
+        let mut surroundings = self.surroundings(index, None);
+        let others = (0..self.joints.len()).filter(|other| *other != index);
+        for (way, other) in surroundings.others.iter_mut().zip(others) {
+            let mut members = members.iter();
+            if let Some((_, target)) = members.find(|(member, _)| *member == other) {
+                *way = Way::new(self.joints[other].position, *target);
+            }
+        }
+        surroundings
     }
 
     /// Whether a move of several joints waits for the train of this plan.
@@ -106,16 +105,18 @@ impl Engine {
         self.begin_waiting(|waiting| waiting.tickets.is_empty());
     }
 
-    /// Begins the moves that wait no longer. Where a stop was asked for meanwhile, or the permit has ended, they do not begin.
+    /// Begins the moves that wait no longer.
     pub(super) fn begin_waiting(&mut self, which: impl Fn(&Waiting) -> bool) {
         while let Some(at) = self.waiting.iter().position(&which) {
             let waiting = self.waiting.remove(at);
-            let same =
-                (waiting.last_stop, waiting.permit) == (self.last_stop, self.enabling.permit);
-            match self.stopping.is_none() && same {
-                true => self.begin_together(waiting.group),
-                false => answer(waiting.group.reply, Err(ServiceError::Stopped)),
-            }
+            self.begin_together(waiting.group);
+        }
+    }
+
+    /// The moves that wait do not begin: all joints are being stopped.
+    pub(super) fn drop_waiting(&mut self, why: &ServiceError) {
+        for waiting in self.waiting.drain(..) {
+            answer(waiting.group.reply, Err(why.clone()));
         }
     }
 }

@@ -34,9 +34,9 @@ pub struct Travel {
     joints: Option<Vec<One>>,
     /// Shaper for this move alone, `none` for unshaped; the joint's own where absent.
     shaper: Option<String>,
-    /// Instead of a shaper, of one joint from rest: as fast as it may be when it leaves so much vibration, percent of the unshaped.
+    /// Instead of a shaper, from rest: as fast as it may be when each joint leaves so much vibration, percent of the unshaped.
     residual_percent: Option<f64>,
-    /// The same when the tip vibrates at its end by so much, mm.
+    /// The same when the tip vibrates at its end by so much, and several joints leave their straight path by so much, mm.
     deviation_mm: Option<f64>,
 }
 
@@ -95,8 +95,8 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
         deviation_mm,
     } = body;
     let tolerance = tolerance(residual_percent, deviation_mm)?;
-    if tolerance.is_some() && (joints.is_some() || shaper.is_some()) {
-        let sentence = "residual_percent and deviation_mm are of one joint, without a shaper";
+    if tolerance.is_some() && shaper.is_some() {
+        let sentence = "residual_percent and deviation_mm are in the place of a shaper";
         return Err(Refused::value(sentence));
     }
     let single = |joint: String| One {
@@ -123,7 +123,11 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
         (None, Some(joints)) if (target_deg, target_rad) == (None, None) => {
             let targets = joints.into_iter().map(|one| one.target(&snapshot));
             let targets = targets.collect::<Result<_, _>>()?;
-            Request::MoveTogether { targets, shaper }
+            Request::MoveTogether {
+                targets,
+                shaper,
+                tolerance,
+            }
         }
         (None, None) => {
             let sentence =

@@ -1,16 +1,16 @@
 //! One joint at the tick: what it is told, what it measures, what it commands.
 
-use quell_shapers::Setpoint;
+use quell_shapers::{Refusal, RetuneOutcome, Setpoint};
 use quell_trajectories::Limits;
 
 use super::following::Following;
 use super::gate::{Admission, Cause, Gate};
 use super::hearing::{Change, Hearing, Watchdog};
 use super::messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, Taken, Together, TrainOrder,
+    AxisReport, Event, JointReport, NotTaken, Plan, RetuneOrder, Taken, Together, TrainOrder,
 };
 use super::pace::Stride;
-use super::taking::{put_in_force, ready};
+use super::taking::{put_in_force, ready, retune};
 use crate::controller::{AxisStatus, Controller, ringing_time};
 use crate::estimators::{Estimate, Sample};
 use crate::service::between::within_limits;
@@ -43,6 +43,8 @@ pub struct JointTick {
     hearing: Hearing,
     following: Following,
     move_id: u64,
+    /// Number of the plan that runs or ran last.
+    ticket: u64,
     runs: bool,
     /// Since when the command stands still, s; not at all before the first move.
     settled: Option<f64>,
@@ -78,6 +80,7 @@ impl JointTick {
             hearing: Hearing::new(watchdog),
             following: Following::new(f64::INFINITY, f64::INFINITY),
             move_id: 0,
+            ticket: 0,
             runs: false,
             settled: Some(f64::NEG_INFINITY),
             learned: None,
@@ -138,6 +141,17 @@ impl JointTick {
             None => Err(NotTaken::Idle),
         };
         Event::Train(order, taken)
+    }
+
+    /// Goes over to the train for the plan that runs, where it is the one that it was solved for, and the train is followed.
+    pub fn retune(&mut self, order: Box<RetuneOrder>) -> Event {
+        let follows = self.adaptive && !self.frozen && self.runs && self.ticket == order.ticket;
+        let controller = self.controller.as_deref_mut().filter(|_| follows);
+        let outcome = match controller {
+            Some(controller) => retune(&order, controller),
+            None => RetuneOutcome::Refused(Refusal::NotWorth(0.0)),
+        };
+        Event::Retuned(order, outcome)
     }
 
     /// Takes a measurement; marks it where it is refused.
@@ -258,7 +272,7 @@ impl JointTick {
                 return Some(Event::NotTaken(plan, NotTaken::Refused(error)));
             }
         }
-        self.move_id = plan.id;
+        (self.move_id, self.ticket) = (plan.id, plan.ticket);
         (self.runs, self.settled) = (true, None);
         Some(Event::Taken(Taken {
             plan,

@@ -1,6 +1,8 @@
 //! The messages on the rings between the tick and the engine. What allocated comes back to be dropped.
 
-use quell_shapers::{GridTrain, ImpulseTrain, Setpoint, Shaper, ShaperError, UncertainMode};
+use quell_shapers::{
+    GridTrain, ImpulseTrain, RetuneOutcome, Setpoint, Shaper, ShaperError, UncertainMode,
+};
 use quell_trajectories::SampledTrajectory;
 
 use super::gate::Trip;
@@ -37,6 +39,8 @@ pub enum ToTick {
     Forget,
     /// Take a train, once the joint rests.
     Train(Box<TrainOrder>),
+    /// Go over to another train in motion.
+    Retune(Box<RetuneOrder>),
     /// Whether the train of a joint follows the estimate.
     Adaptive(usize, bool),
     /// Take a sensor that is registered.
@@ -51,6 +55,18 @@ pub struct TrainOrder {
     pub joint: usize,
     /// The train.
     pub train: Train,
+}
+
+/// A train that a joint shall go over to while a plan runs.
+pub struct RetuneOrder {
+    /// The joint.
+    pub joint: usize,
+    /// Number of the plan for whose way it was solved.
+    pub ticket: u64,
+    /// The train.
+    pub train: Train,
+    /// The modes on that way, 1 to 3, as well as they are known.
+    pub modes: Vec<UncertainMode>,
 }
 
 /// A plan and when it begins. Once it is taken it carries the one before it back.
@@ -149,6 +165,8 @@ pub enum Event {
     Lost(usize),
     /// A joint that was lost says again where its motor side stands, rad.
     Back(usize, f64),
+    /// A plan in motion was retuned, or not; nothing has changed then.
+    Retuned(Box<RetuneOrder>, RetuneOutcome),
     /// A train was taken, or was out of date.
     Train(Box<TrainOrder>, Result<(), NotTaken>),
     /// To be dropped.

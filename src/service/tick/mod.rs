@@ -24,8 +24,8 @@ pub use hearing::Watchdog;
 pub use joint::JointTick;
 pub use lateness::Histogram;
 pub use messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, Record, Start, Taken, ToTick, Together, Train,
-    TrainOrder, WholeReport,
+    AxisReport, Event, JointReport, NotTaken, Plan, Record, RetuneOrder, Start, Taken, ToTick,
+    Together, Train, TrainOrder, WholeReport,
 };
 pub use orders::Orders;
 pub use pulse::Pulse;
@@ -218,6 +218,7 @@ impl Tick {
                 None
             }
             ToTick::Train(order) => Some(self.joints.get_mut(order.joint)?.take_train(order)),
+            ToTick::Retune(order) => Some(self.joints.get_mut(order.joint)?.retune(order)),
             ToTick::Adaptive(joint, adaptive) => {
                 self.joints.get_mut(joint)?.set_adaptive(adaptive);
                 None

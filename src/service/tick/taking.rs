@@ -1,6 +1,8 @@
 //! When a plan or a train is taken, and why not.
 
-use super::messages::{NotTaken, Plan, Start, Train};
+use quell_shapers::{Refusal, RetuneOutcome};
+
+use super::messages::{NotTaken, Plan, RetuneOrder, Start, Train};
 use crate::controller::Controller;
 
 /// Whether a plan's time has come; installs the train that it needs.
@@ -30,4 +32,17 @@ pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), No
     }
     let set = controller.set_train(train.shaper, &train.known, &train.train);
     set.map_err(NotTaken::Train)
+}
+
+/// Has a train take over in motion; where it is out of date or leaves no less, nothing changes.
+pub fn retune(order: &RetuneOrder, controller: &mut Controller) -> RetuneOutcome {
+    let RetuneOrder { train, modes, .. } = order;
+    if controller.axis().status().retunes != train.retunes {
+        return RetuneOutcome::Refused(Refusal::NotWorth(0.0));
+    }
+    let outcome = controller.retune(&train.train, &train.known, modes);
+    if !matches!(outcome, RetuneOutcome::Refused(_)) {
+        controller.hold(train.hold);
+    }
+    outcome
 }

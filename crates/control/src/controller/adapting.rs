@@ -4,6 +4,7 @@ use quell_shapers::{GridTrain, Mode, Refusal, Retune, RetuneOutcome, UncertainMo
 
 use super::ahead::Ahead;
 use super::axis::{Axis, waiting};
+use super::corrected::Corrected;
 use super::settings::{RetunePolicy, motion_limits};
 use crate::adaptation::{Decision, Reason, residual};
 use crate::estimators::Estimate;
@@ -158,7 +159,7 @@ impl Axis {
             RetuneOutcome::Corrected(correction) => {
                 self.status.correction = Some(correction);
                 self.status.corrections += 1;
-                self.corrected = *known;
+                self.corrected = Corrected::of(&[*known]);
             }
             RetuneOutcome::Installed => {}
         }
@@ -166,6 +167,34 @@ impl Axis {
             self.changed(known);
         }
         Some(self.adaptation.accept(known.mode))
+    }
+
+    /// As [`super::Controller::retune`].
+    pub(super) fn retune(
+        &mut self,
+        train: &GridTrain,
+        known: &UncertainMode,
+        modes: &[UncertainMode],
+        ahead: &Ahead<'_>,
+    ) -> RetuneOutcome {
+        if self.lane.is_some() {
+            // The trains of a kept path are those of all axes.
+            return RetuneOutcome::Refused(Refusal::Busy);
+        }
+        let request = self.request(train, modes);
+        let planned = |k: usize| ahead.setpoint(k - 1);
+        let outcome = self.filter.retune(&request, ahead.remaining(), planned);
+        match outcome {
+            RetuneOutcome::Refused(_) => self.status.refused += 1,
+            RetuneOutcome::Installed => self.status.shaped_for = *known,
+            RetuneOutcome::Corrected(correction) => {
+                self.status.correction = Some(correction);
+                self.status.corrections += 1;
+                self.status.shaped_for = *known;
+                self.corrected = Corrected::of(modes);
+            }
+        }
+        outcome
     }
 
     fn request<'a>(&self, train: &'a GridTrain, modes: &'a [UncertainMode]) -> Retune<'a> {
@@ -185,8 +214,8 @@ impl Axis {
         if !self.filter.is_correcting() {
             return Ok(());
         }
-        let (train, modes) = (self.next_train().clone(), [self.corrected]);
-        let request = self.request(&train, &modes);
+        let (train, corrected) = (self.next_train().clone(), self.corrected);
+        let request = self.request(&train, corrected.modes());
         let planned = |k: usize| ahead.setpoint(k - 1);
         self.filter.replan(&request, ahead.remaining(), planned)
     }

@@ -6,6 +6,7 @@ use quell_shapers::{
 };
 
 use super::ahead::Ahead;
+use super::corrected::Corrected;
 use super::path::Lane;
 use super::settings::AxisSettings;
 use crate::adaptation::{Adaptation, Decision};
@@ -48,8 +49,8 @@ pub struct Axis {
     pub(super) time: f64,
     pub(super) since_plan_end: f64,
     pub(super) last_considered: f64,
-    /// The mode that the last correction was for, and how well it was known.
-    pub(super) corrected: UncertainMode,
+    /// The modes that the last correction was for, and how well they were known.
+    pub(super) corrected: Corrected,
     pub(super) status: AxisStatus,
     /// The samples since the last move began, or since they were taken; no more than there is room for.
     heard: Vec<Sample>,
@@ -80,7 +81,7 @@ impl Axis {
             adaptation: Adaptation::new(settings.adaptation),
             filter,
             lane: None,
-            corrected: belief,
+            corrected: Corrected::of(&[belief]),
             time: 0.0,
             since_plan_end: f64::INFINITY,
             last_considered: f64::NEG_INFINITY,

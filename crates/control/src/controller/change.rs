@@ -1,8 +1,9 @@
 //! Changes of a controller between two ticks.
 
-use quell_shapers::{GridTrain, Shaper, ShaperError, UncertainMode};
+use quell_shapers::{GridTrain, Refusal, RetuneOutcome, Shaper, ShaperError, UncertainMode};
 
 use super::Controller;
+use super::ahead::Ahead;
 use crate::learning::Hold;
 use quell_signal::DeformationSensor;
 
@@ -40,6 +41,24 @@ impl Controller {
         train: &GridTrain,
     ) -> Result<(), ShaperError> {
         self.axis.set_train(shaper, known, train)
+    }
+
+    /// Goes over to `train` in motion, and takes away what the one in force has left of one to three modes, as
+    /// [`quell_shapers::AdaptiveFilter::retune`] does: within the limits, to the exact end, and only where that leaves less.
+    /// `known` is the mode that the train is told to be for. No allocation; it costs as a retune by an estimate does.
+    ///
+    /// Where it is refused nothing has changed. At rest it is refused, too: [`Self::set_train`] moves nothing.
+    pub fn retune(
+        &mut self,
+        train: &GridTrain,
+        known: &UncertainMode,
+        modes: &[UncertainMode],
+    ) -> RetuneOutcome {
+        if self.is_settled() {
+            return RetuneOutcome::Refused(Refusal::NotWorth(0.0));
+        }
+        let ahead = Ahead::new(self.plan.as_ref(), self.cursor, self.planned);
+        self.axis.retune(train, known, modes, &ahead)
     }
 
     /// Whether a train waits for the command to stand still.

@@ -8,6 +8,7 @@ mod adapting;
 mod ahead;
 mod axis;
 mod change;
+mod corrected;
 mod path;
 mod settings;
 mod slow_down;
@@ -15,7 +16,7 @@ mod slow_down;
 pub use adapting::ringing_time;
 pub use axis::{Axis, AxisStatus};
 pub use path::KeptPath;
-pub use quell_shapers::Setpoint;
+pub use quell_shapers::{RetuneOutcome, Setpoint};
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
 pub use slow_down::{SlowedPlan, plan_shaped, plan_shaped_by};
 

@@ -39,6 +39,28 @@ pub struct Expected {
 }
 
 impl Expected {
+    /// The mode of any one place of the way: one frequency, as uncertain as it is and as it changes along the way.
+    pub fn anywhere(&self) -> Self {
+        let nodes = NODES as f64;
+        let middle = self.point.log_w.iter().sum::<f64>() / nodes;
+        let changes = self.point.log_w.iter().map(|w| (w - middle).powi(2));
+        let known = (0..NODES).map(|n| self.covariance[(n, n)]);
+        let variance = (changes.sum::<f64>() + known.sum::<f64>()) / nodes;
+        let mut covariance = SMatrix::<f64, OF_A_MODE, OF_A_MODE>::zeros();
+        covariance
+            .fixed_view_mut::<NODES, NODES>(0, 0)
+            .fill(variance);
+        covariance[(NODES, NODES)] = self.covariance[(NODES, NODES)];
+        Self {
+            point: Point {
+                log_w: [middle; NODES],
+                xi: self.point.xi,
+            },
+            covariance,
+            share: self.share,
+        }
+    }
+
     /// The mean, and points two standard deviations away in each principal direction: their covariance is that of the mode.
     pub fn sigma_points(&self) -> Vec<Point> {
         let eigen = self.covariance.symmetric_eigen();

@@ -21,10 +21,35 @@ impl Learner {
         surroundings: &Surroundings,
         in_force: &GridTrain,
     ) -> Prescription {
+        let expected = self.expected(plan, surroundings);
+        self.prescribe_for(plan, &expected, in_force)
+    }
+
+    /// The same for a plan that may be stopped anywhere on its way, as a jog: the train does for the modes wherever they are on it.
+    pub fn prescribe_anywhere(
+        &mut self,
+        plan: &SampledTrajectory,
+        surroundings: &Surroundings,
+        in_force: &GridTrain,
+    ) -> Prescription {
+        let expected = self.expected(plan, surroundings);
+        let expected: Vec<Expected> = expected.iter().map(Expected::anywhere).collect();
+        self.prescribe_for(plan, &expected, in_force)
+    }
+
+    fn expected(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<Expected> {
+        let places = surroundings.places(&Way::of(plan));
+        self.modes.iter().map(|m| m.expected(&places)).collect()
+    }
+
+    fn prescribe_for(
+        &mut self,
+        plan: &SampledTrajectory,
+        expected: &[Expected],
+        in_force: &GridTrain,
+    ) -> Prescription {
         let way = Way::of(plan);
-        let places = surroundings.places(&way);
-        let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
-        let known = self.modes_on_way(plan, way, &expected);
+        let known = self.modes_on_way(plan, way, expected);
         let mut shaped: Vec<Expected> = expected
             .iter()
             .zip(&known)
@@ -65,10 +90,8 @@ impl Learner {
 
     /// The modes that are known on the way of a plan.
     pub fn on_way(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<ModeOnWay> {
-        let way = Way::of(plan);
-        let places = surroundings.places(&way);
-        let expected: Vec<Expected> = self.modes.iter().map(|m| m.expected(&places)).collect();
-        self.modes_on_way(plan, way, &expected)
+        let expected = self.expected(plan, surroundings);
+        self.modes_on_way(plan, Way::of(plan), &expected)
     }
 
     /// What the modes leave unexplained: as large as it was, of a mode of which nothing but the belief is known. A train that
