@@ -23,6 +23,8 @@ const DAMPING: Spread = Spread {
     pose: 0.01,
     load: (0.0, 0.01),
 };
+/// Least inertia, over that of the first move: a frequency 4.5 times as high.
+const LEAST: f64 = 0.05;
 /// What the parabola between the nodes, and a mode that is not quite linear, leave of `ln w` and of `xi`: a train is off by
 /// less than a third of the dead band of 1 % there.
 const UNSEEN: f64 = 0.002;
@@ -58,20 +60,33 @@ impl ModeMap {
 
     /// What is known of it on a way.
     pub fn prior(&self, places: &[Place; NODES]) -> Prior {
-        let c = self.inertia.predict(places);
-        // An inertia is positive.
-        let mean = c.mean.map(|c| c.max(0.05));
-        let slope = SMatrix::from_diagonal(&mean.map(|c| -0.5 / c));
         let damping = self.damping.predict(places);
         Prior {
-            log_w: Predicted {
-                mean: mean.map(|c| self.reference - 0.5 * c.ln()),
-                covariance: slope * c.covariance * slope,
-            },
+            log_w: self.log_w(&self.inertia.predict(places)),
             xi: (
                 damping.mean[1].clamp(1e-3, 0.4),
                 damping.covariance[(1, 1)].max(1e-8),
             ),
+        }
+    }
+
+    /// Of an inertia `c` of mean `m` and variance `v` the natural frequency, `ln w = ln w_ref - ln(c) / 2`.
+    ///
+    /// An inertia is positive: it is taken for log-normal, `var ln c = ln(1 + v / m^2)`, and its mean for its standard deviation at
+    /// least. Where the map goes on towards none, as far from what it has seen, next to nothing is known of the frequency.
+    fn log_w(&self, c: &Predicted) -> Predicted {
+        let std = c.covariance.diagonal().map(|v| v.max(0.0).sqrt());
+        let mean = c.mean.zip_map(&std, |m, std| m.max(std).max(LEAST));
+        let relative = std.component_div(&mean).map(|x| x * x);
+        let variance = relative.map(f64::ln_1p);
+        let scale = SVector::<f64, NODES>::from_fn(|n, _| match std[n] > 0.0 {
+            true => -0.5 * variance[n].sqrt() / std[n],
+            false => 0.0,
+        });
+        let scale = SMatrix::from_diagonal(&scale);
+        Predicted {
+            mean: mean.zip_map(&variance, |m, v| self.reference - 0.5 * (m.ln() - 0.5 * v)),
+            covariance: scale * c.covariance * scale,
         }
     }
 
