@@ -29,7 +29,7 @@ fn arm(name: &str, modes: &[PlantMode], belief_hz: f64) -> Programme {
         moves: TARGETS
             .map(|degrees| (f64::to_radians(degrees), 0.0))
             .to_vec(),
-        declared: true,
+        declared: 1.0,
         seed: 1,
     }
 }

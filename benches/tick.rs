@@ -203,6 +203,65 @@ fn print(tape: &Tape, axes: usize, case: Case, hears: bool) -> Outcome<()> {
     Ok(())
 }
 
+/// Seconds that it takes to retune a plan in motion for a new way, at a control period: the most of some instants, each the least of
+/// some rounds. The train has sixteen impulses.
+fn retuned(period: f64, modes: &[f64]) -> Outcome<f64> {
+    let limits = Limits {
+        jerk: 1000.0,
+        ..LIMITS
+    };
+    let modes = modes.iter().map(|hertz| {
+        let mode = Mode::from_hertz(*hertz, 0.03)?;
+        Ok(UncertainMode {
+            mode,
+            natural_frequency_std: 0.003 * mode.natural_frequency(),
+            damping_ratio_std: 0.003,
+        })
+    });
+    let modes = modes.collect::<Outcome<Vec<_>>>()?;
+    let step = (0.2 / period) as u32 / 16;
+    let tap = |k| Tap {
+        delay: k * step,
+        amplitude: 1.0 / 16.0,
+    };
+    let train = GridTrain::from_taps(&(0..16).map(tap).collect::<Vec<_>>(), period)?;
+    let planner = Planner::new(1)?;
+    let towards = |from: AxisState, to: f64| {
+        let plan = planner.plan(&[from], &[AxisState::at_rest(to)], &[limits])?;
+        plan.sample(period)
+    };
+    let mut most: f64 = 0.0;
+    for tenth in 1..7 {
+        let mut least = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            let settings = AxisSettings {
+                limits,
+                shaper: shaper_by_name("zvd"),
+                ..axis_settings(Mode::from_hertz(8.0, 0.05)?, period, period)
+            };
+            let mut controller = Controller::new(settings, 0.0)?;
+            let first = towards(AxisState::at_rest(0.0), 1.0)?;
+            controller.load(first).map_err(|(_, error)| error)?;
+            for _ in 0..(0.1 * f64::from(tenth) / period) as usize {
+                controller.tick(&[]);
+            }
+            let now = controller.planned();
+            let from = AxisState {
+                position: now.position,
+                velocity: now.velocity,
+                acceleration: now.acceleration,
+            };
+            let next = towards(from, 0.6)?;
+            controller.load(next).map_err(|(_, error)| error)?;
+            let start = Instant::now();
+            black_box(controller.retune(&train, &modes[0], &modes));
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        most = most.max(least);
+    }
+    Ok(most)
+}
+
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().collect();
     if let [_, only, axes, name, shaper, rounds] = arguments.as_slice()
@@ -253,6 +312,18 @@ fn main() -> Outcome<()> {
         }
         print(&tape, 1, case, true)?;
         print(&tape, 7, case, true)?;
+    }
+    println!(
+        "Microseconds of a retune of a new way in motion, the most of some instants: one mode, three modes."
+    );
+    for period in [0.001, 0.002, 0.004] {
+        let [one, three] = [&[8.0][..], &[8.0, 19.0, 31.0]].map(|modes| retuned(period, modes));
+        println!(
+            "{:6.0} Hz{:9.0}{:9.0}",
+            1.0 / period,
+            1e6 * one?,
+            1e6 * three?
+        );
     }
     Ok(())
 }

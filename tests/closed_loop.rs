@@ -36,7 +36,7 @@ fn check(scenario: &Scenario, comparison: &Comparison, case: &str) {
     // Measured: 0.39 % and 1.04 % in the worst case.
     assert!(first <= 0.6, "{case}: {first} % within the first move");
     assert!(next <= 1.5, "{case}: {next} % on the next move");
-    for (kind, trace) in &comparison.moves {
+    for (kind, trace) in comparison.moves() {
         let name = kind.name();
         assert!(trace.final_error() <= 1e-9, "{case}: {name} misses");
         let worst = trace.peak_ratios(scenario.limits).worst();

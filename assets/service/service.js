@@ -115,7 +115,7 @@ function showControls(now) {
   if (!$("feed").matches(":active")) $("feed").value = state.feed_percent;
   $("feed-value").textContent = `${$("feed").value} % of full speed`;
   $("demo-row").hidden = state.robot !== "embedded";
-  $("payload-row").hidden = state.payload_kg === null;
+  $("payload-row").hidden = state.robot !== "embedded";
   if (state.payload_kg !== null && !$("payload").matches(":active")) {
     $("payload").value = state.payload_kg;
     showPayload();

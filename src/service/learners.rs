@@ -154,8 +154,6 @@ pub struct Pupil {
     pub settings: LearnerSettings,
     /// Lowest and highest target, rad.
     pub range: [f64; 2],
-    /// The largest payload, kg.
-    pub carried: f64,
     /// What was kept of it.
     pub memory: Option<Memory>,
 }
@@ -299,7 +297,7 @@ impl Learners {
         let step = (high - low) / (DRAWN - 1) as f64;
         let positions: Vec<f64> = (0..DRAWN).map(|k| low + step * k as f64).collect();
         let chart = learner.chart(&positions, surroundings);
-        let map = JointMap::new(&pupil.name, surroundings.payload, pupil.carried, &chart);
+        let map = JointMap::new(&pupil.name, surroundings.payload, &chart);
         let _ = self.said.send(Said::Known {
             joint,
             modes: learner.modes(),

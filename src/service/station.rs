@@ -16,9 +16,7 @@ use super::clock::ServiceClock;
 use super::config::{Config, JointConfig};
 use super::contract::{Handle, Snapshot, channels};
 use super::disk::{Disk, FolderError};
-use super::engine::{
-    CARRIED, Engine, EngineParts, Hearing, Joint, Learning, Registrar, longest_train,
-};
+use super::engine::{Engine, EngineParts, Hearing, Joint, Learning, Registrar, longest_train};
 use super::guard::Bounds;
 use super::keeper::Keeper;
 use super::kept::Kept;
@@ -293,7 +291,6 @@ fn pupil(joint: &JointConfig, config: &Config, state: &State) -> Result<Pupil, S
             })?,
         },
         range: joint.range,
-        carried: CARRIED,
         memory: state
             .joints
             .get(&joint.name)

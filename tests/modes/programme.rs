@@ -31,8 +31,8 @@ pub struct Programme {
     pub start: f64,
     /// Targets, rad, and payloads.
     pub moves: Vec<(f64, f64)>,
-    /// Whether the controller is told the payload.
-    pub declared: bool,
+    /// A payload of 1 as the controller is told it, kg; 0 where it is not told.
+    pub declared: f64,
     pub seed: u64,
 }
 
@@ -110,8 +110,7 @@ impl Programme {
         moves
             .map(|&(target, payload)| {
                 plant.payload = payload;
-                let carried = if self.declared { payload } else { 0.0 };
-                let around = Surroundings::carrying(carried);
+                let around = Surroundings::carrying(self.declared * payload);
                 let from = controller.planned().position;
                 let plan = plan(from, target);
                 let mut said = String::new();

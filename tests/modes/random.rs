@@ -76,7 +76,7 @@ pub fn programme(seed: u64) -> Programme {
         shaper: ["zv", "zvd", "optimal"][any(0.0, 3.0) as usize],
         start: 0.0,
         moves,
-        declared,
+        declared: f64::from(declared),
         seed,
     }
 }

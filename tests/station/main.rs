@@ -16,6 +16,7 @@ mod sequence;
 mod stops;
 mod together;
 mod tolerance;
+mod turns;
 mod untimed;
 mod ways;
 mod world;

@@ -13,6 +13,8 @@ use super::plant::{Faults, Plant, PlantMode};
 use super::world::{PERIOD, World, config};
 
 const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
+/// rad/s^3.
+pub const JERK: f64 = 6000.0;
 /// Ticks that anything here takes at most.
 const PATIENCE: usize = 5_000;
 /// Time, s, true motor position and deformation, rad, and whether the command moves.
@@ -25,7 +27,7 @@ pub fn settings_of(data: &Path, belief_hz: f64) -> Config {
     let joint = &mut config.joints[0];
     joint.belief = Mode::from_hertz(belief_hz, 0.05).expect("a mode");
     // A ramp of 5 ms makes 19 Hz ring.
-    joint.limits.jerk = 6000.0;
+    joint.limits.jerk = JERK;
     joint.sensor_rate = 1.0 / PERIOD;
     joint.encoder_resolution = Faults::USUAL.resolution;
     config

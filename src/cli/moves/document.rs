@@ -23,7 +23,7 @@ pub struct Learned {
 impl Learned {
     /// From the adaptive first move; `None` if it yielded no estimate.
     pub fn from(comparison: &Comparison) -> Option<Self> {
-        let first = comparison.trace(MoveKind::AdaptiveFirst);
+        let first = comparison.adaptive_first();
         Some(Self {
             estimate: first.last_estimate()?,
             converged_at: first.converged().map(|(time, _)| time),
@@ -45,18 +45,17 @@ impl Learned {
 /// The comparison as JSON.
 pub fn document(comparison: &Comparison) -> Value {
     let moves: Vec<Value> = comparison
-        .moves
-        .iter()
+        .moves()
         .map(|(kind, trace)| {
             json!({
                 "name": kind.name(),
                 "residual_mm": trace.residual() * 1e3,
-                "percent_of_unshaped": comparison.ratio(*kind) * 100.0,
+                "percent_of_unshaped": comparison.ratio(kind) * 100.0,
                 "whole_move_mm": trace.vibration() * 1e3,
-                "whole_move_percent_of_unshaped": comparison.whole_ratio(*kind) * 100.0,
+                "whole_move_percent_of_unshaped": comparison.whole_ratio(kind) * 100.0,
                 "settling_s": trace.settling_time(SETTLED),
                 "command_s": trace.command_end,
-                "added_delay_s": comparison.added_delay(*kind),
+                "added_delay_s": comparison.added_delay(kind),
                 "final_error_rad": trace.final_error(),
             })
         })
@@ -71,12 +70,12 @@ pub fn document(comparison: &Comparison) -> Value {
             "periods_to_converge": learned.periods(),
         })
     });
-    let next = comparison.trace(MoveKind::AdaptiveNext);
+    let next = comparison.adaptive_next();
     json!({
         "moves": moves,
         "estimate": estimate,
         "modes": next.prescribed.as_ref().map(modes),
-        "bounds": comparison.bounds.map(bounds),
+        "bounds": comparison.bounds().map(bounds),
         "truth": {
             "frequency_hz": comparison.truth.hertz(),
             "damping_ratio": comparison.truth.damping_ratio(),
@@ -169,9 +168,8 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
             "final_error_rad",
         ],
         comparison
-            .moves
-            .iter()
-            .map(|(kind, trace)| row(comparison, *kind, trace)),
+            .moves()
+            .map(|(kind, trace)| row(comparison, kind, trace)),
     );
     format!(
         "{}\n\n{table}\n{}\n{}",
@@ -236,7 +234,7 @@ pub fn learned(comparison: &Comparison) -> String {
         }
         _ => "not converged".to_string(),
     };
-    let next = comparison.trace(MoveKind::AdaptiveNext).prescribed.as_ref();
+    let next = comparison.adaptive_next().prescribed.as_ref();
     let (std, damping_std) = (learned.frequency_std(), learned.estimate.damping_ratio_std);
     let [hertz, damping] = [decimals_beside(std, 3), decimals_beside(damping_std, 4)];
     format!(
@@ -249,11 +247,11 @@ pub fn learned(comparison: &Comparison) -> String {
 
 /// Slowed moves and refused corrections, and what a tolerance made of the last move.
 pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
-    let moves = comparison.moves.iter();
+    let moves = comparison.moves();
     let words: String = moves
         .map(|(kind, trace)| remark(kind.name(), scenario.shaper.name(), trace))
         .collect();
-    words + &at_most(comparison.bounds)
+    words + &at_most(comparison.bounds())
 }
 
 /// The lines on a move of this name that was slowed, or whose corrections were refused.

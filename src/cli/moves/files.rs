@@ -30,14 +30,14 @@ pub fn open(folder: &Path, force: Force, reads: &[&Path]) -> Result<Out, CliErro
 /// [`CliError`] where a file must not be replaced, or the disk refuses.
 pub fn write(out: &Out, scenario: &Scenario, comparison: &Comparison) -> Result<(), CliError> {
     let stage = out.stage()?;
-    for (kind, trace) in &comparison.moves {
+    for (kind, trace) in comparison.moves() {
         let folder = stage.path().join(kind.name());
         trace
             .recording
             .write(&folder, true)
             .map_err(CliError::failure)?;
     }
-    let model = believed::flexible_joint(scenario.belief, Some(&comparison.moves[0].1.arc));
+    let model = believed::flexible_joint(scenario.belief, Some(&comparison.unshaped().arc));
     stage.file(MODEL, model)?;
     stage.file(REPORT, page::page(scenario, comparison).render())?;
     stage.put()?;

@@ -33,7 +33,7 @@ pub fn page(scenario: &Scenario, comparison: &Comparison) -> Page {
         .chart(command(comparison))
         .chart(trains(comparison))
         .heading("The unshaped move as encoder and tracker saw it");
-    for chart in paper_figures(comparison.trace(MoveKind::Unshaped)) {
+    for chart in paper_figures(comparison.unshaped()) {
         page = page.chart(chart);
     }
     page.footnote(document::learned(comparison).replace('\n', " "))
@@ -84,8 +84,8 @@ fn settled(trace: &MoveTrace) -> String {
 }
 
 fn figures(comparison: &Comparison) -> Vec<Figure> {
-    let unshaped = comparison.trace(MoveKind::Unshaped);
-    let next = comparison.trace(MoveKind::AdaptiveNext);
+    let unshaped = comparison.unshaped();
+    let next = comparison.adaptive_next();
     let mut figures = vec![
         Figure::text(
             "left after the next move",
@@ -125,15 +125,15 @@ fn table(comparison: &Comparison) -> Table {
         .column("settling", "s")
         .column("added delay", "s")
         .column("final error", "rad");
-    for (kind, trace) in &comparison.moves {
+    for (kind, trace) in comparison.moves() {
         table = table.row([
-            words(*kind).into(),
+            words(kind).into(),
             (trace.residual() * 1e3).into(),
-            (comparison.ratio(*kind) * 100.0).into(),
+            (comparison.ratio(kind) * 100.0).into(),
             (trace.vibration() * 1e3).into(),
-            (comparison.whole_ratio(*kind) * 100.0).into(),
+            (comparison.whole_ratio(kind) * 100.0).into(),
             trace.settling_time(SETTLED).into(),
-            comparison.added_delay(*kind).into(),
+            comparison.added_delay(kind).into(),
             trace.final_error().into(),
         ]);
     }
@@ -146,16 +146,14 @@ fn table(comparison: &Comparison) -> Table {
 
 fn bars(comparison: &Comparison) -> Bars {
     let residuals: Vec<f64> = comparison
-        .moves
-        .iter()
+        .moves()
         .map(|(_, trace)| trace.residual() * 1e3)
         .collect();
     let whole: Vec<f64> = comparison
-        .moves
-        .iter()
+        .moves()
         .map(|(_, trace)| trace.vibration() * 1e3)
         .collect();
-    let names = comparison.moves.iter().map(|(kind, _)| words(*kind));
+    let names = comparison.moves().map(|(kind, _)| words(kind));
     Bars::new("Vibration at the tip", "mm", names)
         .series("after the move", &residuals)
         .series("in the whole move", &whole)
@@ -182,7 +180,7 @@ fn deformation(comparison: &Comparison) -> Chart {
 
 /// The same, from shortly before the unshaped command ends, at the scale of what is left.
 fn left_over(comparison: &Comparison) -> Chart {
-    let unshaped = comparison.trace(MoveKind::Unshaped);
+    let unshaped = comparison.unshaped();
     let height = 1.1e3 * unshaped.residual();
     let watched = unshaped.ticks.last().map_or(0.0, |tick| tick.time);
     deformations(comparison, "What is left over")
@@ -192,16 +190,16 @@ fn left_over(comparison: &Comparison) -> Chart {
 
 fn deformations(comparison: &Comparison, title: &str) -> Chart {
     let mut chart = Chart::lines(title, "time", "s", "at the tip", "mm");
-    for (kind, trace) in &comparison.moves {
-        let sign = if *kind == MoveKind::AdaptiveNext {
+    for (kind, trace) in comparison.moves() {
+        let sign = if kind == MoveKind::AdaptiveNext {
             -1.0
         } else {
             1.0
         };
         let y = column(trace, |tick| sign * tick.tip_deformation * 1e3);
-        chart = chart.series(words(*kind), &column(trace, |tick| tick.time), &y);
+        chart = chart.series(words(kind), &column(trace, |tick| tick.time), &y);
     }
-    chart.marker(comparison.moves[0].1.planned_end, "unshaped command ends")
+    chart.marker(comparison.unshaped().planned_end, "unshaped command ends")
 }
 
 fn estimates(
@@ -210,7 +208,7 @@ fn estimates(
     unit: &str,
     value: impl Fn(&crate::estimators::Estimate) -> (f64, f64),
 ) -> Chart {
-    let first = comparison.trace(MoveKind::AdaptiveFirst);
+    let first = comparison.adaptive_first();
     let seen: Vec<_> = first
         .ticks
         .iter()
@@ -243,8 +241,8 @@ fn estimates(
 }
 
 fn command(comparison: &Comparison) -> Chart {
-    let unshaped = comparison.trace(MoveKind::Unshaped);
-    let first = comparison.trace(MoveKind::AdaptiveFirst);
+    let unshaped = comparison.unshaped();
+    let first = comparison.adaptive_first();
     let velocity = |trace: &MoveTrace| column(trace, |tick| tick.velocity.to_degrees());
     let time = |trace: &MoveTrace| column(trace, |tick| tick.time);
     let chart = Chart::lines("Commanded velocity", "time", "s", "velocity", "deg/s")
@@ -259,20 +257,20 @@ fn command(comparison: &Comparison) -> Chart {
             &velocity(first),
         )
         .x_range(0.0, 1.2 * first.command_end);
-    let mut moves = comparison.moves.iter();
-    match moves.find(|(kind, _)| *kind == MoveKind::WithinTolerance) {
-        Some((kind, trace)) => chart.series(words(*kind), &time(trace), &velocity(trace)),
+    let within = MoveKind::WithinTolerance;
+    match comparison.trace(within) {
+        Some(trace) => chart.series(words(within), &time(trace), &velocity(trace)),
         None => chart,
     }
 }
 
 fn trains(comparison: &Comparison) -> Chart {
     let mut chart = Chart::stems("Impulse trains", "time", "s", "amplitude", "");
-    for (name, kind) in [
-        ("believed", MoveKind::WrongBelief),
-        ("learned", MoveKind::AdaptiveNext),
+    for (name, trace) in [
+        ("believed", comparison.wrong_belief()),
+        ("learned", comparison.adaptive_next()),
     ] {
-        let impulses = comparison.trace(kind).train.clone();
+        let impulses = trace.train.clone();
         let time: Vec<f64> = impulses
             .impulses()
             .iter()

@@ -129,12 +129,12 @@ pub struct MapMove {
 }
 
 impl JointMap {
-    /// Of a joint whose payload is a share of what it carries at most, kg.
-    pub fn new(joint: &str, payload: f64, carried: f64, chart: &[ModeChart]) -> Self {
+    /// Of a joint that carries a payload, kg.
+    pub fn new(joint: &str, payload: f64, chart: &[ModeChart]) -> Self {
         let said = |spoken: &crate::learning::Spoken| MapMove {
             from_rad: spoken.way[0],
             to_rad: spoken.way[1],
-            payload_kg: carried * spoken.payload,
+            payload_kg: spoken.payload,
             average: (&spoken.average).into(),
         };
         let mode = |chart: &ModeChart| ModeMap {
@@ -145,7 +145,7 @@ impl JointMap {
         };
         Self {
             joint: joint.to_owned(),
-            payload_kg: carried * payload,
+            payload_kg: payload,
             modes: chart.iter().map(mode).collect(),
         }
     }

@@ -66,7 +66,7 @@ pub enum Request {
         /// Name of the joint.
         joint: String,
     },
-    /// Change the payload of the embedded arm, a point mass at the tip, kg.
+    /// Declare the payload from now on. The embedded arm takes it up, a point mass at the tip.
     Payload {
         /// Mass, kg, 0 or more.
         mass: f64,

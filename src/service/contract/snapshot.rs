@@ -25,7 +25,7 @@ pub struct Snapshot {
     pub enable: EnableView,
     /// Share of full speed at which moves are planned, percent.
     pub feed_percent: f64,
-    /// Payload of the embedded arm, kg; absent for another robot.
+    /// Payload, kg; absent for another robot than the embedded arm as long as none was declared.
     pub payload_kg: Option<f64>,
     /// One entry a joint.
     pub joints: Vec<JointSnapshot>,
@@ -290,7 +290,7 @@ pub struct MoveResult {
     pub interrupted: bool,
     /// Mode of the train in force at its end.
     pub mode: Option<ModeValue>,
-    /// Payload of the embedded arm, kg.
+    /// Payload as it was declared, kg.
     pub payload_kg: Option<f64>,
     /// Amplitude of the deformation that was left after the command had ended, rad; absent where too
     /// little was measured.

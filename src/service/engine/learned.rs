@@ -5,9 +5,6 @@ use std::sync::Arc;
 use crate::service::contract::{JointMap, LearningView};
 use crate::service::tick::Train;
 
-/// Payload of an arm's class that the maps take for the whole, kg.
-pub const CARRIED: f64 = 60.0;
-
 /// What stands in the place of a rule's name where a plan was made within a tolerance.
 pub const WITHIN: &str = "tolerance";
 

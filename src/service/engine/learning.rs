@@ -8,7 +8,7 @@ use quell_trajectories::SampledTrajectory;
 
 use super::axis::train;
 use super::joint::{Asked, What, name_of};
-use super::learned::{CARRIED, WITHIN};
+use super::learned::WITHIN;
 use super::planning::{Planned, standing_train};
 use super::running::Running;
 use super::{Engine, MOVES};
@@ -111,7 +111,7 @@ impl Engine {
         };
         Surroundings {
             others: others.map(way).collect(),
-            payload: self.payload.unwrap_or(0.0) / CARRIED,
+            payload: self.payload.unwrap_or(0.0),
         }
     }
 

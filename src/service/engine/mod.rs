@@ -36,7 +36,7 @@ use quell_trajectories::Planner;
 
 pub use axis::{controller, longest_train};
 pub use joint::{Hearing, Joint};
-pub use learned::{CARRIED, Learning};
+pub use learned::Learning;
 pub use registration::Registrar;
 
 use enabling::Enabling;

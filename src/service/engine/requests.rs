@@ -285,20 +285,23 @@ impl Engine {
     }
 
     fn change_payload(&mut self, mass: f64) -> Result<Accepted, ServiceError> {
-        let Some(arm) = &self.arm else {
-            return Err(ServiceError::OnlyEmbedded { what: "a payload" });
+        let (most, rule) = match self.arm {
+            Some(_) => (HEAVIEST, "from 0 to 120"),
+            None => (f64::MAX, "0 or more"),
         };
-        if !(0.0..=HEAVIEST).contains(&mass) {
+        if !(0.0..=most).contains(&mass) {
             return Err(ServiceError::Value {
                 what: "the payload in kg",
                 value: mass,
-                rule: "from 0 to 120",
+                rule,
             });
         }
-        let load = arm.load(mass).map_err(|error| ServiceError::Train {
-            reason: error.to_string(),
-        })?;
-        self.rings.orders.push(ToTick::Carry(load));
+        if let Some(arm) = &self.arm {
+            let load = arm.load(mass).map_err(|error| ServiceError::Train {
+                reason: error.to_string(),
+            })?;
+            self.rings.orders.push(ToTick::Carry(load));
+        }
         self.payload = Some(mass);
         self.recall(mass);
         tracing::info!(mass, "payload");

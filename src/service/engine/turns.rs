@@ -14,9 +14,16 @@ use crate::learning::{ModeOnWay, Prescription};
 use crate::service::learners::{Job, Wanted};
 use crate::service::tick::{RetuneOrder, ToTick};
 
+/// Shortest control period at which a plan in motion is retuned, s: the search for three modes takes up to 1.6 ms there
+/// (`cargo bench --bench tick`), and must end within a tick.
+const SHORTEST: f64 = 0.002;
+
 impl Engine {
     /// Has the train for a plan solved that has begun in motion.
     pub(super) fn have_turned(&mut self, index: usize, ordered: &Ordered) {
+        if self.config.period < SHORTEST {
+            return;
+        }
         let what = ordered.what;
         let Some(wanted) = self.wanted(index, what, &ordered.samples, ordered.shaper) else {
             return;
@@ -60,10 +67,10 @@ impl Engine {
 
     /// The tick has retuned, or not.
     pub(super) fn retuned(&mut self, order: &RetuneOrder, outcome: &RetuneOutcome) {
-        let joint = &mut self.joints[order.joint];
+        let (joint, mode) = (&mut self.joints[order.joint], order.train.known.mode);
         tracing::debug!(joint = joint.config.name, ?outcome, "a new way in motion");
-        if !matches!(outcome, RetuneOutcome::Refused(_)) {
-            joint.mode = order.train.known.mode;
+        if !matches!(outcome, RetuneOutcome::Refused(_)) && joint.mode != mode {
+            (joint.mode, joint.mode_since) = (mode, self.clock.unix_time());
         }
     }
 }

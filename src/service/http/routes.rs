@@ -153,7 +153,7 @@ pub const ROUTES: &[Route] = &[
     ),
     command(
         "/payload",
-        "Changes the payload of the embedded arm.",
+        "Declares the payload; the embedded arm takes it up.",
         Some(shape::<Payload>),
         ACCEPTED,
         || post(commands::payload),

@@ -185,6 +185,7 @@ impl Axis {
         let planned = |k: usize| ahead.setpoint(k - 1);
         let outcome = self.filter.retune(&request, ahead.remaining(), planned);
         match outcome {
+            RetuneOutcome::Refused(Refusal::NotWorth(_)) => {}
             RetuneOutcome::Refused(_) => self.status.refused += 1,
             RetuneOutcome::Installed => self.status.shaped_for = *known,
             RetuneOutcome::Corrected(correction) => {

@@ -33,7 +33,7 @@ pub struct Charted {
 pub struct Spoken {
     /// From where to where, rad.
     pub way: [f64; 2],
-    /// Payload over the largest.
+    /// Payload, kg.
     pub payload: f64,
     /// The average, at the position for which it holds.
     pub average: Charted,

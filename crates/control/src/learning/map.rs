@@ -5,6 +5,9 @@
 //! ```text
 //! k(x, x') = level^2 + pose^2 g(x, x') + load^2 m m' (1 + g(x, x')) / 2,   g = exp(-|q - q'|^2 / (2 l^2))
 //! ```
+//! `m` is the mass over the largest that was declared so far, of a watchmaker's arm as of a crane. How much it adds is
+//! what moves with a payload say: the process is linear in it.
+//!
 //! What a move says is a block of information, precision `L` and vector `e`, at the nodes of its way:
 //! `mean* = m + K* (1 + L K)^-1 (e - L m)`, `cov* = K** - K* (1 + L K)^-1 L K*'`.
 //!
@@ -26,7 +29,7 @@ pub struct Place {
     pub position: f64,
     /// Positions of the other joints, rad.
     pub others: Vec<f64>,
-    /// Payload as it was declared, over the largest: 0 to 1.
+    /// Payload as it was declared, kg.
     pub payload: f64,
 }
 
@@ -39,7 +42,7 @@ pub struct Spread {
     pub level: f64,
     /// Over the pose.
     pub pose: f64,
-    /// By how much a full payload raises it: mean, and standard deviation.
+    /// By how much the largest payload that was declared raises it: mean, and standard deviation.
     pub load: (f64, f64),
 }
 
@@ -97,7 +100,15 @@ impl Map {
         self.blocks.len()
     }
 
-    fn kernel(&self, a: &Place, b: &Place) -> f64 {
+    /// The largest payload of the moves and of these places, kg.
+    fn largest(&self, places: &[Place; NODES]) -> f64 {
+        let known = self.blocks.iter().flat_map(|block| &block.places);
+        let payloads = known.chain(places).map(|place| place.payload);
+        payloads.fold(0.0, f64::max)
+    }
+
+    /// Of two places, payloads over the `largest`.
+    fn kernel(&self, a: &Place, b: &Place, largest: f64) -> f64 {
         let Spread {
             level, pose, load, ..
         } = self.spread;
@@ -107,19 +118,20 @@ impl Map {
         let near = (-0.5 * square / (LENGTH * LENGTH)).exp();
         level * level
             + pose * pose * near
-            + load.1 * load.1 * a.payload * b.payload * 0.5 * (1.0 + near)
+            + load.1 * load.1 * share(a, largest) * share(b, largest) * 0.5 * (1.0 + near)
     }
 
     /// What is believed before any move.
-    fn mean(&self, places: &[Place; NODES]) -> SVector<f64, NODES> {
+    fn mean(&self, places: &[Place; NODES], largest: f64) -> SVector<f64, NODES> {
         let Spread { mean, load, .. } = self.spread;
-        SVector::from_fn(|n, _| mean + load.0 * places[n].payload)
+        SVector::from_fn(|n, _| mean + load.0 * share(&places[n], largest))
     }
 
     /// What is known of the quantity at the nodes of a way.
     pub fn predict(&self, places: &[Place; NODES]) -> Predicted {
-        let own = SMatrix::from_fn(|i, j| self.kernel(&places[i], &places[j]));
-        let mean = self.mean(places);
+        let largest = self.largest(places);
+        let own = SMatrix::from_fn(|i, j| self.kernel(&places[i], &places[j], largest));
+        let mean = self.mean(places, largest);
         let nowhere = Predicted {
             mean,
             covariance: own,
@@ -129,15 +141,15 @@ impl Map {
         if n == 0 {
             return nowhere;
         }
-        let among = DMatrix::from_fn(n, n, |i, j| self.kernel(known[i], known[j]));
-        let across = DMatrix::from_fn(NODES, n, |i, j| self.kernel(&places[i], known[j]));
+        let among = DMatrix::from_fn(n, n, |i, j| self.kernel(known[i], known[j], largest));
+        let across = DMatrix::from_fn(NODES, n, |i, j| self.kernel(&places[i], known[j], largest));
         let (mut precision, mut vector) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for (k, block) in self.blocks.iter().enumerate() {
             let at = NODES * k;
             precision
                 .fixed_view_mut::<NODES, NODES>(at, at)
                 .copy_from(&block.precision);
-            let surprise = block.vector - block.precision * self.mean(&block.places);
+            let surprise = block.vector - block.precision * self.mean(&block.places, largest);
             vector.fixed_rows_mut::<NODES>(at).copy_from(&surprise);
         }
         let system = DMatrix::identity(n, n) + &precision * &among;
@@ -152,5 +164,13 @@ impl Map {
             mean: mean + SVector::from_fn(|i, _| shift[i]),
             covariance,
         }
+    }
+}
+
+/// A payload over the largest; none is none.
+fn share(place: &Place, largest: f64) -> f64 {
+    match largest > 0.0 {
+        true => place.payload / largest,
+        false => 0.0,
     }
 }

@@ -10,6 +10,9 @@ use super::monitor::Monitor;
 use super::order::MOST;
 use super::path::{NODES, Way};
 
+/// Payload that older files count by, kg.
+const OLDER: f64 = 60.0;
+
 /// All that a learner knows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
@@ -42,8 +45,12 @@ pub struct MoveMemory {
     pub way: [f64; 2],
     /// Those of the other joints meanwhile, rad.
     pub others: Vec<[f64; 2]>,
-    /// Payload over the largest.
-    pub payload: f64,
+    /// Payload, kg.
+    #[serde(default)]
+    pub payload_kg: f64,
+    /// The same over [`OLDER`], as older files have it.
+    #[serde(default, rename = "payload", skip_serializing)]
+    pub older_payload: f64,
     /// Precision of the inertia at the nodes of the way, its upper triangle row by row.
     pub precision: Vec<f64>,
     /// Precision times inertia at the nodes.
@@ -125,7 +132,8 @@ impl MoveMemory {
         Self {
             way: [first.position, last.position],
             others: others.map(|(from, to)| [*from, *to]).collect(),
-            payload: first.payload,
+            payload_kg: first.payload,
+            older_payload: 0.0,
             precision: upper.map(|at| inertia.precision[at]).collect(),
             vector: inertia.vector.into(),
             damping: [damping.precision[(1, 1)], damping.vector[1]],
@@ -142,9 +150,10 @@ impl MoveMemory {
         let positions = self.others.iter().flatten().chain(&self.way);
         let finite = numbers
             .chain(positions)
-            .chain([&self.payload])
+            .chain([&self.payload_kg, &self.older_payload])
             .all(|x| x.is_finite());
-        if !finite || self.precision.len() != NODES * (NODES + 1) / 2 {
+        let carries = self.payload_kg.min(self.older_payload) >= 0.0;
+        if !finite || !carries || self.precision.len() != NODES * (NODES + 1) / 2 {
             return None;
         }
         let at = |i: usize, j: usize| i * NODES - i * (i + 1) / 2 + j;
@@ -159,7 +168,7 @@ impl MoveMemory {
         let places = core::array::from_fn(|n| Place {
             position: nodes(self.way)[n],
             others: self.others.iter().map(|way| nodes(*way)[n]).collect(),
-            payload: self.payload,
+            payload: self.payload_kg + OLDER * self.older_payload,
         });
         let only =
             |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });

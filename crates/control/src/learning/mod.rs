@@ -57,7 +57,7 @@ pub struct LearnerSettings {
 pub struct Surroundings {
     /// Ways of the other joints meanwhile; of one that stands from and to where it is.
     pub others: Vec<Way>,
-    /// Payload as it was declared, over the largest: 0 to 1.
+    /// Payload as it was declared, kg.
     pub payload: f64,
 }
 

@@ -9,7 +9,7 @@ use super::path::NODES;
 use super::point::{OF_A_MODE, Prior};
 
 /// The inertia over that of the first move: its level is known from there on; over a radian an arm folds to half of it, and
-/// a full payload adds something: at two standard deviations nothing, or as much as the arm has.
+/// the largest payload adds something: at two standard deviations nothing, or as much as the arm has.
 const INERTIA: Spread = Spread {
     mean: 1.0,
     level: 0.5,

@@ -70,12 +70,12 @@ pub struct Scenario {
 /// The moves side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The moves, in the order of [`MoveKind::ALL`]; the last one where it was asked for.
-    pub moves: Vec<(MoveKind, MoveTrace)>,
+    /// The first four of [`MoveKind::ALL`].
+    made: [MoveTrace; 4],
+    /// The move within a tolerance, where it was asked for, and what it leaves at most.
+    within: Option<(MoveTrace, Bounds)>,
     /// The simulated arm's true mode.
     pub truth: Mode,
-    /// What the move within a tolerance leaves at most.
-    pub bounds: Option<Bounds>,
 }
 
 impl Comparison {
@@ -85,49 +85,83 @@ impl Comparison {
         wrong_belief: MoveTrace,
         (first, next, truth): (MoveTrace, MoveTrace, Mode),
     ) -> Self {
-        let traces = [unshaped, wrong_belief, first, next];
         Self {
-            moves: MoveKind::ALL.into_iter().zip(traces).collect(),
+            made: [unshaped, wrong_belief, first, next],
+            within: None,
             truth,
-            bounds: None,
         }
     }
 
     /// Adds the move within a tolerance.
-    pub fn with_tolerance(mut self, (trace, bounds): (MoveTrace, Bounds)) -> Self {
-        self.moves.push((MoveKind::WithinTolerance, trace));
-        self.bounds = Some(bounds);
-        self
+    pub fn with_tolerance(self, within: (MoveTrace, Bounds)) -> Self {
+        Self {
+            within: Some(within),
+            ..self
+        }
     }
 
-    /// The move of that kind.
-    ///
-    /// # Panics
-    /// For a kind that is not among the [moves](Self::moves): the one within a tolerance, where none was asked for.
-    pub fn trace(&self, kind: MoveKind) -> &MoveTrace {
-        &self.moves[kind as usize].1
+    /// The moves that were made, in the order of [`MoveKind::ALL`].
+    pub fn moves(&self) -> impl Iterator<Item = (MoveKind, &MoveTrace)> {
+        let within = self.within.iter().map(|(trace, _)| trace);
+        MoveKind::ALL
+            .into_iter()
+            .zip(self.made.iter().chain(within))
     }
 
-    /// Residual vibration of a move over that of the unshaped one.
+    /// The move of that kind; none of that within a tolerance, where none was asked for.
+    pub fn trace(&self, kind: MoveKind) -> Option<&MoveTrace> {
+        let mut moves = self.moves();
+        moves.find(|one| one.0 == kind).map(|one| one.1)
+    }
+
+    /// The plan as it is.
+    pub fn unshaped(&self) -> &MoveTrace {
+        &self.made[0]
+    }
+
+    /// That shaped for the belief.
+    pub fn wrong_belief(&self) -> &MoveTrace {
+        &self.made[1]
+    }
+
+    /// The adaptive one.
+    pub fn adaptive_first(&self) -> &MoveTrace {
+        &self.made[2]
+    }
+
+    /// The one after it, with what was learned.
+    pub fn adaptive_next(&self) -> &MoveTrace {
+        &self.made[3]
+    }
+
+    /// What the move within a tolerance leaves at most.
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.within.as_ref().map(|(_, bounds)| *bounds)
+    }
+
+    /// Residual vibration of a move over that of the unshaped one; not a number for one that was not made.
     pub fn ratio(&self, kind: MoveKind) -> f64 {
-        self.trace(kind).residual() / self.trace(MoveKind::Unshaped).residual()
+        self.of(kind, MoveTrace::residual) / self.unshaped().residual()
     }
 
-    /// The time that a command takes more than the plan at the limits, s.
+    /// The time that a command takes more than the plan at the limits, s; not a number for one that was not made.
     pub fn added_delay(&self, kind: MoveKind) -> f64 {
-        let trace = self.trace(kind);
         match kind {
             // Its plan is longer in the place of a train.
             MoveKind::WithinTolerance => {
-                trace.command_end - self.trace(MoveKind::Unshaped).planned_end
+                self.of(kind, |trace| trace.command_end) - self.unshaped().planned_end
             }
-            _ => trace.added_delay(),
+            _ => self.of(kind, MoveTrace::added_delay),
         }
     }
 
     /// As [`Comparison::ratio`] of the whole move, in cruise and at the end.
     pub fn whole_ratio(&self, kind: MoveKind) -> f64 {
-        self.trace(kind).vibration() / self.trace(MoveKind::Unshaped).vibration()
+        self.of(kind, MoveTrace::vibration) / self.unshaped().vibration()
+    }
+
+    fn of(&self, kind: MoveKind, what: impl Fn(&MoveTrace) -> f64) -> f64 {
+        self.trace(kind).map_or(f64::NAN, what)
     }
 }
 

@@ -1,0 +1,139 @@
+//! New targets in motion and jogs, once the modes are known: the trains are those of their ways.
+
+use quell::service::contract::{Phase, Request, ShapingChange};
+
+use super::modes::{JERK, go, posed, run, two, world};
+use super::plant::PlantMode;
+use super::world::{LIMITS, PERIOD, World};
+
+/// Ticks after which the target changes: the arm is fast then.
+const TURNED: usize = 80;
+
+fn to(degrees: f64) -> Request {
+    Request::Move {
+        joint: "joint_1".into(),
+        target: degrees.to_radians(),
+        shaper: None,
+    }
+}
+
+/// Moves that teach.
+fn taught(data: &std::path::Path, modes: &[PlantMode]) -> World {
+    let mut world = world(data, 9.0, modes);
+    for degrees in [40.0_f64, 0.0, 50.0, 0.0] {
+        go(&mut world, degrees.to_radians(), None);
+    }
+    world
+}
+
+/// The same arm and moves, and what is said of shaping.
+fn said(data: &std::path::Path, modes: &[PlantMode], change: ShapingChange) -> World {
+    let mut world = world(data, 9.0, modes);
+    world.ask(Request::Shaping(change));
+    world.steps(10);
+    world
+}
+
+/// Peak of the true deformation after a move to 50 degrees that is sent elsewhere on its way, rad.
+fn turned(world: &mut World, degrees: f64) -> f64 {
+    let before = world.sent().len();
+    world.ask(to(50.0));
+    world.steps(TURNED);
+    assert_eq!(world.joint().phase, Phase::Moving);
+    let target = degrees.to_radians();
+    let (_, left) = run(world, to(degrees), target);
+    let sent = world.sent().split_off(before);
+    assert_eq!(sent.last().map(|sent| sent.1.position), Some(target));
+    for pair in sent.windows(2) {
+        let [before, now] = [pair[0].1, pair[1].1];
+        let jerk = (now.acceleration - before.acceleration) / PERIOD;
+        let peaks = [
+            now.velocity / LIMITS.velocity,
+            now.acceleration / LIMITS.acceleration,
+            jerk / JERK,
+        ];
+        assert!(
+            peaks.iter().all(|peak| peak.abs() < 1.0 + 1e-6),
+            "{peaks:?}"
+        );
+    }
+    go(world, 0.0, None);
+    left
+}
+
+#[test]
+fn a_new_target_in_motion_is_shaped_for_its_way() {
+    for modes in [two().to_vec(), vec![posed()]] {
+        let folders = [(); 3].map(|()| tempfile::tempdir().expect("a folder"));
+        let mut learned = taught(folders[0].path(), &modes);
+        let fixed = ShapingChange {
+            adaptation: Some(false),
+            ..ShapingChange::default()
+        };
+        let mut fixed = said(folders[1].path(), &modes, fixed);
+        let none = ShapingChange {
+            enabled: Some(false),
+            ..ShapingChange::default()
+        };
+        let mut unshaped = said(folders[2].path(), &modes, none);
+        let (mut sums, corrections) = ([0.0; 3], learned.joint().corrections);
+        for degrees in [20.0, 35.0, 5.0] {
+            let left = [&mut learned, &mut fixed, &mut unshaped].map(|w| turned(w, degrees));
+            println!("{degrees}: {left:?} rad");
+            for (sum, left) in sums.iter_mut().zip(left) {
+                *sum += left;
+            }
+        }
+        let corrected = learned.joint().corrections - corrections;
+        println!("{sums:?} rad, {corrected} corrections in motion");
+        assert!(sums[0] < 0.05 * sums[2], "{sums:?}");
+        assert!(sums[0] < sums[1], "{sums:?}");
+    }
+}
+
+/// Held for half a second and let go of, at places all over the range.
+#[test]
+fn a_jog_is_shaped_for_wherever_it_ends() {
+    let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    let mut learned = taught(folders[0].path(), &[posed()]);
+    let none = ShapingChange {
+        enabled: Some(false),
+        ..ShapingChange::default()
+    };
+    let mut unshaped = said(folders[1].path(), &[posed()], none);
+    let mut sums = [0.0; 2];
+    for (press, tenths) in [(1, 5), (2, 8), (3, 3)] {
+        for (sum, world) in sums.iter_mut().zip([&mut learned, &mut unshaped]) {
+            *sum += jogged(world, press, tenths);
+        }
+    }
+    println!("{sums:?} rad");
+    assert!(sums[0] < 0.05 * sums[1], "{sums:?}");
+}
+
+/// Peak of the true deformation once the motor side stands, rad.
+fn jogged(world: &mut World, press: u64, tenths: usize) -> f64 {
+    let word = |velocity| Request::Jog {
+        joint: "joint_1".into(),
+        velocity,
+        hold: press,
+    };
+    for _ in 0..tenths {
+        world.ask(word(0.6));
+        world.steps((0.1 / PERIOD) as usize);
+    }
+    world.ask(word(0.0));
+    let mut trace = Vec::new();
+    for _ in 0..(2.0 / PERIOD) as usize {
+        world.step();
+        let arm = world.robot.arm.as_ref().expect("an arm");
+        trace.push((arm.motor(), arm.deformation()));
+    }
+    assert_eq!(world.joint().phase, Phase::Rest);
+    let last = trace[trace.len() - 1].0;
+    let away = |(motor, _): &(f64, f64)| (motor - last).abs() > 1e-6;
+    let end = trace.iter().rposition(away).map_or(0, |k| k + 1);
+    trace[end..]
+        .iter()
+        .fold(0.0, |peak: f64, one| peak.max(one.1.abs()))
+}
