@@ -1,8 +1,6 @@
 //! Coupling of a free motor side to its measured motion.
 
-use super::experiment::{Experiment, RADIANS_A_STEP};
-use super::piecewise::{Cubic, Grid, smooth};
-use quell_recording::Role;
+use super::piecewise::{Cubic, Grid, RADIANS_A_STEP, smooth};
 use quell_signal::{CubicSpline, End};
 use std::sync::Arc;
 
@@ -27,18 +25,16 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// To the encoder of the motor side; none where there is none, or it has too few samples.
-    fn new(experiment: &Experiment, rate: f64) -> Option<Self> {
-        let mut outputs = experiment.outputs.iter();
-        let encoder = outputs.find(|output| output.role == Role::MotorPosition)?;
-        let (time, values) = smooth(&encoder.time, &encoder.values, RADIANS_A_STEP / rate);
+    /// To samples of the motor side's motion; none where they are too few.
+    pub(super) fn new([time, values]: [&[f64]; 2], rate: f64, grid: &Grid) -> Option<Self> {
+        let (time, values) = smooth(time, values, RADIANS_A_STEP / rate);
         let motion = CubicSpline::new(&time, &values, End::NotAKnot).ok()?;
         let coupling = Self {
             rate,
             motion: Arc::new(motion),
             pieces: Arc::new([]),
         };
-        Some(coupling.over(&experiment.grid))
+        Some(coupling.over(grid))
     }
 
     /// The same for other steps of the integration.
@@ -58,24 +54,6 @@ impl Coupling {
         };
         Self {
             pieces: grid.time.windows(2).map(piece).collect(),
-            ..self.clone()
-        }
-    }
-}
-
-impl Experiment {
-    /// The same, its motor side coupled to the measured motion with this rate, rad/s, in one piece; itself where no
-    /// encoder shows the motor side.
-    #[must_use]
-    pub fn coupled(&self, rate: f64) -> Self {
-        let coupling = Coupling::new(self, rate);
-        let windows = match coupling {
-            Some(_) => Vec::new(),
-            None => self.windows.clone(),
-        };
-        Self {
-            coupling,
-            windows,
             ..self.clone()
         }
     }

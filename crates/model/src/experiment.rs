@@ -81,11 +81,6 @@ pub struct Experiment {
     pub recording: usize,
 }
 
-/// Radians of the fastest mode in a step. With 0.25 the classical Runge-Kutta method errs by
-/// `0.25^4 / 120 = 3e-5` of the frequency, a tenth of what the best recordings determine, and by
-/// `0.25^5 / 144 = 7e-6` of the damping ratio.
-pub const RADIANS_A_STEP: f64 = 0.25;
-
 impl Experiment {
     /// The same experiment with other values of the input at its stamps; values that are not finite change
     /// nothing.
@@ -103,6 +98,25 @@ impl Experiment {
     pub(super) fn set_grid(&mut self, grid: Grid) {
         self.coupling = self.coupling.take().map(|own| own.over(&grid));
         self.grid = grid;
+    }
+
+    /// The same, its motor side coupled to the measured motion with this rate, rad/s, in one piece; itself where no
+    /// encoder shows the motor side.
+    #[must_use]
+    pub fn coupled(&self, rate: f64) -> Self {
+        let mut outputs = self.outputs.iter();
+        let encoder = outputs.find(|output| output.role == Role::MotorPosition);
+        let coupling =
+            encoder.and_then(|own| Coupling::new([&own.time, &own.values], rate, &self.grid));
+        let windows = match coupling {
+            Some(_) => Vec::new(),
+            None => self.windows.clone(),
+        };
+        Self {
+            coupling,
+            windows,
+            ..self.clone()
+        }
     }
 
     /// First and last instant of the input, s.

@@ -1,11 +1,11 @@
 //! From a recording to an experiment: which channel drives the model, which ones it predicts.
 
 use super::chain::MotorSide;
-use super::experiment::{Experiment, RADIANS_A_STEP};
+use super::experiment::Experiment;
 use super::gain;
 use super::known::{Equation, Known};
 use super::output::output;
-use super::piecewise::{Grid, Hold};
+use super::piecewise::{Grid, Hold, RADIANS_A_STEP};
 use super::predict::predict_windows;
 use super::windows::windows;
 use super::{Departure, ExperimentError, Model};

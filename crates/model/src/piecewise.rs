@@ -3,6 +3,11 @@
 use nalgebra::{Matrix4, Vector4};
 use quell_signal::{CubicSpline, End, SignalError};
 
+/// Radians of the fastest mode in a step. With 0.25 the classical Runge-Kutta method errs by
+/// `0.25^4 / 120 = 3e-5` of the frequency, a tenth of what the best recordings determine, and by
+/// `0.25^5 / 144 = 7e-6` of the damping ratio.
+pub const RADIANS_A_STEP: f64 = 0.25;
+
 /// `c_0 + c_1 s + c_2 s^2 + c_3 s^3`, `s` seconds after the start of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cubic(pub [f64; 4]);

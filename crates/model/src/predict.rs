@@ -6,9 +6,9 @@ use super::departure::{
     Departure,
     StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
 };
-use super::experiment::{Experiment, Output, RADIANS_A_STEP};
+use super::experiment::{Experiment, Output};
 use super::integrate::{Kick, Restart, Timed, integrate, integrate_in_parts};
-use super::piecewise::Grid;
+use super::piecewise::{Grid, RADIANS_A_STEP};
 use super::reading::{Eyes, Prediction, Reader};
 use super::trace::{Kinematics, Trace};
 use super::{Kind, Model};

@@ -26,6 +26,7 @@ const JOINT: Linear = Linear {
     link_gain: 0.0,
     position_loop: None,
     link_is_input: false,
+    held_inertia: 0.0,
     unit_force: 1.0,
 };
 
@@ -42,6 +43,7 @@ const MASS: Linear = Linear {
     link_gain: 0.0,
     position_loop: None,
     link_is_input: false,
+    held_inertia: 0.0,
     unit_force: 1.0,
 };
 
