@@ -54,6 +54,7 @@ fn linear() -> Linear {
         link_gain: 0.0,
         position_loop: None,
         link_is_input: false,
+        held_inertia: 0.0,
         unit_force: 1.0,
     }
 }

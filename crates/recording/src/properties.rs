@@ -17,7 +17,7 @@ fn read_any(manifest: &[u8], csv: &[u8]) -> Result<(), RecordingError> {
         std::fs::write(folder.path().join(name), bytes)
             .map_err(|error| from_io(&error).in_file("".as_ref()))?;
     }
-    for channel in &mut read(folder.path())?.channels {
+    for channel in &mut read(folder.path(), None)?.channels {
         remarks(channel, &health(channel));
         channel.unwrap_turns();
     }
