@@ -41,6 +41,7 @@ fn coulomb(place: Place, kinetic: f64, breakaway: f64) -> FrictionElement {
             breakaway: [breakaway; 2],
             // Too small to be seen: the breakaway force acts at rest only.
             stribeck_velocity: 1e-9,
+            transition_velocity: 0.0,
             levels: None,
         },
         slides: 0.0,

@@ -173,7 +173,7 @@ fn what_is_wrong_is_refused_with_file_line_and_key() {
         (format!("{joint}[[effect]]\nplace = \"link\""), &["m.toml:4: name: is missing"]),
         (format!("{joint}{effect}"), &["m.toml:5: parameters: is missing"]),
         (format!("{joint}{effect}sise = 3"), &["m.toml:7: sise: is no key here"]),
-        (joint.to_owned() + &effect.replace("transmission", "link"), &["m.toml:6: place: \"link\" is no place of coulomb_friction"]),
+        (joint.to_owned() + &effect.replace("transmission", "sensor"), &["m.toml:6: place: \"sensor\" is no place of coulomb_friction"]),
         (joint.to_owned() + &effect.replace("transmission", "tansmission"), &["m.toml:6: place:", "\"transmission\"?"]),
         (format!("{joint}{friction} = -1"), &["m.toml:8: friction: -1.0 is not within 0.0"]),
         (format!("{joint}{friction} = inf"), &["m.toml:8: friction: inf is not within"]),

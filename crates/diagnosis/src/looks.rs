@@ -2,9 +2,12 @@
 //! coupled to its measured motion, in windows, each with a start of its own, and in one piece.
 
 use super::candidate::Known;
+use super::document::Scored;
 use super::document::Verdict;
 use super::error::DiagnosisError;
-use super::excitation::{Carried, at_rest, carried, mute, silent};
+use super::excitation::{Carried, carried, mute, silent};
+use super::experiments::{coupled, experiments, sees_forces};
+use super::input_hold::held_input;
 use super::outcome::{Options, Outcome, Progress};
 use super::run::{Looked, attempt};
 use super::score::score_in_one_piece;
@@ -12,6 +15,11 @@ use super::stretches::{Stretches, is_whole, stretches};
 use super::thresholds::{FLOOR, LOST};
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
+
+/// What is said of a diagnosis that was made coupled.
+const COUPLED: &str = "The motor side was simulated coupled to its measured motion by a spring and a damper, which forget \
+    within four samples: errors of a force that drives an axis freely add up without bound. Its residual is that of this \
+    simulation.";
 
 /// Says what physics a model lacks, from recordings of the machine.
 ///
@@ -36,7 +44,14 @@ pub fn diagnose(
         return silent(model, train, &words);
     }
     let (known, apart) = (stretches(train), stretches(held_out));
-    let mut outcome = look(model, &known, &apart, options, progress)?;
+    let held = held_input(model, &known)?;
+    let told = held.as_ref().map_or(model, |(held, _)| held);
+    let mut outcome = look(told, &known, &apart, options, progress)?;
+    if let Some((_, words)) = held {
+        outcome.diagnosis.remarks.push(format!(
+            "The input was taken as {words}, which explains the recordings better. The model that is written says so              (`input_hold`)."
+        ));
+    }
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
@@ -98,21 +113,21 @@ fn look(
     }
     // Coupled to the measured motion an error of the force shows where and when it is made, and a fit has few minima.
     // But what acts over a longer time than the coupling remembers, as a lag of a sensor, is hidden, and keys of the model
-    // take its place: beyond belief, or so that the motion by itself is missed by more.
-    let coupled = |all: &[Experiment]| all.iter().map(|own| own.coupled(strongest(own))).collect();
-    let mut first = once((coupled(&fitted), coupled(&apart)), &unknown)?;
-    let mut scores = first.outcome.diagnosis.fit.scores.iter();
-    if first.believable && scores.all(|own| own.after.rms < own.before.rms) {
-        let remark = "The motor side was simulated coupled to its measured motion by a spring and a damper, which forget within \
-            four samples: errors of a force that drives an axis freely add up without bound. Its residual is that of \
-            this simulation.";
-        first.outcome.diagnosis.remarks.push(remark.into());
-        return Ok(first.outcome);
+    // take its place: beyond belief, or so that the motion by itself is missed by hardly less.
+    let mut unknown = unknown;
+    if fitted.iter().all(|own| sees_forces(model, own)) {
+        let Looked {
+            mut outcome,
+            points,
+            believable,
+        } = once((coupled(&fitted), coupled(&apart)), &unknown)?;
+        let halves = |own: &Scored| LOST * own.after.rms.powi(2) < own.before.rms.powi(2);
+        if believable && outcome.diagnosis.fit.scores.iter().all(halves) {
+            outcome.diagnosis.remarks.push(COUPLED.into());
+            return Ok(outcome);
+        }
+        unknown.points = points;
     }
-    let unknown = Known {
-        points: first.points,
-        ..unknown
-    };
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
         // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
@@ -182,28 +197,11 @@ fn misses(own: &Outcome, train: &Stretches) -> f64 {
     parts.map(square).sum()
 }
 
-/// Rate of a coupling that remembers four samples, rad/s: what a sampled force is wrong by within a sample stays small.
-fn strongest(experiment: &Experiment) -> f64 {
-    let (from, until) = experiment.span();
-    let samples = experiment.input_time.len() as f64 - 1.0;
-    0.25 * samples / (until - from)
-}
-
 /// The same experiments without starts within them.
 fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
     let mut whole = experiments.to_vec();
     whole.iter_mut().for_each(|e| e.windows.clear());
     whole
-}
-
-fn experiments(model: &Model, stretches: &Stretches) -> Result<Vec<Experiment>, DiagnosisError> {
-    let mut all = Vec::new();
-    for (part, &recording) in stretches.recordings.iter().zip(&stretches.of) {
-        let mut experiment = at_rest(Experiment::new(model, part)?);
-        experiment.recording = recording;
-        all.push(experiment);
-    }
-    Ok(all)
 }
 
 /// The first two thirds of the windows of each recording, and the last third.

@@ -254,6 +254,10 @@ impl Chain {
                 bodies.resist(attachment, unit * element.slides * force, ratio);
             }
         }
+        // What friction holds it holds against forces: the coupling, which is none, would break it away.
+        if sticks[Attachment::Motor as usize] && self.pull.is_some() {
+            bodies.bias[0] = 0.0;
+        }
         bodies.hold(sticks)
     }
 

@@ -262,7 +262,7 @@ fn effect(
     })
 }
 
-/// The place that the file gives, or the only one where the effect can sit.
+/// The place that the file gives, or the first one of the effect where it can sit in this kind.
 fn place(
     source: &Source,
     kind: &Kind,
@@ -276,10 +276,8 @@ fn place(
     let possible: Vec<Place> = effect.places.iter().copied().filter(|p| has(*p)).collect();
     let names = possible.iter().map(|place| place.name());
     let Some(entry) = table.take("place") else {
-        return match possible[..] {
-            [only] => Ok(only),
-            _ => Err(table.missing("place")),
-        };
+        let first = possible.first().copied();
+        return first.ok_or_else(|| table.missing("place"));
     };
     let name = entry.text(source)?;
     match Place::from_name(name) {

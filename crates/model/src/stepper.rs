@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
-/// Steps into which one may be divided while friction falls with speed.
+/// Steps into which one may be divided while friction falls or rises with speed.
 const FINEST: f64 = 32.0;
 
 /// A chain in motion.
@@ -43,20 +43,20 @@ pub(super) struct Stepper<'a> {
     corners: Vec<(usize, f64)>,
     /// Breakaway force of an attachment in either direction, in the equation's unit, where it has friction.
     breakaway: [Option<[f64; 2]>; 3],
-    /// How the friction of an attachment falls, where it does so slowly enough to be followed.
+    /// How the friction of an attachment falls or rises, where it does so slowly enough to be followed.
     falls: [Option<Fall>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
     slides: [f64; 3],
 }
 
-/// Friction that falls with speed.
+/// Friction that falls or rises with speed.
 #[derive(Clone, Copy)]
 struct Fall {
-    /// Speed within which it falls: the least Stribeck velocity, or the distance of knots.
+    /// Speed within which it does: the least Stribeck or transition velocity, or the distance of knots.
     velocity: f64,
-    /// Acceleration by which it falls.
+    /// Acceleration by which it does.
     drop: f64,
-    /// Speed beyond which it falls no more.
+    /// Speed beyond which it changes no more.
     until: f64,
 }
 
@@ -84,6 +84,7 @@ impl<'a> Stepper<'a> {
                 corners.push((index, sign(value)));
             }
         }
+        let falls = falls(chain, &constants, h);
         let mut breakaway = [None; 3];
         for element in &chain.frictions {
             let attachment = chain.attachment(element.place) as usize;
@@ -94,7 +95,6 @@ impl<'a> Stepper<'a> {
                 .map(|force| force * chain.linear.unit_force);
             breakaway[attachment] = Some([up + own[0], down + own[1]]);
         }
-        let falls = falls(chain, &constants, h);
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
@@ -226,7 +226,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The longest step in which friction that falls with speed can be followed.
+    /// The longest step in which friction that falls or rises with speed can be followed.
     fn longest(&self, start: &Instant, h: f64) -> f64 {
         let mut longest = h;
         for attachment in self.rough() {
@@ -337,8 +337,8 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// How friction falls at each attachment. Stribeck velocities that steps of length `h` cannot follow become 0:
-/// the breakaway force then acts at rest only.
+/// How friction falls or rises at each attachment. Stribeck velocities that steps of length `h` cannot follow become 0:
+/// the breakaway force then acts at rest only; so do transition velocities: the friction then jumps, and holds.
 fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] {
     let mut found: [Option<Fall>; 3] = [None; 3];
     for index in 0..chain.frictions.len() {
@@ -351,6 +351,9 @@ fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] 
         }
         let curve = law.levels.is_some();
         if !curve && 0.5 * velocity < drop * h / FINEST {
+            if law.transition_velocity > 0.0 {
+                (law.transition_velocity, law.breakaway) = (0.0, law.kinetic);
+            }
             law.stribeck_velocity = 0.0;
             continue;
         }

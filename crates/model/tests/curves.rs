@@ -170,7 +170,7 @@ fn curves_outside_of_the_chain_are_what_is_added() {
     assert_eq!(at("saturation", &[1.5], 2.0), -0.5);
     assert!((at("sensor_gain", &[0.1], 2.0) - 0.2).abs() < 1e-15);
     assert_eq!(at("sensor_drift", &[0.1, 0.3, 0.0], 2.0), 0.2);
-    assert_eq!(at("pose_dependent_frequency", &[0.5, 1.0], 3.0), 2.0);
+    assert_eq!(at("pose_dependent_frequency", &[0.5, 1.0, 1.0], 3.0), 2.0);
     for name in [
         "learned_drive",
         "learned_sensor",

@@ -16,7 +16,7 @@ const HEAD: &str = "# The model file `model.toml`\n\n`quell diagnose --model FIL
      tip_height_m = 0.9\n\n\
      [[effect]]                      # any number of them\n\
      name = \"backlash\"               # a name of the catalogue\n\
-     place = \"transmission\"          # needed where it can sit at several places\n\
+     place = \"transmission\"          # the first of its places that the kind has, where it is left out\n\
      [effect.parameters]\n\
      gap = 2e-4                      # rad; or a table with value, std, bounds, fixed\n\
      # damping_in_gap = 0.3          # share of the damper that acts in the gap, too: oil\n\

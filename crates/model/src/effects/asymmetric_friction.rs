@@ -44,6 +44,7 @@ pub const ASYMMETRIC_FRICTION: Effect = Effect {
             kinetic: friction,
             breakaway: friction,
             stribeck_velocity: 1.0,
+            transition_velocity: 0.0,
             levels: None,
         })
     },

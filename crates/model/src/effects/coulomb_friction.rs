@@ -25,6 +25,7 @@ pub const COULOMB_FRICTION: Effect = Effect {
             kinetic: [p[0]; 2],
             breakaway: [p[0]; 2],
             stribeck_velocity: 1.0,
+            transition_velocity: 0.0,
             levels: None,
         })
     },

@@ -84,6 +84,8 @@ pub struct Friction {
     pub breakaway: [f64; 2],
     /// Stribeck velocity `v_s`, above 0.
     pub stribeck_velocity: f64,
+    /// Velocity `v_0` of friction that grows as `F_c tanh(v / v_0)` and does not hold at rest; 0 where it jumps.
+    pub transition_velocity: f64,
     /// Levels over the speed for positive and for negative slip velocity, instead of the above; what is below 0
     /// counts as 0.
     pub levels: Option<Box<[Spline; 2]>>,
@@ -98,11 +100,12 @@ impl Friction {
             kinetic: at_rest,
             breakaway: at_rest,
             stribeck_velocity: 1.0,
+            transition_velocity: 0.0,
             levels: Some(Box::new(levels)),
         }
     }
 
-    /// A speed within which the level falls, and how far it does; nowhere where it does not fall.
+    /// A speed within which the level changes, and how far it falls or rises; nowhere where it does neither.
     pub(crate) fn fall(&self) -> (f64, f64) {
         match &self.levels {
             Some(levels) => levels.iter().fold((f64::INFINITY, 0.0), |most, level| {
@@ -111,6 +114,10 @@ impl Friction {
                     most.1.max(level.steepest_fall()),
                 )
             }),
+            None if self.transition_velocity > 0.0 => (
+                self.transition_velocity,
+                self.kinetic[0].max(self.kinetic[1]),
+            ),
             None => {
                 let [up, down] = [0, 1].map(|side| self.breakaway[side] - self.kinetic[side]);
                 (self.stribeck_velocity, up.max(down))
@@ -125,6 +132,9 @@ impl Friction {
         let (kinetic, breakaway) = (self.kinetic[side], self.breakaway[side]);
         if let Some(levels) = &self.levels {
             return levels[side].value(speed).max(0.0);
+        }
+        if self.transition_velocity > 0.0 {
+            return kinetic * (speed / self.transition_velocity).tanh();
         }
         if breakaway == kinetic || self.stribeck_velocity == 0.0 {
             return kinetic;

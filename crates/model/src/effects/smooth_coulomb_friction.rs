@@ -5,21 +5,8 @@ use super::grid::product;
 use super::shared_parameters::FRICTION;
 use super::stribeck_friction::speeds;
 use super::{
-    Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity, Slot,
+    Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
 };
-
-/// A force that is dry friction at speed and a damper at rest.
-struct Smooth {
-    friction: f64,
-    velocity: f64,
-}
-
-impl Force for Smooth {
-    fn force(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> f64 {
-        self.friction * (v / self.velocity).tanh()
-    }
-}
 
 /// Dry friction that grows smoothly with the slip velocity about rest: `F tanh(v / v_0)`.
 pub const SMOOTH_COULOMB_FRICTION: Effect = Effect {
@@ -54,10 +41,13 @@ pub const SMOOTH_COULOMB_FRICTION: Effect = Effect {
         Property::Slot(Slot::Friction),
     ],
     law: |p| {
-        Law::Force(Box::new(Smooth {
-            friction: p[0],
-            velocity: p[1],
-        }))
+        Law::Friction(Friction {
+            kinetic: [p[0]; 2],
+            breakaway: [0.0; 2],
+            stribeck_velocity: 1.0,
+            transition_velocity: p[1],
+            levels: None,
+        })
     },
     starts: |scales| {
         let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);

@@ -50,6 +50,7 @@ pub const STICTION: Effect = Effect {
             kinetic: [p[0] * p[1]; 2],
             breakaway: [p[0]; 2],
             stribeck_velocity: AT_REST,
+            transition_velocity: 0.0,
             levels: None,
         })
     },

@@ -52,6 +52,7 @@ pub const STRIBECK_FRICTION: Effect = Effect {
             kinetic: [p[0]; 2],
             breakaway: [p[0] * (1.0 + p[1]); 2],
             stribeck_velocity: p[2],
+            transition_velocity: 0.0,
             levels: None,
         })
     },

@@ -1,0 +1,66 @@
+//! What a force does between its samples, as the recordings show it.
+
+use super::baseline::{problem, refit};
+use super::error::DiagnosisError;
+use super::experiments::{coupled, experiments, sees_forces};
+use super::projector::Projector;
+use super::split;
+use super::stretches::Stretches;
+use super::thresholds::STRONG;
+use super::weights::measure_noise;
+use super::whitening::Whitening;
+use quell_model::{Experiment, Hold, Model};
+
+/// The model with the other course of its input between its samples, where that explains the recordings clearly better;
+/// none where it does not, or where the model says what its input does.
+///
+/// A controller holds a force from tick to tick: taken for straight lines it acts half a sample too early, which no law
+/// should have to explain. A force that was measured is smooth: taken for held it acts too late. Only a motor side that
+/// a force drives freely shows the difference, coupled to its measured motion, so that what else is missing counts where
+/// it acts. The evidence is that of [`super::evidence`]: half the difference of chi-squared, in units of what is left a row.
+pub fn held_input(
+    model: &Model,
+    recordings: &Stretches,
+) -> Result<Option<(Model, &'static str)>, DiagnosisError> {
+    let usual = experiments(model, recordings)?;
+    let shows = || usual.iter().all(|own| sees_forces(model, own));
+    if model.hold.is_some() || usual[0].windows.is_empty() || !shows() {
+        return Ok(None);
+    }
+    let (other, words) = match usual[0].hold {
+        Hold::Linear => (Hold::ZeroOrder, "held from sample to sample"),
+        Hold::ZeroOrder => (Hold::Linear, "straight lines between its samples"),
+        Hold::Spline | Hold::Smooth(_) => return Ok(None),
+    };
+    let mut held = model.clone();
+    held.hold = Some(other);
+    let (before, rows, whitening) = left(model, &usual, None);
+    let (after, ..) = left(&held, &experiments(&held, recordings)?, Some(whitening));
+    let evidence = 0.5 * (before - after) * rows / after;
+    Ok((evidence > STRONG).then_some((held, words)))
+}
+
+/// Chi-squared that a refitted model leaves, the number of rows, and the noise by which they are weighed.
+fn left(
+    model: &Model,
+    experiments: &[Experiment],
+    known: Option<Vec<Vec<Whitening>>>,
+) -> (f64, f64, Vec<Vec<Whitening>>) {
+    let coupled = coupled(experiments);
+    let rows = coupled.iter().map(split::whole).collect();
+    let mut problem = problem(model, &coupled, rows);
+    let mut start = problem.start(model);
+    match known {
+        Some(whitening) => problem.whitening = whitening,
+        None => {
+            measure_noise(&mut problem, &start);
+            let projector = Projector::new(&problem);
+            start = refit(&mut problem, &start, &projector).point;
+            measure_noise(&mut problem, &start);
+        }
+    }
+    let projector = Projector::new(&problem);
+    let fitted = refit(&mut problem, &start, &projector);
+    let count = coupled.iter().map(Experiment::samples).sum::<usize>() as f64;
+    (fitted.cost, count, problem.whitening)
+}
