@@ -64,6 +64,31 @@ fn every_link_leads_to_a_file_and_a_heading() {
     assert!(wrong.is_empty(), "links to nothing:\n{}", wrong.join("\n"));
 }
 
+/// What is built has the files of the book alone.
+#[test]
+fn no_link_leaves_the_book() {
+    let book = root().join("docs/src").canonicalize().unwrap();
+    let mut wrong = Vec::new();
+    for file in markdown_below(&book) {
+        for link in page(&file)
+            .links
+            .iter()
+            .filter(|link| !is_elsewhere(&link.to))
+        {
+            let path = link.to.split('#').next().unwrap_or_default();
+            let target = file.parent().unwrap().join(path).canonicalize();
+            if target.is_ok_and(|target| !target.starts_with(&book)) {
+                wrong.push(format!("{}:{}: {}", called(&file), link.line, link.to));
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "links out of the book:\n{}",
+        wrong.join("\n")
+    );
+}
+
 #[test]
 fn every_page_of_the_book_is_in_its_summary_once() {
     let book = root().join("docs/src");
