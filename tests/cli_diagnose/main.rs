@@ -5,6 +5,7 @@
 //! diagnosis is asked of each.
 
 mod fixtures;
+mod schema;
 mod verb;
 
 use fixtures::{Diagnosed, all};

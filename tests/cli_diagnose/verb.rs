@@ -1,6 +1,7 @@
 //! The verbs on recordings of machines with and without hidden physics.
 
 use super::fixtures::{self, CLEAN, DAMPED};
+use super::schema;
 use assert_cmd::Command;
 use quell::diagnosis::{Diagnosis, Verdict};
 use serde_json::Value;
@@ -52,6 +53,7 @@ fn what_is_missing_is_in_the_model_that_is_written() {
 
     let written = std::fs::read_to_string(folder.join("out/diagnosis.json")).unwrap();
     assert_eq!(serde_json::from_str::<Diagnosis>(&written).unwrap(), found);
+    schema::check(&serde_json::from_str(&written).unwrap());
     let html = std::fs::read_to_string(folder.join("out/report.html")).unwrap();
     assert!(html.contains("Diagnosis of "));
     let model = std::fs::read_to_string(folder.join("out/model.toml")).unwrap();

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 /// How much of the mismatch is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The model, its parameters refitted, explains the recording down to the noise.
@@ -41,6 +42,7 @@ impl Verdict {
 
 /// A fitted number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedParameter {
     /// Name.
     pub name: String,
@@ -54,6 +56,7 @@ pub struct FittedParameter {
 
 /// One piece of physics that the model lacks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// Name in the catalogue.
     pub effect: String,
@@ -115,6 +118,7 @@ impl Finding {
 
 /// Where the mismatch sits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Location {
     /// Place in the chain, or none if there is nothing to place.
     pub place: Option<String>,
@@ -130,6 +134,7 @@ pub struct Location {
 
 /// How well a model fits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quality {
     /// Root mean square residual where it was fitted.
     pub train_rms: f64,
@@ -141,6 +146,7 @@ pub struct Quality {
 
 /// Fit before and after; all numbers are 0 where nothing varied and nothing was fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fit {
     /// Standard deviation of the noise of the first output.
     pub noise_std: f64,
@@ -150,10 +156,10 @@ pub struct Fit {
     pub before: Quality,
     /// The model with the findings.
     pub after: Quality,
-    /// The better model: without the findings that [happened](Finding::happened_in). None where nothing happened.
+    /// The better model: without the findings that happened. None where nothing happened.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_alone: Option<Quality>,
-    /// The same two models on each recording that was looked at whole, as [`score`](super::score()) says it; none
+    /// The same two models on each recording that was looked at whole, as `score` says it; none
     /// where nothing was fitted.
     #[serde(default)]
     pub scores: Vec<Scored>,
@@ -166,8 +172,9 @@ impl Fit {
     }
 }
 
-/// The error of a prediction, as [`score`](super::score()) says it.
+/// The error of a prediction, as `score` says it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// Root mean square error of the first output, in `unit`.
     pub rms: f64,
@@ -200,6 +207,7 @@ impl Score {
 
 /// How well the model predicts one recording, before and after.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scored {
     /// Name of the recording.
     pub recording: String,
@@ -213,6 +221,7 @@ pub struct Scored {
 
 /// One proposed move, jerk-limited, from rest to rest. The first starts where the first recording does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ProposedMove {
     /// Target relative to where the move starts, in `unit`.
     pub distance: f64,
@@ -230,6 +239,7 @@ pub struct ProposedMove {
 
 /// The move that would tell two explanations apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextMove {
     /// One sentence.
     pub why: String,
@@ -245,6 +255,7 @@ pub struct NextMove {
 
 /// One line of the ranking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Effect, or effects joined by ` + `.
     pub effect: String,
@@ -274,6 +285,7 @@ impl Diagnosis {
 
 /// The whole diagnosis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Diagnosis {
     /// How much is explained.
     pub verdict: Verdict,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A static law over its coordinate, where the motion was.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawCurve {
     /// What the law gives, such as `spring force`.
     pub law: String,
@@ -30,6 +31,7 @@ pub struct LawCurve {
 
 /// What is known of the curve of a learned law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LearnedLaw {
     /// What the curve looks like, as far as that is known at 95 %.
     pub sentence: String,
@@ -40,6 +42,7 @@ pub struct LearnedLaw {
 
 /// A named law that was fitted to a learned one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NearestLaw {
     /// Name in the catalogue.
     pub effect: String,
@@ -55,6 +58,7 @@ pub struct NearestLaw {
 
 /// A parameter of a law that was fitted to a curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LawParameter {
     /// Name.
     pub name: String,

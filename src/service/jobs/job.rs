@@ -63,7 +63,6 @@ pub struct Job {
     /// Why it failed.
     pub error: Option<String>,
     /// The diagnosis, once it is there.
-    #[schemars(with = "Option<serde_json::Value>")]
     pub diagnosis: Option<Diagnosis>,
     #[serde(skip)]
     report: Option<Arc<str>>,

@@ -34,14 +34,13 @@ pub const MADE: &str = "<!-- Made from the code: QUELL_UPDATE=1 cargo test --rel
 #[test]
 fn the_reference_is_what_the_code_says() {
     let mut stale = Vec::new();
+    let folder = root().join("docs/src/reference");
     for (name, make) in CHAPTERS {
-        let file = root()
-            .join("docs/src/reference")
-            .join(name)
-            .with_extension("md");
-        let made = format!("{MADE}{}", make());
-        keep(&file, &made, &mut stale);
+        let file = folder.join(name).with_extension("md");
+        keep(&file, &format!("{MADE}{}", make()), &mut stale);
     }
+    let schema = folder.join("diagnosis.schema.json");
+    keep(&schema, &diagnosis::schema(), &mut stale);
     tell_stale(&stale);
 }
 
