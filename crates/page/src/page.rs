@@ -62,6 +62,7 @@ enum Block {
     Chart(Chart),
     Bars(Bars),
     Chain(Chain),
+    Fold(String, &'static str),
 }
 
 /// A report; see the [module](super).
@@ -136,6 +137,11 @@ impl Page {
     /// Adds a row of stations.
     pub fn chain(self, chain: Chain) -> Self {
         self.push(Block::Chain(chain))
+    }
+
+    /// Adds what is read on demand: one line that opens on HTML of the program's own. It is not escaped.
+    pub fn fold(self, line: impl Into<String>, html: &'static str) -> Self {
+        self.push(Block::Fold(line.into(), html))
     }
 
     /// Adds a line at the foot of the page: the command, the seed, the files it came from.
@@ -260,6 +266,9 @@ impl Page {
             Block::Bars(bars) => bars.render(slot),
             Block::Chain(chain) => chain.render(),
             Block::Chart(chart) => chart.render(plots.next().unwrap_or(0)),
+            Block::Fold(line, html) => {
+                html! { details.fold { summary { (line) } (PreEscaped(*html)) } }
+            }
         };
         html! { @for block in &self.blocks { (render(block)) "\n" } }
     }

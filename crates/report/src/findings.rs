@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::Shown;
-use super::{happened, head, law, words};
+use super::{atlas, happened, head, law, words};
 use quell_diagnosis::{Finding, Verdict};
 use quell_model::effects::Place;
 use quell_page::{Page, Table, number};
@@ -44,6 +44,7 @@ pub fn set(page: Page, case: &Case) -> Page {
         ));
         page = page.table(one_of_them(case, finding));
         page = law::section(page, case, finding);
+        page = atlas::pages(page, case, finding);
     }
     page.text(format!(
         "With {} what is left on moves that were not fitted to is {}.",
@@ -146,14 +147,15 @@ fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
         true => page,
         false => page.text(finding.evidence.clone()),
     };
-    match finding.alternatives.as_slice() {
+    let page = match finding.alternatives.as_slice() {
         [] => page,
         others => {
             let others: Vec<_> = others.iter().map(|name| case.title(name)).collect();
             let others = words::list(&others, "or");
             page.text(format!("The data would allow {others} in its place."))
         }
-    }
+    };
+    atlas::pages(page, case, finding)
 }
 
 /// The physics in a sentence or two, and what to do.

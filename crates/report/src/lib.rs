@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod atlas;
 mod case;
 mod findings;
 mod follows;

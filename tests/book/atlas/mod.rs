@@ -1,6 +1,7 @@
 //! The atlas: one page an effect, made by simulation.
 
 mod arm;
+mod article;
 mod drawing;
 mod symptoms;
 
@@ -60,19 +61,17 @@ fn the_atlas_is_what_the_simulation_says() {
         &format!("{MADE}{}", index(&entries)),
         &mut stale,
     );
+    let mut articles = String::new();
     for own in &entries {
-        let file = folder.join(own.term.effect.name);
-        keep(
-            &file.with_extension("md"),
-            &format!("{MADE}{}", page(own, &entries)),
-            &mut stale,
-        );
-        keep(
-            &file.with_extension("svg"),
-            &row(&pictures(own)),
-            &mut stale,
-        );
+        let name = own.term.effect.name;
+        let (file, page, svg) = (folder.join(name), page(own, &entries), row(&pictures(own)));
+        articles += &article::article(name, &page, &svg);
+        let page = format!("{MADE}{page}");
+        keep(&file.with_extension("md"), &page, &mut stale);
+        keep(&file.with_extension("svg"), &svg, &mut stale);
     }
+    let carried = root().join("crates/report/assets/atlas.html");
+    keep(&carried, &articles, &mut stale);
     tell_stale(&stale);
 }
 
