@@ -24,8 +24,8 @@ fn each(mut look: impl FnMut(&Path, &Block) -> Option<String>) {
 
 #[test]
 fn every_block_says_what_it_is() {
-    const KINDS: [&str; 10] = [
-        "c", "json", "python", "rust", "sh", "text", "toml", "ini", "bibtex", "console",
+    const KINDS: [&str; 11] = [
+        "c", "json", "python", "rust", "sh", "text", "toml", "ini", "bibtex", "console", "xml",
     ];
     each(|_, block| {
         let first = block.words.first().map_or("nothing", String::as_str);

@@ -3,6 +3,8 @@
 //! `QUELL_UPDATE=1 cargo test --release --features full --test book` writes the reference, and the outputs that stand
 //! behind commands, anew.
 
+#[path = "../absent/python.rs"]
+mod python;
 #[path = "../absent/skipped.rs"]
 mod skipped;
 

@@ -10,6 +10,7 @@ mod verb;
 
 use fixtures::{Diagnosed, all};
 use quell::diagnosis::{Diagnosis, Finding, FittedParameter, Traces, Verdict};
+use quell::effects::EFFECTS;
 use quell::report::{Case, Shown, page_of, text};
 
 /// Every verdict, what its page must say, and what it must not.
@@ -131,6 +132,13 @@ fn page_and_text_say_what_the_diagnosis_says() {
             text.contains("out/report.html") && !text.contains("NaN"),
             "{text}"
         );
+        for finding in &diagnosis.findings {
+            let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
+            for name in names.filter(|name| EFFECTS.iter().any(|one| one.name == **name)) {
+                let page = format!("<summary>{}: ", capital(&case.catalogue.title(name)));
+                assert!(html.contains(&page), "no page of {name}");
+            }
+        }
         for words in names.iter().map(String::as_str).chain(["model.toml"]) {
             assert!(html.contains(words), "{name}: {words}");
         }

@@ -8,6 +8,9 @@ use quell_page::Page;
 /// One article for each effect; the tests of the book write it.
 const ARTICLES: &str = include_str!("../assets/atlas.html");
 
+/// What an article has.
+const INSIDE: &str = "equation, fingerprint, what it is mistaken for, what to do";
+
 /// What the atlas says of an effect, as HTML; none of a learned law.
 pub fn article(effect: &str) -> Option<&'static str> {
     let begins = format!("<article id=\"{effect}\">");
@@ -26,7 +29,7 @@ pub fn pages(page: Page, case: &Case, finding: &Finding) -> Page {
     names.fold(page, |page, name| match article(name) {
         Some(article) => {
             let title = words::capital(&case.title(name));
-            page.fold(format!("{title}: its page of the atlas"), article)
+            page.fold(format!("{title}: {INSIDE}"), article)
         }
         None => page,
     })

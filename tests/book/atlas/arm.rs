@@ -22,6 +22,8 @@ pub struct Arm {
     pub scales: Scales,
     /// What it is called.
     pub name: &'static str,
+    /// The same in a word or two.
+    pub short: &'static str,
     /// The places of its effects.
     pub places: &'static [Place],
     /// Unit of positions.
@@ -61,6 +63,7 @@ pub fn arms() -> [Arm; 2] {
     );
     [
         Arm {
+            short: "flexible joint",
             places: &[
                 Place::Transmission,
                 Place::Link,
@@ -71,6 +74,7 @@ pub fn arms() -> [Arm; 2] {
             ..joint
         },
         Arm {
+            short: "axis",
             places: &[Place::Drive],
             ..axis
         },
@@ -85,7 +89,7 @@ pub fn stamps() -> Vec<f64> {
 }
 
 /// Position of the moves; velocity, acceleration and jerk vanish at both ends of each.
-fn position(time: f64) -> f64 {
+pub fn position(time: f64) -> f64 {
     let smooth = |s: f64| s.powi(4) * (35.0 + s * (-84.0 + s * (70.0 - 20.0 * s)));
     let moves = MOVES.iter();
     moves
@@ -128,6 +132,7 @@ impl Arm {
             model,
             scales,
             name,
+            short: "",
             places: &[],
             unit,
             sensors,

@@ -37,7 +37,9 @@ pub fn article(name: &str, markdown: &str, svg: &str) -> String {
     });
     let mut page = String::new();
     html::push_html(&mut page, events);
-    format!("<article id=\"{name}\">\n{page}</article>\n")
+    format!(
+        "<article id=\"{name}\">\n{page}<p class=\"note\">In the book: <code>docs/src/atlas/{name}.md</code></p>\n</article>\n"
+    )
 }
 
 /// What a report has of it: text for a link, the next headings for headings, a sheet around a table, no comments.

@@ -3,16 +3,20 @@
 mod arm;
 mod article;
 mod drawing;
+mod elements;
+mod in_mujoco;
+mod mjcf;
+mod mujoco;
+mod page;
 mod symptoms;
 
-use super::reference::{MADE, codes, table};
+use super::reference::{MADE, table};
 use super::{keep, root, tell_stale};
-use arm::{Arm, Fingerprint, arms, stamps, without};
-use drawing::{Panel, row, short};
-use nalgebra::DVector;
+use arm::{Arm, Fingerprint, arms, stamps};
+use drawing::{Panel, row};
 use quell::effects::{Catalogue, Effect, curve};
+use quell::model::Term;
 use quell::model::curves::points;
-use quell::model::{ModelEffect, Term};
 use quell::signal::{Window, spectrum};
 use std::f64::consts::TAU;
 use symptoms::{SYMPTOMS, symptoms};
@@ -21,9 +25,6 @@ use symptoms::{SYMPTOMS, symptoms};
 const SHOWN: f64 = 2.6;
 /// Highest frequency of a spectrum, Hz.
 const HIGHEST: f64 = 40.0;
-/// Others with which an effect is compared, at most, and the share of its misfit from which they are told.
-const OTHERS: usize = 4;
-const ALIKE: f64 = 0.5;
 
 /// An effect in the machine that shows it.
 struct Entry<'a> {
@@ -33,9 +34,8 @@ struct Entry<'a> {
     symptoms: Vec<&'static str>,
 }
 
-#[test]
-fn the_atlas_is_what_the_simulation_says() {
-    let arms = arms();
+/// Each effect in the first machine that shows it.
+fn entries(arms: &[Arm; 2]) -> Vec<Entry<'_>> {
     let entry = |arm, own| {
         let arm: &Arm = arm;
         let term = arm.typical(own);
@@ -54,6 +54,13 @@ fn the_atlas_is_what_the_simulation_says() {
     // What the joint shows is not shown again by the axis.
     let known: Vec<&Effect> = entries.iter().map(|own| own.term.effect).collect();
     entries.extend(of(&arms[1]).filter(|own| !known.contains(&own.term.effect)));
+    entries
+}
+
+#[test]
+fn the_atlas_is_what_the_simulation_says() {
+    let arms = arms();
+    let entries = entries(&arms);
     let folder = root().join("docs/src/atlas");
     let mut stale = Vec::new();
     keep(
@@ -64,7 +71,11 @@ fn the_atlas_is_what_the_simulation_says() {
     let mut articles = String::new();
     for own in &entries {
         let name = own.term.effect.name;
-        let (file, page, svg) = (folder.join(name), page(own, &entries), row(&pictures(own)));
+        let (file, page, svg) = (
+            folder.join(name),
+            page::page(own, &entries),
+            row(&pictures(own)),
+        );
         articles += &article::article(name, &page, &svg);
         let page = format!("{MADE}{page}");
         keep(&file.with_extension("md"), &page, &mut stale);
@@ -100,138 +111,19 @@ fn index(entries: &[Entry]) -> String {
          parameters of the model and an offset have been refitted. With noise `n` and `N` samples the \
          log evidence of a size `a` is about `N (a r / s)^2 / (2 T n^2)`, \
          `T = 4`, and it must exceed some 10 ([how the diagnosis decides](../theory/evidence.md)). So the least size is about \
-         `9 s n / (r sqrt N)`.\n",
+         `9 s n / (r sqrt N)`.\n\n\
+         ## In MuJoCo\n\nEach page says which elements of [MuJoCo](https://mujoco.org) 4.0 hold the effect, or what to do where none does. \
+         The elements replace those of the same name in one of two models, or are added. The flexible joint, for a link of 1 kg m^2:\n\n```xml\n{}```\n\n\
+         The axis under a position loop:\n\n```xml\n{}```\n",
         entries[0].arm.name,
         entries.last().map_or("", |own| own.arm.name),
         table(["symptom", "effects"], by_symptom),
         table(["place", "effects"], by_place),
+        elements::plain(entries[0].arm).whole(),
+        entries
+            .last()
+            .map_or_else(String::new, |own| elements::plain(own.arm).whole()),
     )
-}
-
-fn page(own: &Entry, entries: &[Entry]) -> String {
-    let effect = own.term.effect;
-    let noticed = match own.symptoms.as_slice() {
-        [] => String::new(),
-        some => format!(
-            "Who watches the machine notices: it {}.\n\n",
-            some.join("; it ").replace("it frequency", "its frequency")
-        ),
-    };
-    format!(
-        "# {}\n\n`{}`, at: {}.\n\n{}\n\n{noticed}![Fingerprint of {}]({}.svg)\n\n*{}, at the typical size. Left: what the sensor shows \
-         with the effect minus what the refitted model predicts, over the first two moves. {}*\n\n\
-         ## What sees it\n\n{}## What it is mistaken for\n\n{}## What to do\n\n{}\n\n## In `model.toml`\n\n```toml,model\n{}```\n",
-        capital(effect.title),
-        effect.name,
-        codes(effect.places.iter().map(|place| place.name())),
-        effect.physics,
-        effect.title,
-        effect.name,
-        capital(own.arm.name),
-        captions(own),
-        sensors(own),
-        mistaken(own, entries),
-        effect.remedy,
-        written(own),
-    )
-}
-
-fn captions(own: &Entry) -> String {
-    let middle = match own.term.effect.slot() {
-        Some(slot) => format!(
-            "Middle: the {} of the law over the {}.",
-            slot.law(),
-            slot.coordinate().name()
-        ),
-        None => "Middle: the misfit over the velocity.".into(),
-    };
-    format!("{middle} Right: the spectrum of the misfit.")
-}
-
-/// What each sensor of the machine shows of it.
-fn sensors(own: &Entry) -> String {
-    let rows = own
-        .arm
-        .sensors
-        .iter()
-        .enumerate()
-        .map(|(index, experiment)| {
-            let seen = own.arm.fingerprint(index, &own.term);
-            let rms = |series: &DVector<f64>| series.norm() / (series.len() as f64).sqrt();
-            let unit = &experiment.outputs[0].unit;
-            let left = 100.0 * rms(&seen.misfit) / rms(&seen.change).max(f64::MIN_POSITIVE);
-            [
-                format!("`{}`", experiment.outputs[0].channel.name()),
-                format!("{} {unit}", short(rms(&seen.misfit))),
-                format!("{left:.0} %"),
-            ]
-        });
-    table(
-        ["sensor", "misfit after a refit, rms", "of what it changes"],
-        rows,
-    )
-}
-
-/// Effects in the same machine that explain most of the misfit.
-fn mistaken(own: &Entry, entries: &[Entry]) -> String {
-    let refit = own.arm.refit(0);
-    let square = own.seen.misfit.norm_squared();
-    let same = entries
-        .iter()
-        .filter(|other| std::ptr::eq(other.arm, own.arm) && other.term.effect != own.term.effect);
-    let mut others: Vec<(&Entry, f64)> = same
-        .map(|other| {
-            let mut columns = refit.clone();
-            columns.push(other.seen.change.clone());
-            let left = without(&own.seen.change, &columns);
-            (other, 1.0 - left.norm_squared() / square)
-        })
-        .filter(|other| other.1 > ALIKE)
-        .collect();
-    others.sort_by(|a, b| b.1.total_cmp(&a.1));
-    others.truncate(OTHERS);
-    if others.is_empty() {
-        return "No other effect explains half of its misfit in this motion.\n\n".into();
-    }
-    let rows = others.into_iter().map(|(other, share)| {
-        let both = [own.term.effect, other.term.effect];
-        let alike = quell::effects::LIKENESSES.iter();
-        let mut alike = alike.filter(|own| both.iter().all(|effect| effect.is_alike(**own)));
-        let tells = alike
-            .next()
-            .map_or("other moves: `quell diagnose` plans them", |own| {
-                own.remedy()
-            });
-        [
-            format!(
-                "[{}]({}.md)",
-                other.term.effect.title, other.term.effect.name
-            ),
-            format!("{:.0} %", 100.0 * share),
-            tells.to_string(),
-        ]
-    });
-    table(
-        ["effect", "explains of the misfit", "what tells them apart"],
-        rows,
-    )
-}
-
-/// The effect in a model file.
-fn written(own: &Entry) -> String {
-    let mut model = own.arm.model.clone();
-    let digits = |value: &f64| format!("{value:.2e}").parse::<f64>().unwrap_or(*value);
-    model.effects.push(ModelEffect {
-        effect: own.term.effect,
-        place: own.term.place,
-        parameters: own
-            .term
-            .values
-            .iter()
-            .map(|value| digits(value).into())
-            .collect(),
-    });
-    model.to_toml()
 }
 
 fn pictures(own: &Entry) -> [Panel; 3] {
