@@ -14,26 +14,24 @@ const COLOURS: [(&str, &str); 5] = [
 /// The page of an effect of this name, without its title.
 pub fn article(name: &str, markdown: &str, svg: &str) -> String {
     let mut hidden = false;
-    let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).filter_map(|event| {
-        let starts = matches!(event, Event::Start(Tag::Image { .. }));
-        let ends = matches!(
-            event,
-            Event::End(TagEnd::Image | TagEnd::Heading(HeadingLevel::H1))
-        );
-        let was_hidden = hidden;
-        hidden = match event {
-            Event::Start(Tag::Image { .. }) => true,
-            Event::Start(Tag::Heading {
-                level: HeadingLevel::H1,
-                ..
-            }) => true,
-            _ => hidden && !ends,
-        };
-        match event {
-            _ if starts => Some(Event::InlineHtml(drawn(svg).into())),
-            _ if hidden || was_hidden => None,
-            event => carried(event),
+    let events = Parser::new_ext(markdown, Options::ENABLE_TABLES);
+    let events = events.filter_map(|event| match event {
+        Event::Start(Tag::Image { .. }) => {
+            hidden = true;
+            Some(Event::InlineHtml(drawn(svg).into()))
         }
+        Event::Start(Tag::Heading {
+            level: HeadingLevel::H1,
+            ..
+        }) => {
+            hidden = true;
+            None
+        }
+        Event::End(TagEnd::Image | TagEnd::Heading(HeadingLevel::H1)) => {
+            hidden = false;
+            None
+        }
+        event => carried(event).filter(|_| !hidden),
     });
     let mut page = String::new();
     html::push_html(&mut page, events);
@@ -42,7 +40,7 @@ pub fn article(name: &str, markdown: &str, svg: &str) -> String {
     )
 }
 
-/// What a report has of it: text for a link, the next headings for headings, a sheet around a table, no comments.
+/// What a report has of it: the text of a link, headings of its own, no comments.
 fn carried(event: Event) -> Option<Event> {
     Some(match event {
         Event::Start(Tag::Link { .. }) | Event::End(TagEnd::Link) | Event::Html(_) => return None,
