@@ -77,7 +77,9 @@ fn indented(text: &str) -> String {
         let ends = line.starts_with("</");
         depth -= usize::from(ends);
         let out = format!("{}{line}\n", "  ".repeat(depth));
-        depth += usize::from(!ends && !line.contains("/>") && !line.contains("</"));
+        // Attributes may go on in the next line.
+        let opens = !ends && line.ends_with('>') && !line.contains("/>") && !line.contains("</");
+        depth += usize::from(opens);
         out
     };
     text.lines().map(line).collect()

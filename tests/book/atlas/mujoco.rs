@@ -103,7 +103,7 @@ fn dry(arm: &Arm, name: &str, p: &[f64]) -> Option<Form> {
     let holds = |force: f64| {
         // As it is by default, the friction of MuJoCo creeps where it should stick.
         let solver = "solreffriction=\"0.002 1\" solimpfriction=\"0.999 0.999 0.001\"";
-        let more = format!(" frictionloss=\"{}\" {solver}", short(force * k));
+        let more = format!(" frictionloss=\"{}\"\n  {solver}", short(force * k));
         spring(arm, &[], &[], &more)
     };
     let bristles = |stiffness: f64, kinetic: f64, breakaway: f64, stribeck: f64| {
