@@ -6,6 +6,7 @@ use quell::diagnosis::DiagnosisError;
 use quell::model::ModelError;
 use quell::recording;
 use quell::shapers;
+use quell::signal::SignalError;
 use quell::trajectories::PlanError;
 use std::error::Error;
 
@@ -46,6 +47,11 @@ pub fn recording(error: recording::RecordingError) -> PyErr {
         place.topic,
         place.field,
     ))
+}
+
+/// Positions that are no motion.
+pub fn course(error: SignalError) -> PyErr {
+    classes::RecordingError::new_err((input(error),))
 }
 
 /// A model that is refused: file, line and key.

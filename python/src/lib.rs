@@ -3,6 +3,7 @@
 //! It takes arrays and gives arrays, and JSON for what has a structure: `python/quell` makes typed objects of these.
 //! Nothing is decided here: each function calls the one of the library that the command line calls.
 
+mod course;
 mod diagnosis;
 mod errors;
 mod filter;
@@ -19,6 +20,8 @@ use pyo3::prelude::*;
 /// The compiled half of `quell`.
 #[pymodule]
 mod _quell {
+    #[pymodule_export]
+    use super::course::course;
     #[pymodule_export]
     use super::diagnosis::{diagnose, predict};
     #[pymodule_export]

@@ -52,6 +52,15 @@ impl Recording {
         read.map(Self).map_err(errors::recording)
     }
 
+    /// Reads the recordings of all joints of a robot, each with its name.
+    #[staticmethod]
+    fn joints(py: Python<'_>, path: PathBuf) -> PyResult<Vec<(String, Self)>> {
+        let read = py.detach(|| recording::Recording::joints(path));
+        let own = |(joint, recording)| (joint, Self(recording));
+        let read = read.map_err(errors::recording)?;
+        Ok(read.into_iter().map(own).collect())
+    }
+
     /// Writes a folder with a manifest.
     fn save(&self, py: Python<'_>, folder: PathBuf, compress: bool) -> PyResult<()> {
         let written = py.detach(|| self.0.write(folder, compress));

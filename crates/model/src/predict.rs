@@ -199,7 +199,9 @@ fn ready<'a>(
         .known
         .act_on(&mut chain, (kind.newton)(keys).unwrap_or(0.0));
     if chain.linear.position_loop.is_some() {
-        chain.maps.append(&mut drives);
+        // What has a memory waits for the reference; what has none is between the loop and the force.
+        let (maps, late) = drives.into_iter().partition(|drive| drive.is_static());
+        (chain.maps, drives) = (maps, late);
     }
     let grid = grid(&chain, experiment, &drives);
     if let Some(coupling) = &experiment.coupling {

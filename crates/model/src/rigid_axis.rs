@@ -11,7 +11,8 @@ use quell_recording::Role;
 /// With a position loop in the model the input is its reference `r`: `F = K_v (K_p (r - u) - u')`, cut
 /// off at `output_limit`; where `loop_sample_time_s` is above 0, as a controller with that period
 /// computes it, its output held and its velocity the backward difference over one period, or over
-/// `loop_velocity_span_s` where that is longer.
+/// `loop_velocity_span_s` where that is longer. Delay, lag and rate limit of the drive then act on its reference, and what has
+/// no memory on the loop's output.
 ///
 /// A known force `F_k` and a known inertia `J` make it `(m + J) u'' = g F - b u' + F_k`: `m` is then what moves with the
 /// motor alone.
