@@ -20,7 +20,8 @@ LINKS = [
 ]
 HOME = [0.0, 0.3, 0.5, 0.0, 0.4, 0.0]
 RATE = 500.0
-ENCODER, TORQUE = 1e-5, 2e-3  # noise: rad; of torques as a share of the greatest
+# Noise of the encoder behind the motor and of that at the link (rad), and of torques as a share of the greatest.
+MOTOR, LINK, TORQUE = 5e-6, 1e-5, 2e-3
 STEP = 0.0005
 
 
@@ -56,19 +57,23 @@ def mjcf(timestep: float = STEP) -> str:
 
 
 def _machine(hidden: dict[str, Hidden]) -> str:
-    """The description with the joints that are elastic or loose: motor side and deformation."""
-    text = mjcf()
+    """The description with the joints that bend, or have play: motor side and deformation."""
+    text, tendons = mjcf(), ""
     for name, own in hidden.items():
         if own.stiffness > 0.0:
             link = next(link for link in LINKS if link[0] == name)
+            spring = f'stiffness="{own.stiffness}"' if own.gap == 0.0 else ""
+            bend = f'<joint name="{name}_bend" axis="{link[2]}" damping="{own.spring_damping}" {spring}/>'
             at = text.index("/>", text.index(f'<joint name="{name}"')) + 2
-            extra = f'<joint name="{name}_bend" axis="{link[2]}"/>'
-            text = text[:at] + extra + text[at:]
+            text = text[:at] + bend + text[at:]
+        if own.gap > 0.0:
+            play = f'springlength="{-0.5 * own.gap} {0.5 * own.gap}" stiffness="{own.stiffness}"'
+            tendons += f'<fixed {play}><joint joint="{name}_bend" coef="1"/></fixed>'
+    # Dry friction that sticks: MuJoCo's own creeps with its default impedance.
+    stiff = f'frictionloss="1e-9" solreffriction="{2 * STEP} 1" solimpfriction="0.9999 0.9999 0.001"'
     for name in NAMES:
-        # Dry friction that sticks: MuJoCo's own creeps with its default impedance.
-        stiff = f'frictionloss="1e-9" solreffriction="{2 * STEP} 1" solimpfriction="0.9999 0.9999 0.001"'
         text = text.replace(f'<joint name="{name}" ', f'<joint name="{name}" {stiff} ')
-    return text
+    return text.replace("<actuator>", f"<tendon>{tendons}</tendon><actuator>")
 
 
 def commands(seconds: float, seed: int, size: float = 0.7) -> np.ndarray:
@@ -85,15 +90,6 @@ def commands(seconds: float, seed: int, size: float = 0.7) -> np.ndarray:
             start, at = start + lasts + rng.uniform(0.05, 0.4), target
         all_joints[:, joint] = position
     return all_joints
-
-
-def _flank(own: Hidden, x: float, v: float) -> float:
-    """The torque of a spring behind a gap, which pushes and never pulls."""
-    if own.gap == 0.0:
-        return -own.stiffness * x - own.spring_damping * v
-    depth = abs(x) - 0.5 * own.gap
-    push = own.stiffness * depth + own.spring_damping * np.sign(x) * v
-    return -np.sign(x) * max(push, 0.0) if depth > 0.0 else 0.0
 
 
 def record(hidden: dict[str, Hidden], seconds: float = 8.0, seed: int = 1) -> dict[str, quell.Recording]:
@@ -115,9 +111,6 @@ def record(hidden: dict[str, Hidden], seconds: float = 8.0, seed: int = 1) -> di
             speed = data.qvel[motor.dofadr[0]] / own.stribeck
             friction = own.friction * (1.0 + own.excess * np.exp(-speed * speed))
             model.dof_frictionloss[motor.dofadr[0]] = max(friction, 1e-9)
-        for name, bend in bends.items():
-            x, v = data.qpos[bend.qposadr[0]], data.qvel[bend.dofadr[0]]
-            data.qfrc_applied[bend.dofadr[0]] = _flank(hidden[name], x, v)
         if tick >= 0 and tick % every == 0:
             mujoco.mj_forward(model, data)
             q = [data.qpos[motor.qposadr[0]] for motor in motors]
@@ -136,10 +129,10 @@ def _noisy(
         noise = rng.standard_normal((3, len(q)))
         channels = {
             "command_position": wanted[:, j],
-            "motor_position": q[:, j] + ENCODER * noise[0],
+            "motor_position": q[:, j] + MOTOR * noise[0],
             "torque": torque[:, j] + TORQUE * np.abs(torque[:, j]).max() * noise[1],
         }
         if name in bent:
-            channels["link_position"] = q[:, j] + bent[name] + ENCODER * noise[2]
+            channels["link_position"] = q[:, j] + bent[name] + LINK * noise[2]
         told[name] = quell.Recording.from_arrays(channels, rate=RATE, units=units, name=f"run {seed}")
     return told

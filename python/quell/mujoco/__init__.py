@@ -5,5 +5,19 @@ Needs MuJoCo (`pip install 'mujoco>=4'`). The book has a chapter on simulators.
 """
 
 from ._diagnose import JointDiagnosis, RobotDiagnosis, diagnose, known
+from ._laws import Law
+from ._patch import Change, Patched, patch
+from ._simulate import Simulated, simulate
 
-__all__ = ["JointDiagnosis", "RobotDiagnosis", "diagnose", "known"]
+__all__ = [
+    "Change",
+    "JointDiagnosis",
+    "Law",
+    "Patched",
+    "RobotDiagnosis",
+    "Simulated",
+    "diagnose",
+    "known",
+    "patch",
+    "simulate",
+]

@@ -1,0 +1,410 @@
+"""What was found, put into a MuJoCo model."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+
+from .._result import Result, bold, paragraph, table as html_table
+from ..model import Effect
+from ._diagnose import JointDiagnosis, RobotDiagnosis
+from ._engine import mujoco, spec_of
+from ._joints import actuator_of, joint_of, joints_of
+from ._laws import Friction, Law, friction_of, resistance_of, table
+
+__all__ = ["Change", "Patched", "patch"]
+
+# A limit whose impedance is so small is a spring of known stiffness: see `_Patch.play`.
+IMPEDANCE = 1e-4
+# A deformation and a turn beyond which a table is not asked, rad or m; and speeds, rad/s or m/s.
+POSITIONS, SPEEDS = (-2.0 * np.pi, 2.0 * np.pi), (-20.0, 20.0)
+
+CALLBACK = '''\
+import json, mujoco, numpy as np
+
+model = mujoco.MjModel.from_xml_path("model.xml")
+LAWS = [(law, [model.joint(name) for name in law["joints"]]) for law in json.load(open("laws.json"))]
+
+def passive(model, data):
+    for law, joints in LAWS:
+        of = (lambda j: data.qpos[j.qposadr[0]]) if law["coordinate"] == "position" else (lambda j: data.qvel[j.dofadr[0]])
+        force = np.interp(sum(of(j) for j in joints), law["points"], law["values"])
+        for j in joints:
+            data.qfrc_passive[j.dofadr[0]] += force
+
+mujoco.set_mjcb_passive(passive)
+'''
+
+
+@dataclass(frozen=True)
+class Change:
+    """
+    A number of the model that the patch sets.
+
+    Parameters
+    ----------
+    element : str
+        Kind and name of the element, such as `joint elbow`.
+    attribute : str
+        The attribute, such as `frictionloss`.
+    before : str
+        Its value in the given model; empty where the element is new.
+    after : str
+        Its value in the patched one.
+    why : str
+        The effect, or the refitted parameter.
+    """
+
+    element: str
+    attribute: str
+    before: str
+    after: str
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class Patched(Result):
+    """
+    A MuJoCo model with what was found.
+
+    Parameters
+    ----------
+    document : dict
+        All of it, as `to_dict` gives it.
+    xml : str
+        The MJCF.
+    changes : tuple of Change
+        What is different.
+    laws : tuple of Law
+        What MJCF has no element for, for a callback.
+    lacks : tuple of str
+        What was found and is neither in the MJCF nor in the laws, with why.
+    bends : dict of str to str
+        The joints that are elastic, each with the joint that is its deformation: the link stands at the sum.
+    """
+
+    xml: str
+    changes: tuple[Change, ...]
+    laws: tuple[Law, ...]
+    lacks: tuple[str, ...]
+    bends: dict[str, str] = field(default_factory=lambda: dict[str, str]())
+    spec: Any = field(default=None, repr=False)
+
+    def model(self) -> Any:
+        """
+        Compile the patched model.
+
+        Returns
+        -------
+        mujoco.MjModel
+            The model; `install` adds the laws.
+        """
+        return self.spec.copy().compile()
+
+    @property
+    def callback(self) -> str:
+        """The lines that apply `laws.json` in a simulation; empty where the MJCF holds all."""
+        return CALLBACK if self.laws else ""
+
+    def passive(self, model: Any) -> Any:
+        """
+        Make the callback that applies the laws.
+
+        Parameters
+        ----------
+        model : mujoco.MjModel
+            The patched model, or one that has its joints.
+
+        Returns
+        -------
+        callable
+            For `mujoco.set_mjcb_passive`.
+        """
+        laws = [(law, *_addresses(model, law)) for law in self.laws]
+
+        def apply(_: Any, data: Any) -> None:
+            for law, qpos, dofs in laws:
+                where = data.qpos[qpos] if law.coordinate == "position" else data.qvel[dofs]
+                data.qfrc_passive[dofs] += law(float(where.sum()))
+
+        return apply
+
+    def save(self, folder: str | Path) -> Path:
+        """
+        Write `model.xml`, and where there are laws `laws.json` and `apply.py`.
+
+        Parameters
+        ----------
+        folder : str or Path
+            The folder, which is made where it is not there. Its files of the same names are written over.
+
+        Returns
+        -------
+        Path
+            The folder.
+        """
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "model.xml").write_text(self.xml, encoding="utf-8")
+        if self.laws:
+            laws = json.dumps([law.to_dict() for law in self.laws])
+            (folder / "laws.json").write_text(laws + "\n", encoding="utf-8")
+            (folder / "apply.py").write_text(CALLBACK, encoding="utf-8")
+        return folder
+
+    def _repr_html_(self) -> str:
+        rows = [[one.element, one.attribute, one.before, one.after, one.why] for one in self.changes]
+        laws = [[law.effect, " + ".join(law.joints), law.coordinate] for law in self.laws]
+        tables = html_table(["element", "attribute", "before", "after", "why"], rows)
+        if laws:
+            tables += html_table(["table for a callback", "joints", "over"], laws)
+        return bold("Patched") + tables + "".join(paragraph(lack) for lack in self.lacks)
+
+
+def _addresses(model: Any, law: Law) -> tuple[list[int], list[int]]:
+    joints = [model.joint(name) for name in law.joints]
+    return [int(joint.qposadr[0]) for joint in joints], [int(joint.dofadr[0]) for joint in joints]
+
+
+Diagnoses = Union[RobotDiagnosis, JointDiagnosis, Mapping[str, JointDiagnosis]]
+
+
+def diagnoses_of(diagnoses: Diagnoses) -> dict[str, JointDiagnosis]:
+    """Diagnoses by joint."""
+    if isinstance(diagnoses, RobotDiagnosis):
+        return diagnoses.joints
+    if isinstance(diagnoses, JointDiagnosis):
+        return {diagnoses.joint: diagnoses}
+    return dict(diagnoses)
+
+
+def patch(mjcf: Any, diagnoses: Diagnoses) -> Patched:
+    """
+    Put what was found into a MuJoCo model.
+
+    The motor side is the joint itself: `armature`, `damping`, `frictionloss`; delay and lag are of its actuator
+    (`delay`, `dyntype="filterexact"`). An elastic joint gets a second joint of the same axis, `NAME_bend`, with
+    `stiffness` and `damping`; the link stands at the sum of both. Backlash is that joint's `range`, whose ends are as
+    stiff as the transmission. A law that MJCF has no element for is a table for a callback.
+
+    Parameters
+    ----------
+    mjcf : path, str or mujoco.MjSpec
+        The model that was diagnosed.
+    diagnoses : RobotDiagnosis, JointDiagnosis or mapping of str to JointDiagnosis
+        What was found.
+
+    Returns
+    -------
+    Patched
+        The MJCF, what has changed, the laws, and what MuJoCo cannot hold.
+
+    Raises
+    ------
+    ModelError
+        Where MuJoCo cannot read the model, or it has no such joint.
+    """
+    work = _Patch(mjcf)
+    for joint in diagnoses_of(diagnoses).values():
+        work.joint(joint)
+    return work.done()
+
+
+class _Patch:
+    """A specification that is being patched."""
+
+    def __init__(self, mjcf: Any) -> None:
+        self.spec = spec_of(mjcf)
+        self.model = self.spec.copy().compile()
+        self.joints = joints_of(self.model)
+        self.changes: list[Change] = []
+        self.laws: list[Law] = []
+        self.lacks: list[str] = []
+        self.bends: dict[str, str] = {}
+        # Stiffness and damping of the ends of a play, which need the compiled model.
+        self.ends: dict[str, tuple[float, float]] = {}
+
+    def joint(self, found: JointDiagnosis) -> None:
+        joint = joint_of(self.joints, found.joint)
+        element = self.spec.joint(joint.name)
+        if found.drive is not None:
+            self.set(element, "armature", found.drive.model["mass"], "inertia of the motor")
+            viscous = found.drive.model["viscous"] + _of(found, "viscous_friction", "viscous")
+            self.set(element, "damping", _first(element.damping, viscous), "viscous friction")
+            self.set(element, "frictionloss", 0.0, "see the friction that was found")
+            for effect in found.drive.model.effects:
+                self.drive(found, element, effect)
+        if found.transmission is not None and found.stiffness and found.spring_damping is not None:
+            self.transmission(found, element)
+
+    def set(self, element: Any, attribute: str, value: Any, why: str, kind: str = "joint") -> None:
+        before = np.copy(getattr(element, attribute))
+        if np.array_equal(before, value):
+            return
+        setattr(element, attribute, value)
+        self.changes.append(Change(f"{kind} {element.name}", attribute, _text(before), _text(value), why))
+
+    def drive(self, found: JointDiagnosis, element: Any, effect: Effect) -> None:
+        """An effect of the motor side, or of a link that is rigidly behind it."""
+        name, p = effect.name, effect.parameters
+        if name == "viscous_friction":
+            return
+        if effect.place == "drive" and name in ("drive_delay", "drive_lag"):
+            self.late(found.joint, name, p)
+        elif name == "viscous_drag":
+            self.set(element, "damping", _first(element.damping, element.damping[0] + p["viscous"]), name)
+        elif name == "quadratic_drag":
+            # Shape of an odd damping polynomial: v, v |v|, v^3.
+            self.set(element, "damping", np.array([element.damping[0], p["coefficient"], element.damping[2]]), name)
+        else:
+            self.force(found.joint, (element.name,), element, effect, 1.0, 0.0)
+
+    def late(self, joint: str, name: str, p: Mapping[str, float]) -> None:
+        """Delay or lag of what the actuator is asked for."""
+        actuator = actuator_of(self.model, self.joints[joint])
+        if actuator is None:
+            self.lacks.append(f"{joint}: {name}: the joint has no actuator that could be late")
+            return
+        element = self.spec.actuators[actuator.index]
+        if name == "drive_delay":
+            # Linear, so that the delay need not be a number of steps. A control that is held within each step is half a
+            # step later than the line through its values, which only an integrator that looks within the step sees.
+            step = float(self.model.opt.timestep)
+            looks_within = int(self.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4)
+            delay = p["delay"] + (0.5 * step if looks_within else 0.0)
+            self.set(element, "nsample", int(np.ceil(delay / step)) + 2, name, "actuator")
+            self.set(element, "interp", 1, name, "actuator")
+            self.set(element, "delay", delay, name, "actuator")
+            return
+        if int(self.model.actuator_dyntype[actuator.index]) != int(mujoco.mjtDyn.mjDYN_NONE):
+            self.lacks.append(f"{joint}: {name}: the actuator has dynamics of its own already")
+            return
+        self.set(element, "dyntype", mujoco.mjtDyn.mjDYN_FILTEREXACT, name, "actuator")
+        self.set(element, "dynprm", _first(element.dynprm, p["time_constant"]), name, "actuator")
+
+    def transmission(self, found: JointDiagnosis, element: Any) -> None:
+        """A second joint of the same axis: the deformation."""
+        model = found.transmission.model if found.transmission else None
+        stiffness, damping = found.stiffness, found.spring_damping
+        if model is None or stiffness is None or damping is None:
+            return
+        if self.spec.joint(element.name).parent.joints[-1].name != element.name:
+            self.lacks.append(f"{found.joint}: its elasticity: another joint of the same body stands behind it")
+            return
+        name = f"{element.name}_bend"
+        bend = element.parent.add_joint(name=name, type=element.type, axis=element.axis, pos=element.pos)
+        self.bends[element.name] = name
+        gaps = [effect for effect in model.effects if effect.name == "backlash"]
+        share = gaps[0].parameters.get("damping_in_gap", 0.0) if gaps else 1.0
+        self.set(bend, "damping", np.array([damping * share, 0.0, 0.0]), "damping across the transmission")
+        if gaps:
+            self.play(bend, gaps[0].parameters["gap"], (stiffness, damping * (1.0 - share)))
+        else:
+            self.set(bend, "stiffness", np.array([stiffness, 0.0, 0.0]), "stiffness of the transmission")
+        for effect in model.effects:
+            if effect.name != "backlash":
+                self.bent(found, element, bend, effect, stiffness)
+
+    def play(self, bend: Any, gap: float, ends: tuple[float, float]) -> None:
+        """
+        A range, whose ends push as a spring and a damper of known size, and never pull.
+
+        A constraint pushes with `f = d (a_ref - a_0) / A`, `a_ref = -b v - k r`, as its impedance `d` goes to 0, `A` the
+        inverse inertia at the reference pose: so `k = K A / d` is a spring `K`, whatever the pose. MuJoCo divides `k` and
+        `b` of the direct format by `d^2` and `d`, and multiplies `k` by `d`: `k = K A`, `b = C A`.
+        """
+        degrees = bool(bend.compiler.degree) and bend.type == mujoco.mjtJoint.mjJNT_HINGE
+        half = 0.5 * gap * (180.0 / np.pi if degrees else 1.0)
+        self.set(bend, "range", np.array([-half, half]), "backlash")
+        bend.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+        impedance = np.array([IMPEDANCE, IMPEDANCE, 1.0, 0.5, 1.0])
+        self.set(bend, "solimp_limit", impedance, "ends as stiff as the transmission")
+        self.ends[bend.name] = ends
+
+    def bent(self, found: JointDiagnosis, element: Any, bend: Any, effect: Effect, stiffness: float) -> None:
+        """A further effect of the transmission, or of the link behind it; forces are in units of its stiffness."""
+        name, p = effect.name, effect.parameters
+        if name == "cubic_stiffness" and effect.place == "transmission":
+            value = np.array([bend.stiffness[0], 0.0, stiffness * p["k3"]])
+            self.set(bend, "stiffness", value, name)
+        elif name == "quadratic_damping":
+            value = np.array([bend.damping[0], stiffness * p["coefficient"], 0.0])
+            self.set(bend, "damping", value, name)
+        else:
+            own = (bend.name,) if effect.place == "transmission" else (element.name, bend.name)
+            self.force(found.joint, own, bend, effect, stiffness, stiffness)
+
+    def force(
+        self, joint: str, own: tuple[str, ...], element: Any, effect: Effect, scale: float, stiffness: float
+    ) -> None:
+        """A force that is the element's own, a table, or neither."""
+        if effect.place in ("sensor", "base", "environment"):
+            self.lacks.append(f"{joint}: {effect.name}: it is not the joint's ({effect.place}); the model is left as it is")
+            return
+        friction = friction_of(effect.name, effect.parameters, scale)
+        if friction is not None and len(own) == 1:
+            self.friction(element, own, effect.name, friction)
+            return
+        law = resistance_of(effect.name, effect.parameters, scale, stiffness)
+        if law is None:
+            self.lacks.append(f"{joint}: {effect.name}: neither an element of MJCF nor a table over position or velocity")
+            return
+        coordinate, resistance = law
+        width = effect.parameters.get("transition_velocity", 0.0)
+        points, values = table(resistance, POSITIONS if coordinate == "position" else SPEEDS, width)
+        self.laws.append(Law(own, coordinate, points, -values, effect.name))
+
+    def friction(self, element: Any, own: tuple[str, ...], effect: str, friction: Friction) -> None:
+        step = float(self.model.opt.timestep)
+        self.set(element, "frictionloss", element.frictionloss + friction.loss, effect)
+        # With MuJoCo's default impedance a joint creeps below its friction.
+        self.set(element, "solref_friction", np.array([2.0 * step, 1.0]), "sticks, does not creep")
+        self.set(element, "solimp_friction", np.array([0.9999, 0.9999, 0.001, 0.5, 2.0]), "sticks, does not creep")
+        if friction.added is not None:
+            points, values = table(friction.added, SPEEDS, friction.width)
+            self.laws.append(Law(own, "velocity", points, values, effect))
+
+    def done(self) -> Patched:
+        if self.ends:
+            model = self.spec.copy().compile()
+            for name, (stiffness, damping) in self.ends.items():
+                inverse = float(model.dof_invweight0[int(model.joint(name).dofadr[0])])
+                solref = -np.array([stiffness, max(damping, 1e-9 * stiffness)]) * inverse
+                self.set(self.spec.joint(name), "solref_limit", solref, "stiffness and damping of the transmission")
+        self.spec.compile()
+        xml = self.spec.to_xml()
+        document = {
+            "xml": xml,
+            "changes": [vars(change) for change in self.changes],
+            "laws": [law.to_dict() for law in self.laws],
+            "lacks": self.lacks,
+            "bends": self.bends,
+        }
+        changes, laws, lacks = tuple(self.changes), tuple(self.laws), tuple(self.lacks)
+        return Patched(document, xml, changes, laws, lacks, self.bends, self.spec)
+
+
+def _of(found: JointDiagnosis, effect: str, parameter: str) -> float:
+    """The sum of a parameter of an effect of the drive's better model."""
+    effects = found.drive.model.effects if found.drive else ()
+    return sum(one.parameters[parameter] for one in effects if one.name == effect)
+
+
+def _first(values: Any, first: float) -> Any:
+    """The same array with another first value."""
+    changed = np.array(values, dtype=float)
+    changed[0] = first
+    return changed
+
+
+def _text(value: Any) -> str:
+    array = np.ravel(np.asarray(value, dtype=object))
+    texts = [f"{float(one):.6g}" if isinstance(one, (int, float, np.floating)) else str(one) for one in array]
+    while len(texts) > 1 and texts[-1] == "0":
+        texts.pop()
+    return " ".join(texts)
