@@ -296,6 +296,28 @@ class Recording:
         return cls._of_variables(variables, wanted, path, name or path.stem, payload, missing)
 
     @classmethod
+    def joints(cls, path: str | Path) -> dict[str, Recording]:
+        """
+        Read the recordings of all joints of a robot.
+
+        Parameters
+        ----------
+        path : str or Path
+            A manifest whose channels name their joints, its folder, or an MCAP file.
+
+        Returns
+        -------
+        dict of str to Recording
+            By joint; empty where no joint is named.
+
+        Raises
+        ------
+        RecordingError
+            With file, line and column.
+        """
+        return {name: cls(inner, Path(path)) for name, inner in _quell.Recording.joints(path)}
+
+    @classmethod
     def _of_variables(
         cls,
         variables: Mapping[str, Any],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,12 +57,13 @@ def spring(joint: Joint, recording: Recording, motion: Motion, bodies: RigidBody
     course = motion.links[joint.name]
     torque, inertia = bodies.along(joint, course.time, own=True)
     deformation = recording["link_position"].array - motion.motors[joint.name].at(course.time)[0]
-    columns = np.stack([-torque, -np.sign(torque), course.velocity, np.ones_like(torque)], axis=1)
+    columns: Array = np.stack([-torque, -np.sign(torque), course.velocity, np.ones_like(torque)], axis=1)
     # A torque that never changes its sign shows no play.
     fitted, _, rank, _ = np.linalg.lstsq(columns, deformation, rcond=None)
     left = deformation - columns @ fitted
-    variance = float(left @ left) / max(len(left) - int(rank), 1) * np.linalg.pinv(columns.T @ columns)[0, 0]
-    if not fitted[0] > CERTAIN * np.sqrt(variance):
+    squares: Array = np.asarray(columns.T @ columns, dtype=np.float64)
+    variance = float(left @ left) / max(len(left) - int(rank), 1) * float(np.linalg.pinv(squares)[0, 0])
+    if not float(fitted[0]) > CERTAIN * math.sqrt(variance):
         return None
     return Spring(1.0 / float(fitted[0]), float(inertia.mean()))
 

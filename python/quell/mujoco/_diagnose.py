@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Union
 
 from .._progress import Progress
@@ -222,7 +223,8 @@ def diagnose(
     """
     model = model_of(mjcf)
     all_joints = joints_of(model)
-    runs = [log_of(log, all_joints) for log in (logs if isinstance(logs, (list, tuple)) else [logs])]
+    given = [logs] if isinstance(logs, (str, Path, Recording, Mapping)) else list(logs)
+    runs = [log_of(log, all_joints) for log in given]
     bodies = [RigidBody(model, Motion(all_joints, run)) for run in runs]
     names = list(dict.fromkeys(name for run in runs for name in run)) if joints is None else list(joints)
     told: dict[str, JointDiagnosis] = {}

@@ -25,8 +25,7 @@ Log = Union[Mapping[str, Recording], Recording, str, Path]
 def log_of(log: Log, joints: Mapping[str, Joint]) -> dict[str, Recording]:
     """The recordings of the joints by name."""
     if isinstance(log, (str, Path)):
-        found = {name: Recording(inner, Path(log)) for name, inner in _quell.Recording.joints(log)}
-        log = found or Recording.load(log)
+        log = Recording.joints(log) or Recording.load(log)
     if isinstance(log, Recording):
         if len(joints) != 1:
             text = f'"{log.name}" names no joint, and the model has {len(joints)}: give a recording by joint'

@@ -403,8 +403,7 @@ def _first(values: Any, first: float) -> Any:
 
 
 def _text(value: Any) -> str:
-    array = np.ravel(np.asarray(value, dtype=object))
-    texts = [f"{float(one):.6g}" if isinstance(one, (int, float, np.floating)) else str(one) for one in array]
+    texts = [f"{one:.6g}" if isinstance(one, (int, float)) else str(one) for one in np.ravel(value).tolist()]
     while len(texts) > 1 and texts[-1] == "0":
         texts.pop()
     return " ".join(texts)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Union
 
@@ -64,7 +63,7 @@ def simulate(
     joint: str,
     *,
     input: Input = "command",
-) -> Simulated:
+) -> dict[str, Simulated]:
     """
     Simulate a joint in MuJoCo with the input that was recorded.
 
@@ -85,8 +84,9 @@ def simulate(
 
     Returns
     -------
-    Simulated
-        `motor_position` for a command, `link_position` behind a motor that follows.
+    dict of str to Simulated
+        By role: `motor_position` and `link_position` as far as they were recorded; the latter alone behind a motor that
+        follows. The link of a joint that does not bend stands where its motor does.
 
     Raises
     ------
@@ -127,20 +127,21 @@ class _Run:
     ) -> None:
         self.model, self.joints, self.bends, self.log = model, joints, bends, log
         self.own, self.recording, self.input = joints[joint], log[joint], input
+        if input == "motor" and joint not in bends:
+            raise SimulationError(f'joint "{joint}" of the model is rigid: its link does not move alone')
         self.motion = Motion(joints, log)
         self.actuator = actuator_of(model, self.own)
-        role = "link_position" if input == "motor" else "motor_position"
-        if role not in self.recording:
-            raise SimulationError(f'joint "{joint}": {role} was not recorded')
-        self.channel = self.recording[role]
+        wanted = ("link_position",) if input == "motor" else ("motor_position", "link_position")
+        self.roles = [role for role in wanted if role in self.recording]
+        if not self.roles or "motor_position" not in self.recording:
+            raise SimulationError(f'joint "{joint}": {" and ".join({*wanted, "motor_position"})} was not recorded')
         self.followers = self._followers()
         self.data = mujoco.MjData(model)
 
     def _followers(self) -> list[tuple[Joint, bool]]:
         """The joints that follow, each with whether it does so as its motor side; without a recording it stands."""
         moving = {self.own.name, *self.bends.values()} if self.input == "command" else set(self.bends.values())
-        if (bend := self.bends.get(self.own.name)) is None and self.input == "motor":
-            raise SimulationError(f'joint "{self.own.name}" of the model is rigid: its link does not move alone')
+        bend = self.bends.get(self.own.name)
         # A joint that follows carries its link: what bends there is in the motion.
         still = {name for name in self.bends.values() if name != bend}
         followers = [(own, name in self.log) for name, own in self.joints.items() if name not in moving or name in still]
@@ -149,28 +150,29 @@ class _Run:
             self.model.dof_armature[own.dof] = heavy
         return followers
 
-    def result(self) -> Simulated:
-        stamps = self.channel.stamps
+    def result(self) -> dict[str, Simulated]:
+        stamps = self.recording[self.roles[0]].stamps
         step = float(self.model.opt.timestep)
         count = math.ceil((stamps[-1] - stamps[0]) / step) + 1
-        time = stamps[0] + step * np.arange(count + 1)
+        time = stamps[0] + step * np.arange(count + 1, dtype=np.float64)
         courses = self._courses(time)
         control = self._control(time)
         self._start(courses, control)
-        where, speed = np.empty(count), np.empty(count)
-        bend = self.joints.get(self.bends.get(self.own.name, ""))
-        both = [self.own] if bend is None or self.input == "command" else [self.own, bend]
-        data = self.data
+        bend = self.joints.get(self.bends.get(self.own.name, ""), None)
+        both = [self.own] if bend is None else [self.own, bend]
+        where, speed = np.zeros((count, len(both))), np.zeros((count, len(both)))
+        qpos, dofs, data = [one.qpos for one in both], [one.dof for one in both], self.data
         for k in range(count):
             self._follow(courses, k)
             if control is not None and self.actuator is not None:
                 data.ctrl[self.actuator.index] = control[k]
-            where[k] = sum(data.qpos[one.qpos] for one in both)
-            speed[k] = sum(data.qvel[one.dof] for one in both)
+            where[k], speed[k] = data.qpos[qpos], data.qvel[dofs]
             mujoco.mj_step(self.model, data)
         if data.warning[int(mujoco.mjtWarning.mjWARN_BADQACC)].number or not np.isfinite(where).all():
             raise SimulationError(f'joint "{self.own.name}": the simulation diverges; a smaller timestep may help')
-        return self._told(time[:count], where, speed)
+        sides = {"motor_position": slice(0, 1), "link_position": slice(0, 2)}
+        sums = {role: (where[:, sides[role]].sum(axis=1), speed[:, sides[role]].sum(axis=1)) for role in self.roles}
+        return {role: self._told(role, time[:count], *sums[role]) for role in self.roles}
 
     def _courses(self, time: Array) -> list[tuple[Joint, Array, Array, Array]]:
         told: list[tuple[Joint, Array, Array, Array]] = []
@@ -225,8 +227,8 @@ class _Run:
             times = step * np.arange(-samples, 0.0)
             mujoco.mj_initCtrlHistory(self.model, data, index, times, np.full(samples, first))
 
-    def _told(self, time: Array, where: Array, speed: Array) -> Simulated:
-        stamps, recorded = self.channel.stamps, self.channel.array
+    def _told(self, role: str, time: Array, where: Array, speed: Array) -> Simulated:
+        stamps, recorded = self.recording[role].stamps, self.recording[role].array
         k = np.clip(np.searchsorted(time, stamps, side="right") - 1, 0, len(time) - 2)
         h = time[k + 1] - time[k]
         s = (stamps - time[k]) / h
@@ -235,8 +237,8 @@ class _Run:
         predicted = where[k] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)))
         predicted = predicted + float(np.mean(recorded - predicted))
         rms = float(np.sqrt(np.mean(np.square(recorded - predicted))))
-        document = {"joint": self.own.name, "role": self.channel.role, "rms": rms}
-        return Simulated(document, self.own.name, self.channel.role, stamps, recorded, predicted, rms)
+        document = {"joint": self.own.name, "role": role, "rms": rms}
+        return Simulated(document, self.own.name, role, stamps, recorded, predicted, rms)
 
 
 def _role(actuator: Actuator | None, recording: Recording) -> str | None:
