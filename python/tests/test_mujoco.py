@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -127,6 +128,24 @@ def test_what_each_format_holds_is_written_and_the_rest_is_told(
     stribeck[1].save(tmp_path)
     told = subprocess.run([sys.executable, "apply.py"], cwd=tmp_path, capture_output=True, text=True)
     assert told.returncode == 0, told.stderr
+
+
+def test_every_block_of_the_chapter_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(six_axes.mjcf(), encoding="utf-8")
+    log = six_axes.record({"shoulder": Hidden(friction=25.0, excess=0.6, stribeck=0.1)}, seconds=5.0)
+    columns = {
+        name: np.stack([log[joint][role].array for joint in six_axes.NAMES], axis=1)
+        for name, role in (("command", "command_position"), ("position", "motor_position"), ("torque", "torque"))
+    }
+    page = Path(__file__).parents[2] / "docs/src/guide/simulators.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    for number, block in enumerate(blocks):
+        exec(compile(block, f"{page}, block {number + 1}", "exec"), columns)
+    # And the lines of the page are those that are written.
+    [lines] = re.findall(r"```text\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    assert lines in Path("patched/apply.py").read_text(encoding="utf-8")
 
 
 def test_what_cannot_be_is_said() -> None:

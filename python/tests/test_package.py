@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import importlib.util
 import inspect
 import os
 import pkgutil
@@ -25,15 +26,19 @@ NOTEBOOKS = sorted((FOLDER / "notebooks").glob("*.py"))
 LEFT = {"GL01", "GL02", "GL03", "ES01", "SA01", "EX01", "SA04", "RT03", "RT02"}
 
 
+WITH_MUJOCO = importlib.util.find_spec("mujoco") is not None
+
+
 def public() -> list[str]:
     names = []
-    for name in quell.__all__:
-        thing = getattr(quell, name)
+    modules = [quell, importlib.import_module("quell.mujoco")] if WITH_MUJOCO else [quell]
+    for module, name in ((module, name) for module in modules for name in module.__all__):
+        thing = getattr(module, name)
         if callable(thing):
-            names.append(f"quell.{name}")
+            names.append(f"{module.__name__}.{name}")
         if inspect.isclass(thing):
             own = [key for key, value in vars(thing).items() if not key.startswith("_") and callable(value)]
-            names += [f"quell.{name}.{key}" for key in own if inspect.getdoc(getattr(thing, key))]
+            names += [f"{module.__name__}.{name}.{key}" for key in own if inspect.getdoc(getattr(thing, key))]
     return names
 
 
@@ -48,7 +53,8 @@ def test_docstrings_are_numpydocs() -> None:
 
 
 def test_the_examples_in_docstrings_run() -> None:
-    modules = [importlib.import_module(f"quell.{one.name}") for one in pkgutil.iter_modules(quell.__path__) if one.name != "__main__"]
+    left = {"__main__"} if WITH_MUJOCO else {"__main__", "mujoco"}
+    modules = [importlib.import_module(f"quell.{one.name}") for one in pkgutil.iter_modules(quell.__path__) if one.name not in left]
     results = [doctest.testmod(module) for module in modules if not module.__name__.endswith("_quell")]
     assert sum(result.failed for result in results) == 0 < sum(result.attempted for result in results)
 
@@ -66,8 +72,16 @@ def test_the_types_are_strict() -> None:
     assert "completeness score: 100%" in verified.stdout, verified.stdout
 
 
+def test_without_mujoco_a_sentence_says_what_to_install() -> None:
+    lines = "import sys; sys.modules['mujoco'] = None\nimport quell\ntry: import quell.mujoco\nexcept ImportError as e: print(e)"
+    told = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True)
+    assert "pip install" in told.stdout, told.stderr
+
+
 @pytest.mark.parametrize("script", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_is_its_script_and_runs(script: Path, tmp_path: Path) -> None:
+    if "quell.mujoco" in script.read_text() and not WITH_MUJOCO:
+        pytest.skip("MuJoCo is not installed: the notebook is skipped")
     made = jupytext.read(script)
     file = script.with_suffix(".ipynb")
     # Cells have names by chance, which say nothing.

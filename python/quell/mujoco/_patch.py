@@ -86,6 +86,8 @@ class Patched(Result):
         What was found and is neither in the MJCF nor in the laws, with why.
     bends : dict of str to str
         The joints that are elastic, each with the joint that is its deformation: the link stands at the sum.
+    spec : mujoco.MjSpec
+        The same model, for further changes.
     """
 
     xml: str
