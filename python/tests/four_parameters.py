@@ -26,7 +26,7 @@ def with_parameters(mjcf: str, joint: str, values: np.ndarray) -> mujoco.MjModel
 def errors(model: object, log: dict[str, Recording], joint: str) -> np.ndarray:
     """Recorded minus simulated, of motor and link."""
     told = quell.mujoco.simulate(model, log, joint).values()
-    return np.concatenate([one.recorded - one.predicted for one in told])
+    return np.concatenate([one.recorded - one.predicted - one.offset for one in told])
 
 
 def first_look(mjcf: str, log: dict[str, Recording], joint: str) -> np.ndarray:

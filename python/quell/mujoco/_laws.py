@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -9,14 +10,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Friction", "Law", "friction_of", "resistance_of", "spline"]
+__all__ = ["Friction", "Law", "about_zero", "friction_of", "resistance_of", "spline"]
 
 Array = NDArray[np.float64]
 Coordinate = Literal["position", "velocity"]
-# Points of a table.
-POINTS = 401
-# Stribeck velocities in which a level of friction has fallen, exp(-9) = 1e-4, and those in which points are dense.
-FALLEN = 3.0
+# Points of a curve, and of a period.
+POINTS, A_PERIOD = 401, 64
+# Turns (m over 2 pi) in each direction that a table over the position has.
+TURNS = 1.0
+# A speed, rad/s or m/s, and a position beyond which no table is asked.
+FAR = 100.0
+# Widths about 0 within which a law over the velocity has changed all it does: exp(-16) = 1e-7.
+DENSE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,30 +120,54 @@ def _learned_friction(p: Mapping[str, float], scale: float) -> Friction:
     return Friction(loss, added, max(p["to"], -p["from"]))
 
 
-def resistance_of(
-    effect: str, p: Mapping[str, float], scale: float, stiffness: float
-) -> tuple[Coordinate, Callable[[Array], Array]] | None:
+@dataclass(frozen=True)
+class Resistance:
+    """A force against positive motion over a coordinate, and points between which it is as good as straight."""
+
+    coordinate: Coordinate
+    law: Callable[[Array], Array]
+    points: Array
+
+
+def resistance_of(effect: str, p: Mapping[str, float], scale: float, stiffness: float) -> Resistance | None:
     """
-    The force against positive motion of a static law over position or velocity; none of another effect.
+    The static law of an effect over position or velocity; none of another effect.
 
     `scale` multiplies forces; `stiffness` is that of the transmission, N.m/rad (N/m).
     """
-    position: dict[str, Callable[[Array], Array]] = {
-        "force_offset": lambda x: np.full_like(x, scale * p["force"]),
-        "cogging": lambda x: scale * p["amplitude"] * np.sin(p["order"] * x + p["phase"]),
-        "gravity_load": lambda x: scale * p["amplitude"] * np.cos(x + p["phase"]),
-        "learned_position_force": lambda x: scale * spline(p["from"], p["to"], _ordinates(p))(x),
-        "learned_spring": lambda x: scale * spline(p["from"], p["to"], _ordinates(p))(x),
-        "bilinear_stiffness": lambda x: stiffness * _bilinear(p, x),
-    }
-    velocity: dict[str, Callable[[Array], Array]] = {
-        "smooth_coulomb_friction": lambda v: scale * p["friction"] * np.tanh(v / p["transition_velocity"]),
-        "viscous_drag": lambda v: scale * p["viscous"] * v,
-        "quadratic_drag": lambda v: scale * p["coefficient"] * v * np.abs(v),
-    }
-    if effect in position:
-        return "position", position[effect]
-    return ("velocity", velocity[effect]) if effect in velocity else None
+    if effect == "force_offset":
+        return Resistance("position", lambda x: np.full_like(x, scale * p["force"]), np.array([-1.0, 1.0]))
+    if effect == "cogging":
+        count = math.ceil(2.0 * TURNS * max(p["order"], 1.0) * A_PERIOD)
+        points = np.linspace(-TURNS, TURNS, count) * 2.0 * np.pi
+        return Resistance("position", lambda x: scale * p["amplitude"] * np.sin(p["order"] * x + p["phase"]), points)
+    if effect == "gravity_load":
+        points = np.linspace(-TURNS, TURNS, POINTS) * 2.0 * np.pi
+        return Resistance("position", lambda x: scale * p["amplitude"] * np.cos(x + p["phase"]), points)
+    if effect in ("learned_position_force", "learned_spring"):
+        curve = spline(p["from"], p["to"], _ordinates(p))
+        # Straight beyond its ends.
+        points = np.concatenate([[p["from"] - FAR], np.linspace(p["from"], p["to"], POINTS), [p["to"] + FAR]])
+        return Resistance("position", lambda x: scale * curve(x), points)
+    if effect == "bilinear_stiffness":
+        knees = np.array([-FAR, -p["knee"], p["knee"], FAR])
+        return Resistance("position", lambda x: stiffness * _bilinear(p, x), knees)
+    if effect == "smooth_coulomb_friction":
+        width = p["transition_velocity"]
+        return Resistance("velocity", lambda v: scale * p["friction"] * np.tanh(v / width), about_zero(width))
+    if effect == "viscous_drag":
+        return Resistance("velocity", lambda v: scale * p["viscous"] * v, np.array([-FAR, FAR]))
+    if effect == "quadratic_drag":
+        return Resistance("velocity", lambda v: scale * p["coefficient"] * v * np.abs(v), about_zero(0.1))
+    return None
+
+
+def about_zero(width: float) -> Array:
+    """Points that are dense within some widths about 0 and thin out to `FAR`."""
+    near = np.linspace(0.0, DENSE * width, POINTS)
+    far = np.geomspace(DENSE * width, max(FAR, 2.0 * DENSE * width), POINTS)
+    half = np.concatenate([near, far[1:]])
+    return np.concatenate([-half[:0:-1], half])
 
 
 def _bilinear(p: Mapping[str, float], x: Array) -> Array:
@@ -178,14 +207,3 @@ def spline(start: float, end: float, ordinates: Array) -> Callable[[Array], Arra
         return cubic + (place - inside) * (slope + s * (m + 0.5 * s * (n - m)))
 
     return value
-
-
-def table(
-    law: Callable[[Array], Array], span: tuple[float, float], width: float = 0.0
-) -> tuple[Array, Array]:
-    """Points and values of a law over a span; dense within `FALLEN` widths about 0 where it changes fast there."""
-    points = np.linspace(*span, POINTS)
-    if width > 0.0:
-        near = np.linspace(-FALLEN * width, FALLEN * width, POINTS)
-        points = np.union1d(points, near[(near > span[0]) & (near < span[1])])
-    return points, law(points)

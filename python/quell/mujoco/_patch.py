@@ -15,14 +15,12 @@ from ..model import Effect
 from ._diagnose import JointDiagnosis, RobotDiagnosis
 from ._engine import mujoco, spec_of
 from ._joints import actuator_of, joint_of, joints_of
-from ._laws import Friction, Law, friction_of, resistance_of, table
+from ._laws import Friction, Law, about_zero, friction_of, resistance_of
 
 __all__ = ["Change", "Patched", "patch"]
 
 # A limit whose impedance is so small is a spring of known stiffness: see `_Patch.play`.
 IMPEDANCE = 1e-4
-# A deformation and a turn beyond which a table is not asked, rad or m; and speeds, rad/s or m/s.
-POSITIONS, SPEEDS = (-2.0 * np.pi, 2.0 * np.pi), (-20.0, 20.0)
 
 CALLBACK = '''\
 import json, mujoco, numpy as np
@@ -256,8 +254,8 @@ class _Patch:
         name, p = effect.name, effect.parameters
         if name == "viscous_friction":
             return
-        if effect.place == "drive" and name in ("drive_delay", "drive_lag"):
-            self.late(found.joint, name, p)
+        if effect.place == "drive" and name in ("drive_delay", "drive_lag", "saturation"):
+            self.actuator(found.joint, name, p)
         elif name == "viscous_drag":
             self.set(element, "damping", _first(element.damping, element.damping[0] + p["viscous"]), name)
         elif name == "quadratic_drag":
@@ -266,18 +264,23 @@ class _Patch:
         else:
             self.force(found.joint, (element.name,), element, effect, 1.0, 0.0)
 
-    def late(self, joint: str, name: str, p: Mapping[str, float]) -> None:
-        """Delay or lag of what the actuator is asked for."""
+    def actuator(self, joint: str, name: str, p: Mapping[str, float]) -> None:
+        """Delay or lag of what the actuator is asked for, or the limit of what it gives."""
         actuator = actuator_of(self.model, self.joints[joint])
         if actuator is None:
-            self.lacks.append(f"{joint}: {name}: the joint has no actuator that could be late")
+            self.lacks.append(f"{joint}: {name}: the joint has no actuator that could have it")
             return
         element = self.spec.actuators[actuator.index]
+        if name == "saturation":
+            limit = p["limit"] / abs(float(self.model.actuator_gear[actuator.index, 0]))
+            self.set(element, "forcerange", np.array([-limit, limit]), name, "actuator")
+            element.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+            return
+        step = float(self.model.opt.timestep)
+        looks_within = int(self.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4)
         if name == "drive_delay":
             # Linear, so that the delay need not be a number of steps. A control that is held within each step is half a
             # step later than the line through its values, which only an integrator that looks within the step sees.
-            step = float(self.model.opt.timestep)
-            looks_within = int(self.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4)
             delay = p["delay"] + (0.5 * step if looks_within else 0.0)
             self.set(element, "nsample", int(np.ceil(delay / step)) + 2, name, "actuator")
             self.set(element, "interp", 1, name, "actuator")
@@ -286,7 +289,10 @@ class _Patch:
         if int(self.model.actuator_dyntype[actuator.index]) != int(mujoco.mjtDyn.mjDYN_NONE):
             self.lacks.append(f"{joint}: {name}: the actuator has dynamics of its own already")
             return
-        self.set(element, "dyntype", mujoco.mjtDyn.mjDYN_FILTEREXACT, name, "actuator")
+        # The exact filter goes by whole steps, which such an integrator sees as half a step more.
+        kinds = mujoco.mjtDyn
+        kind = kinds.mjDYN_FILTER if looks_within else kinds.mjDYN_FILTEREXACT
+        self.set(element, "dyntype", kind, name, "actuator")
         self.set(element, "dynprm", _first(element.dynprm, p["time_constant"]), name, "actuator")
 
     def transmission(self, found: JointDiagnosis, element: Any) -> None:
@@ -349,27 +355,38 @@ class _Patch:
             self.lacks.append(f"{joint}: {effect.name}: it is not the joint's ({effect.place}); the model is left as it is")
             return
         friction = friction_of(effect.name, effect.parameters, scale)
-        if friction is not None and len(own) == 1:
-            self.friction(element, own, effect.name, friction)
+        if friction is not None:
+            kind = "joint"
+            if len(own) > 1:
+                element, kind = self.sum_of(own), "tendon"
+            self.friction(element, own, effect.name, friction, kind)
             return
         law = resistance_of(effect.name, effect.parameters, scale, stiffness)
         if law is None:
             self.lacks.append(f"{joint}: {effect.name}: neither an element of MJCF nor a table over position or velocity")
             return
-        coordinate, resistance = law
-        width = effect.parameters.get("transition_velocity", 0.0)
-        points, values = table(resistance, POSITIONS if coordinate == "position" else SPEEDS, width)
-        self.laws.append(Law(own, coordinate, points, -values, effect.name))
+        self.laws.append(Law(own, law.coordinate, law.points, -law.law(law.points), effect.name))
 
-    def friction(self, element: Any, own: tuple[str, ...], effect: str, friction: Friction) -> None:
+    def sum_of(self, own: tuple[str, ...]) -> Any:
+        """A tendon as long as the link has turned: friction against the ground."""
+        name = f"{own[0]}_link"
+        tendon = self.spec.tendon(name)
+        if tendon is None:
+            tendon = self.spec.add_tendon(name=name)
+            for joint in own:
+                tendon.wrap_joint(joint, 1.0)
+        return tendon
+
+    def friction(self, element: Any, own: tuple[str, ...], effect: str, friction: Friction, kind: str) -> None:
         step = float(self.model.opt.timestep)
-        self.set(element, "frictionloss", element.frictionloss + friction.loss, effect)
+        self.set(element, "frictionloss", element.frictionloss + friction.loss, effect, kind)
         # With MuJoCo's default impedance a joint creeps below its friction.
-        self.set(element, "solref_friction", np.array([2.0 * step, 1.0]), "sticks, does not creep")
-        self.set(element, "solimp_friction", np.array([0.9999, 0.9999, 0.001, 0.5, 2.0]), "sticks, does not creep")
+        self.set(element, "solref_friction", np.array([2.0 * step, 1.0]), "sticks, does not creep", kind)
+        impedance = np.array([0.9999, 0.9999, 0.001, 0.5, 2.0])
+        self.set(element, "solimp_friction", impedance, "sticks, does not creep", kind)
         if friction.added is not None:
-            points, values = table(friction.added, SPEEDS, friction.width)
-            self.laws.append(Law(own, "velocity", points, values, effect))
+            points = about_zero(friction.width)
+            self.laws.append(Law(own, "velocity", points, friction.added(points), effect))
 
     def done(self) -> Patched:
         if self.ends:

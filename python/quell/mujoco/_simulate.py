@@ -44,9 +44,11 @@ class Simulated(Result):
     recorded : ndarray
         What was recorded, rad (m).
     predicted : ndarray
-        What MuJoCo says, without the constant between both.
+        What MuJoCo says, rad (m).
+    offset : float
+        The mean of the difference, rad (m): where an encoder has its zero, no model says.
     rms : float
-        Root mean square of the difference, rad (m).
+        Root mean square of the difference without `offset`, rad (m).
     """
 
     joint: str
@@ -54,6 +56,7 @@ class Simulated(Result):
     time: Array
     recorded: Array
     predicted: Array
+    offset: float
     rms: float
 
 
@@ -176,10 +179,13 @@ class _Run:
 
     def _courses(self, time: Array) -> list[tuple[Joint, Array, Array, Array]]:
         told: list[tuple[Joint, Array, Array, Array]] = []
+        # A force is held within each step: it is that of its middle.
+        middle = time + 0.5 * float(self.model.opt.timestep)
         for own, recorded in self.followers:
             if recorded:
                 sides = self.motion.motors if own.name == self.own.name else self.motion.links
-                told.append((own, *sides[own.name].at(time)))
+                position, velocity, _ = sides[own.name].at(time)
+                told.append((own, position, velocity, sides[own.name].at(middle)[2]))
             else:
                 still = np.full(len(time), float(self.model.qpos0[own.qpos]))
                 told.append((own, still, np.zeros(len(time)), np.zeros(len(time))))
@@ -235,10 +241,9 @@ class _Run:
         # Cubic between steps: the stamps need not be on them.
         a, b, rise = h * speed[k], h * speed[k + 1], where[k + 1] - where[k]
         predicted = where[k] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)))
-        predicted = predicted + float(np.mean(recorded - predicted))
-        rms = float(np.sqrt(np.mean(np.square(recorded - predicted))))
-        document = {"joint": self.own.name, "role": role, "rms": rms}
-        return Simulated(document, self.own.name, role, stamps, recorded, predicted, rms)
+        offset, rms = float(np.mean(recorded - predicted)), float(np.std(recorded - predicted))
+        document = {"joint": self.own.name, "role": role, "offset": offset, "rms": rms}
+        return Simulated(document, self.own.name, role, stamps, recorded, predicted, offset, rms)
 
 
 def _role(actuator: Actuator | None, recording: Recording) -> str | None:
