@@ -110,7 +110,9 @@ fn every_line_of_c_and_python_stands_in_a_program_that_is_tested() {
     let python = source("examples/udp_robot.py");
     each(|file, block| {
         // python/tests run what stands there.
-        if ["docs/src/guide/python.md", "docs/src/guide/simulators.md"].contains(&called(file).as_str()) {
+        if ["docs/src/guide/python.md", "docs/src/guide/simulators.md"]
+            .contains(&called(file).as_str())
+        {
             return None;
         }
         let program = match block.words.first().map(String::as_str) {

@@ -7,7 +7,8 @@ Needs MuJoCo (`pip install 'mujoco>=4'`). The book has a chapter on simulators.
 from ._diagnose import JointDiagnosis, RobotDiagnosis, diagnose, known
 from ._formats import Exported, isaac_lab, urdf
 from ._laws import Law
-from ._patch import Change, Patched, patch
+from ._patch import patch
+from ._patched import Change, Patched
 from ._simulate import Simulated, simulate
 
 __all__ = [

@@ -15,7 +15,7 @@ from ..recording import Channel, Recording
 from ._joints import Actuator, Joint
 from ._motion import Course, Motion, RigidBody
 
-__all__ = ["Side", "drive_side", "spring", "transmission_side"]
+__all__ = ["Side", "Spring", "drive_side", "known_channels", "spring", "transmission_side"]
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ def transmission_side(joint: Joint, recording: Recording, found: Spring, bodies:
     # Smoothed: noise of the input would be noise of the prediction.
     prescribed = Channel(motor.position, motor.time, joint.position_unit)
     channels = {"motor_position": prescribed, "link_position": recording["link_position"]}
-    known = _known(joint, time, -force, inertia)
+    known = known_channels(joint, time, -force, inertia)
     held = Recording.from_arrays({**channels, **known}, name=_named(recording, joint), payload=recording.payload)
     return Side(Model.from_toml("\n".join(lines) + "\n", joint.name), held, found.inertia)
 
@@ -112,7 +112,7 @@ def drive_side(
         lines += ["[[effect]]", 'name = "coulomb_friction"', 'place = "drive"', "[effect.parameters]"]
         lines.append(f"friction = {friction!r}")
     channels = {role: recording[role] for role in ("motor_position", "torque", "force", *inputs) if role in roles}
-    known = _known(joint, motor.time, -load, None if elastic else inertia)
+    known = known_channels(joint, motor.time, -load, None if elastic else inertia)
     held = Recording.from_arrays({**channels, **known}, name=_named(recording, joint), payload=recording.payload)
     return Side(Model.from_toml("\n".join(lines) + "\n", joint.name), held, seen)
 
@@ -154,7 +154,8 @@ def _loop(actuator: Actuator | None, inputs: tuple[str, ...]) -> list[str]:
     return [*lines, f"output_limit = {actuator.limit!r}"] if np.isfinite(actuator.limit) else lines
 
 
-def _known(joint: Joint, time: Array, force: Array, inertia: Array | None) -> dict[str, Channel]:
+def known_channels(joint: Joint, time: Array, force: Array, inertia: Array | None) -> dict[str, Channel]:
+    """`known_force`, and `inertia` where it is one."""
     known = {"known_force": Channel(force, time, joint.force_unit)}
     if inertia is not None and bool((inertia > 0.0).all()):
         known["inertia"] = Channel(inertia, time, "kg" if joint.slides else "kg.m^2")

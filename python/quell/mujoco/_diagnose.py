@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +13,7 @@ from .._result import Result, bold, paragraph, table
 from ..diagnosis import Diagnosis, diagnose as diagnose_one
 from ..findings import Finding
 from ..recording import Recording
-from ._believed import Side, drive_side, spring, transmission_side
+from ._believed import Side, drive_side, known_channels, spring, transmission_side
 from ._engine import model_of
 from ._joints import Joint, actuator_of, joint_of, joints_of
 from ._motion import Log, Motion, RigidBody, log_of
@@ -73,7 +74,7 @@ class JointDiagnosis(Result):
         model = self.transmission.model if self.transmission else None
         if model is None:
             return 0.0, 0.0
-        w, inertia = 2.0 * 3.141592653589793 * model["natural_frequency_hz"], model["link_inertia"]
+        w, inertia = 2.0 * math.pi * model["natural_frequency_hz"], model["link_inertia"]
         return inertia * w * w, 2.0 * model["damping_ratio"] * w * inertia
 
     def _sides(self) -> list[Diagnosis]:
@@ -160,12 +161,10 @@ def known(mjcf: Any, log: Log) -> dict[str, Recording]:
 
 
 def _with_known(recording: Recording, joint: Joint, bodies: RigidBody) -> Recording:
-    from ._believed import _known
-
     time = bodies.motion.links[joint.name].time
     force, inertia = bodies.along(joint, time, own=False)
     channels = {channel.role: channel for channel in recording.channels}
-    extra = _known(joint, time, -force, inertia)
+    extra = known_channels(joint, time, -force, inertia)
     return Recording.from_arrays({**channels, **extra}, name=recording.name, payload=recording.payload)
 
 

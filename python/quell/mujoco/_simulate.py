@@ -15,7 +15,7 @@ from ..recording import Recording
 from ._engine import model_of, mujoco
 from ._joints import Actuator, Joint, actuator_of, joint_of, joints_of
 from ._motion import Log, Motion, log_of
-from ._patch import Patched
+from ._patched import Patched
 
 __all__ = ["Simulated", "simulate"]
 

@@ -1,0 +1,60 @@
+//! A drive that is late behind a position loop.
+
+use quell_model::{Departure, Experiment, Model, simulate};
+use quell_recording::{Channel, Recording, Role};
+
+const AXIS: &str =
+    "kind = \"rigid_axis\"\nmass = 2\nviscous = 5\nposition_gain = 20\nvelocity_gain = 100\n";
+
+/// What a model makes of a command that jumps at an instant.
+fn predicted(model: &str, jump: f64) -> Vec<f64> {
+    let model = Model::from_toml(model, "model.toml").unwrap();
+    let time: Vec<f64> = (0..800).map(|k| f64::from(k) * 0.002).collect();
+    let channel = |role, values| Channel {
+        role,
+        unit: "rad".into(),
+        columns: vec![values],
+        time: time.clone(),
+    };
+    let command = time.iter().map(|t| f64::from(u8::from(*t >= jump - 1e-9)));
+    let channels = vec![
+        channel(Role::CommandPosition, command.collect()),
+        channel(Role::MotorPosition, vec![0.0; time.len()]),
+    ];
+    let recording = Recording {
+        name: "axis".into(),
+        payload: None,
+        channels,
+    };
+    let experiment = Experiment::of(&model, recording).unwrap();
+    let (keys, terms) = (model.keys(), model.terms());
+    let simulated = simulate(
+        model.kind,
+        &keys,
+        &terms,
+        &experiment,
+        &Departure::default(),
+    );
+    simulated.predict(&experiment.outputs[0], 0.0).values
+}
+
+/// The reference comes late, and all that follows from it.
+#[test]
+fn a_delay_is_that_of_the_reference() {
+    let late =
+        format!("{AXIS}[[effect]]\nname = \"drive_delay\"\n[effect.parameters]\ndelay = 0.05\n");
+    let (shown, truth) = (predicted(&late, 0.4), predicted(AXIS, 0.45));
+    let worst = shown.iter().zip(&truth).map(|(a, b)| (a - b).abs());
+    assert!(worst.fold(0.0, f64::max) < 1e-12);
+    assert!(truth[799] > 0.9);
+}
+
+/// What has no memory stays between loop and force: a drive that gives nothing below a force leaves the axis short of
+/// its reference, `F = K_v K_p (r - u)` at rest.
+#[test]
+fn a_dead_zone_is_behind_the_loop() {
+    let dead =
+        format!("{AXIS}[[effect]]\nname = \"dead_zone\"\n[effect.parameters]\nhalf_width = 400\n");
+    let rest = predicted(&dead, 0.1)[799];
+    assert!((1.0 - rest - 400.0 / 2000.0).abs() < 1e-2, "{rest}");
+}
