@@ -4,7 +4,9 @@ Physics is hidden in a joint of a six-axis arm. `quell.mujoco` diagnoses and pat
 damping, armature and stiffness by rollouts has the same recording. Both predict another recording from its commands:
 motor and link, root mean square over the noise of each encoder.
 
-    mujoco_patch.py [SEED ...] [--cases NAME,NAME]
+    mujoco_patch.py [SEED ...] [--cases NAME,NAME] [--sysid]
+
+With `--sysid` mujoco.sysid fits the same four beside.
 """
 
 import argparse
@@ -48,7 +50,7 @@ def whole(by_role):
     return math.sqrt(np.mean(np.square(list(by_role.values()))))
 
 
-def run(name, seed):
+def run(name, seed, peers):
     joint, hidden = CASES[name]
     hidden = {joint: hidden} if hidden != Hidden() else {}
     train, test = six_axes.record(hidden, seed=seed), six_axes.record(hidden, seed=seed + 100)
@@ -56,30 +58,39 @@ def run(name, seed):
     found = quell.mujoco.diagnose(six_axes.mjcf(), train, joints=[joint])
     patched = quell.mujoco.patch(six_axes.mjcf(), found)
     took = time.perf_counter() - began
-    began = time.perf_counter()
-    usual = four_parameters.fit(six_axes.mjcf(), train, joint)
-    usual_took = time.perf_counter() - began
-    ours, theirs = errors(patched, test, joint), errors(usual, test, joint)
+    lines = [("patched, another recording", errors(patched, test, joint), took)]
+    for label, fit in peers.items():
+        began = time.perf_counter()
+        usual = fit(six_axes.mjcf(), train, joint)
+        lines.append((f"{label}, the same", errors(usual, test, joint), time.perf_counter() - began))
     # What Quell itself leaves where it was fitted, and what the patched model leaves there.
     sides = {"drive": found[joint].drive, "transmission": found[joint].transmission}
     told = [one.effect for one in found[joint].findings]
     quells = {side: one.fit.after.held_out_over_noise for side, one in sides.items() if one}
     print(f"{name:18} seed {seed}  told {' + '.join(told) or '-'}")
     print("    Quell, held-out stretches   ", "  ".join(f"{side} {value:.2f}" for side, value in quells.items()))
-    for label, by_role, seconds in (("patched, another recording", ours, took), ("four parameters, the same", theirs, usual_took)):
+    for label, by_role, seconds in lines:
         print(f"    {label:28}", "  ".join(f"{role} {value:.2f}" for role, value in by_role.items()), f" ({seconds:.0f} s)")
-    print(f"    ratio {whole(theirs) / whole(ours):.2f}", flush=True)
-    return name, whole(ours), whole(theirs)
+    ours, theirs = whole(lines[0][1]), min(whole(by_role) for _, by_role, _ in lines[1:])
+    print(f"    ratio {theirs / ours:.2f}", flush=True)
+    return name, ours, theirs
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("seeds", nargs="*", type=int, default=[1])
     parser.add_argument("--cases", default=",".join(CASES))
+    parser.add_argument("--sysid", action="store_true")
     given = parser.parse_args()
+    peers = {"four parameters": four_parameters.fit}
+    if given.sysid:
+        sys.path.insert(0, str(Path(__file__).parent / "peers"))
+        import mujoco_sysid
+
+        peers["mujoco.sysid"] = mujoco_sysid.fit
     print(f"quell {quell.__version__}, mujoco {mujoco.__version__}; rms over the noise of the encoder")
-    rows = [run(name, seed) for name in given.cases.split(",") for seed in given.seeds]
-    print("\nmedian over seeds: patched, four parameters, ratio")
+    rows = [run(name, seed, peers) for name in given.cases.split(",") for seed in given.seeds]
+    print("\nmedian over seeds: patched, best fit of four parameters, ratio")
     for name in dict.fromkeys(row[0] for row in rows):
         ours, theirs = (np.median([row[k] for row in rows if row[0] == name]) for k in (1, 2))
         print(f"{name:18} {ours:8.2f} {theirs:8.2f} {theirs / ours:8.2f}")
