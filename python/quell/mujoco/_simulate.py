@@ -142,12 +142,10 @@ class _Run:
         self.data = mujoco.MjData(model)
 
     def _followers(self) -> list[tuple[Joint, bool]]:
-        """The joints that follow, each with whether it does so as its motor side; without a recording it stands."""
-        moving = {self.own.name, *self.bends.values()} if self.input == "command" else set(self.bends.values())
+        """The joints that follow, each with whether it was recorded; else it stands, as what bends elsewhere does."""
         bend = self.bends.get(self.own.name)
-        # A joint that follows carries its link: what bends there is in the motion.
-        still = {name for name in self.bends.values() if name != bend}
-        followers = [(own, name in self.log) for name, own in self.joints.items() if name not in moving or name in still]
+        moving = {bend} if self.input == "motor" else {self.own.name, bend}
+        followers = [(own, name in self.log) for name, own in self.joints.items() if name not in moving]
         heavy = HEAVY * max(float(np.max(self.model.dof_M0)), 1.0)
         for own, _ in followers:
             self.model.dof_armature[own.dof] = heavy
