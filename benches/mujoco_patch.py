@@ -5,8 +5,10 @@ damping, armature and stiffness by rollouts has the same recording. Both predict
 motor and link, root mean square over the noise of each encoder.
 
     mujoco_patch.py [SEED ...] [--cases NAME,NAME] [--sysid]
+    mujoco_patch.py [SEED ...] --whole
 
-With `--sysid` mujoco.sysid fits the same four beside.
+With `--sysid` mujoco.sysid fits the same four beside. With `--whole` two joints have something hidden, and all six are
+diagnosed and patched.
 """
 
 import argparse
@@ -76,12 +78,29 @@ def run(name, seed, peers):
     return name, ours, theirs
 
 
+def whole_arm(seed):
+    """All joints of one arm: what was told, and what the patched model predicts of another recording."""
+    hidden = {"shoulder": Hidden(**STRIBECK), "elbow": Hidden(**SPRING)}
+    train, test = six_axes.record(hidden, seed=seed), six_axes.record(hidden, seed=seed + 100)
+    found = quell.mujoco.diagnose(six_axes.mjcf(), train)
+    patched = quell.mujoco.patch(six_axes.mjcf(), found)
+    for joint, own in found.joints.items():
+        told = [one.effect for one in own.findings] + (["elasticity"] if own.stiffness else [])
+        left = "  ".join(f"{role} {value:.2f}" for role, value in errors(patched, test, joint).items())
+        print(f"{joint:10} seed {seed}  {' + '.join(told) or '-':32} {left}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("seeds", nargs="*", type=int, default=[1])
     parser.add_argument("--cases", default=",".join(CASES))
     parser.add_argument("--sysid", action="store_true")
+    parser.add_argument("--whole", action="store_true")
     given = parser.parse_args()
+    if given.whole:
+        for seed in given.seeds:
+            whole_arm(seed)
+        return
     peers = {"four parameters": four_parameters.fit}
     if given.sysid:
         sys.path.insert(0, str(Path(__file__).parent / "peers"))

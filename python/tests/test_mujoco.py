@@ -84,7 +84,7 @@ def test_a_delay_is_the_actuators() -> None:
     assert over_noise(patched, held_out, "elbow")["motor_position"] < 1.1
 
 
-def test_the_known_torque_and_inertia_are_those_of_the_description() -> None:
+def test_the_known_torque_and_inertia_are_those_of_the_description(tmp_path: Path) -> None:
     """A pendulum of 2 kg, 0.5 m from an axis that lies, with a rotor that is not in either."""
     text = (
         '<mujoco><compiler angle="radian"/><option gravity="0 0 -9.81"/><worldbody><body>'
@@ -97,6 +97,13 @@ def test_the_known_torque_and_inertia_are_those_of_the_description() -> None:
     known = quell.mujoco.known(text, recording)["swing"]
     np.testing.assert_allclose(known["known_force"].array, -2.0 * 9.81 * 0.5 * np.cos(angle), atol=1e-4)
     np.testing.assert_allclose(known["inertia"].array, 2.0 * 0.25, rtol=1e-4)
+    # The same of a file that names its joints.
+    rows = "\n".join(f"{t!r},{q!r}" for t, q in zip(time.tolist(), angle.tolist()))
+    (tmp_path / "arm.csv").write_text(f"t,q\n{rows}\n", encoding="utf-8")
+    channel = 'role = "motor_position"\njoint = "swing"\nfile = "arm.csv"\ntime = "t"\ncolumn = "q"\nunit = "rad"\n'
+    (tmp_path / "recording.toml").write_text(f'name = "arm"\n[[channel]]\n{channel}', encoding="utf-8")
+    read = quell.mujoco.known(text, tmp_path)["swing"]
+    np.testing.assert_array_equal(read["known_force"].array, known["known_force"].array)
 
 
 def test_what_each_format_holds_is_written_and_the_rest_is_told(
