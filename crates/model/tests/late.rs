@@ -48,13 +48,3 @@ fn a_delay_is_that_of_the_reference() {
     assert!(worst.fold(0.0, f64::max) < 1e-12);
     assert!(truth[799] > 0.9);
 }
-
-/// What has no memory stays between loop and force: a drive that gives nothing below a force leaves the axis short of
-/// its reference, `F = K_v K_p (r - u)` at rest.
-#[test]
-fn a_dead_zone_is_behind_the_loop() {
-    let dead =
-        format!("{AXIS}[[effect]]\nname = \"dead_zone\"\n[effect.parameters]\nhalf_width = 400\n");
-    let rest = predicted(&dead, 0.1)[799];
-    assert!((1.0 - rest - 400.0 / 2000.0).abs() < 1e-2, "{rest}");
-}
