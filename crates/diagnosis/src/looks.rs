@@ -114,19 +114,20 @@ fn look(
     // Coupled to the measured motion an error of the force shows where and when it is made, and a fit has few minima.
     // But what acts over a longer time than the coupling remembers, as a lag of a sensor, is hidden, and keys of the model
     // take its place: beyond belief, or so that the motion by itself is missed by hardly less.
-    let mut unknown = unknown;
+    let (mut unknown, mut in_noise) = (unknown, None);
     if fitted.iter().all(|own| sees_forces(model, own)) {
         let Looked {
             mut outcome,
             points,
             believable,
         } = once((coupled(&fitted), coupled(&apart)), &unknown)?;
-        let halves = |own: &Scored| LOST * own.after.rms.powi(2) < own.before.rms.powi(2);
-        if believable && outcome.diagnosis.fit.scores.iter().all(halves) {
-            outcome.diagnosis.remarks.push(COUPLED.into());
+        outcome.diagnosis.remarks.push(COUPLED.into());
+        if believable && halves(&outcome) {
             return Ok(outcome);
         }
         unknown.points = points;
+        let nothing = explains(&outcome) && outcome.diagnosis.findings.is_empty();
+        in_noise = nothing.then_some(outcome);
     }
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
@@ -145,6 +146,14 @@ fn look(
     let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
         drives an axis freely add up without bound.";
     in_windows.diagnosis.remarks.push(remark.into());
+    // A model that leaves nothing but noise of the coupled motion lacks at most what lasts longer, which windows show.
+    if let Some(outcome) = in_noise {
+        return Ok(if halves(&in_windows) {
+            in_windows
+        } else {
+            outcome
+        });
+    }
     let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
     let seen = Known {
         points,
@@ -177,6 +186,12 @@ fn is_better(one: &Outcome, other: &Outcome, train: &Stretches) -> bool {
         false if count(one) < count(other) => own < LOST * theirs,
         false => LOST * own < theirs,
     }
+}
+
+/// Whether with what was found each recording, its motion by itself, is missed by less than half.
+fn halves(outcome: &Outcome) -> bool {
+    let halves = |own: &Scored| LOST * own.after.rms.powi(2) < own.before.rms.powi(2);
+    outcome.diagnosis.fit.scores.iter().all(halves)
 }
 
 /// Whether a diagnosis leaves only noise.

@@ -97,7 +97,8 @@ pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
             let centre = scales.position.0 + row[1] * reach;
             vec![row[0] * farthest.powi(-2), centre, row[2]]
         };
-        let rows = product(&[&[-0.2, 0.4], &centres, &[0.0, 1.0]]);
+        let mut rows = product(&[&[-0.2, 0.15, 0.8], &centres, &[1.0]]);
+        rows.extend(product(&[&[-0.2, 0.4], &[-1.0, 0.5, 2.0], &[0.0]]));
         rows.into_iter().map(start).collect()
     },
 };
