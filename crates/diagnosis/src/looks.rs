@@ -114,18 +114,17 @@ fn look(
     // Coupled to the measured motion an error of the force shows where and when it is made, and a fit has few minima.
     // But what acts over a longer time than the coupling remembers, as a lag of a sensor, is hidden, and keys of the model
     // take its place: beyond belief, or so that the motion by itself is missed by hardly less.
-    let (mut unknown, mut in_noise) = (unknown, None);
+    let mut in_noise = None;
     if fitted.iter().all(|own| sees_forces(model, own)) {
         let Looked {
             mut outcome,
-            points,
             believable,
+            ..
         } = once((coupled(&fitted), coupled(&apart)), &unknown)?;
         outcome.diagnosis.remarks.push(COUPLED.into());
         if believable && halves(&outcome) {
             return Ok(outcome);
         }
-        unknown.points = points;
         let nothing = explains(&outcome) && outcome.diagnosis.findings.is_empty();
         in_noise = nothing.then_some(outcome);
     }

@@ -344,7 +344,7 @@ fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] 
     for index in 0..chain.frictions.len() {
         let attachment = chain.attachment(chain.frictions[index].place);
         let law = &mut chain.frictions[index].law;
-        let (velocity, force) = law.fall();
+        let [velocity, force, until] = law.fall();
         let drop = chain.linear.unit_force * constants.mobility(attachment) * force;
         if drop <= 0.0 {
             continue;
@@ -366,11 +366,7 @@ fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] 
         found[attachment as usize] = Some(Fall {
             velocity,
             drop: drop + other.drop,
-            until: match curve || other.until == f64::INFINITY {
-                true => f64::INFINITY,
-                // Beyond three velocities the force is the kinetic one to 1e-4.
-                false => 3.0 * velocity,
-            },
+            until: until.max(other.until),
         });
     }
     found

@@ -29,7 +29,8 @@ const FORCE: &str =
     "MuJoCo has no element for it: apply the law as a force in the callback `mjcb_passive`.";
 
 /// Effects for which MuJoCo has no element, and what to do.
-const ABSENT: [(&str, &str); 19] = [
+const ABSENT: [(&str, &str); 20] = [
+    ("smooth_coulomb_friction", FORCE),
     ("hysteretic_stiffness", FORCE),
     ("bilinear_stiffness", FORCE),
     ("viscoelastic_creep", FORCE),

@@ -105,23 +105,34 @@ impl Friction {
         }
     }
 
-    /// A speed within which the level changes, and how far it falls or rises; nowhere where it does neither.
-    pub(crate) fn fall(&self) -> (f64, f64) {
+    /// A speed within which the level changes, how far it falls or rises, and the speed beyond which it does neither;
+    /// nowhere where it does neither.
+    pub(crate) fn fall(&self) -> [f64; 3] {
+        let [up, down] = [0, 1].map(|side| self.breakaway[side] - self.kinetic[side]);
         match &self.levels {
-            Some(levels) => levels.iter().fold((f64::INFINITY, 0.0), |most, level| {
-                (
-                    most.0.min(level.spacing()),
-                    most.1.max(level.steepest_fall()),
-                )
-            }),
-            None if self.transition_velocity > 0.0 => (
-                self.transition_velocity,
-                self.kinetic[0].max(self.kinetic[1]),
-            ),
-            None => {
-                let [up, down] = [0, 1].map(|side| self.breakaway[side] - self.kinetic[side]);
-                (self.stribeck_velocity, up.max(down))
+            Some(levels) => {
+                levels
+                    .iter()
+                    .fold([f64::INFINITY, 0.0, f64::INFINITY], |most, level| {
+                        let spacing = most[0].min(level.spacing());
+                        [spacing, most[1].max(level.steepest_fall()), f64::INFINITY]
+                    })
             }
+            // A rise is followed in steps of twice the length: it does not run away. It is 1 to .005 at three velocities.
+            None if self.transition_velocity > 0.0 => {
+                let velocity = self.transition_velocity;
+                [
+                    2.0 * velocity,
+                    self.kinetic[0].max(self.kinetic[1]),
+                    3.0 * velocity,
+                ]
+            }
+            // Beyond three velocities the force is the kinetic one to 1e-4.
+            None => [
+                self.stribeck_velocity,
+                up.max(down),
+                3.0 * self.stribeck_velocity,
+            ],
         }
     }
 
