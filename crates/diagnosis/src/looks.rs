@@ -49,7 +49,7 @@ pub fn diagnose(
     let mut outcome = look(told, &known, &apart, options, progress)?;
     if let Some((_, words)) = held {
         outcome.diagnosis.remarks.push(format!(
-            "The input was taken as {words}, which explains the recordings better. The model that is written says so              (`input_hold`)."
+            "The input was taken as {words}, which explains the recordings better. The model that is written says so (`input_hold`)."
         ));
     }
     if options.stop.was_asked() {
@@ -125,8 +125,16 @@ fn look(
         if believable && halves(&outcome) {
             return Ok(outcome);
         }
-        let nothing = explains(&outcome) && outcome.diagnosis.findings.is_empty();
-        in_noise = nothing.then_some(outcome);
+        // What was found does not show in the motion by itself: is the coupled motion noise without it, too?
+        if explains(&outcome) && !outcome.diagnosis.findings.is_empty() {
+            let nothing = Known {
+                alone: true,
+                ..unknown.clone()
+            };
+            outcome = once((coupled(&fitted), coupled(&apart)), &nothing)?.outcome;
+            outcome.diagnosis.remarks.push(COUPLED.into());
+        }
+        in_noise = (outcome.diagnosis.verdict == Verdict::NoMismatch).then_some(outcome);
     }
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
