@@ -1,6 +1,7 @@
 //! From a recording to an experiment: which channel drives the model, which ones it predicts.
 
 use super::chain::MotorSide;
+use super::effects::Law;
 use super::experiment::Experiment;
 use super::gain;
 use super::known::{Equation, Known};
@@ -8,7 +9,7 @@ use super::output::output;
 use super::piecewise::{Grid, Hold, RADIANS_A_STEP};
 use super::predict::predict_windows;
 use super::windows::windows;
-use super::{Departure, ExperimentError, Model};
+use super::{Departure, ExperimentError, Model, Term};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End, noise_floor};
 
@@ -110,18 +111,21 @@ impl Experiment {
         if known || motor != MotorSide::Prescribed {
             return;
         }
-        let predicted = self.predicted(model);
+        let predicted = self.predicted(model, &model.terms());
         for (output, predicted) in self.outputs.iter_mut().zip(predicted) {
             output.refine_gain(predicted);
         }
     }
 
     /// Takes an input that was sampled more densely than its motion needs as smooth as that motion, where no sensor
-    /// sees the difference: what an encoder rounds is no motion, but friction would stick and slide by it.
+    /// sees the difference: what an encoder rounds is no motion, but friction would stick and slide by it. So the modes
+    /// alone decide, and a model with friction sees the motion that the diagnosis saw which found it.
     fn smoothen(&mut self, model: &Model) {
         if self.hold != Hold::Spline {
             return;
         }
+        let mut modes = model.terms();
+        modes.retain(|term| matches!((term.effect.law)(&term.values), Law::Resonance(_)));
         let (short, mut rough) = (RADIANS_A_STEP / self.fastest(model), None);
         for spacing in [LONG * short, short] {
             let hold = Hold::Smooth(spacing);
@@ -132,7 +136,7 @@ impl Experiment {
             if grid.input.len() as f64 > SPARED * self.input_time.len() as f64 {
                 continue;
             }
-            let rough = rough.get_or_insert_with(|| self.predicted(model));
+            let rough = rough.get_or_insert_with(|| self.predicted(model, &modes));
             let other = |step| {
                 let grid = smooth(step).unwrap_or_else(|_| self.grid.clone());
                 Self {
@@ -142,7 +146,7 @@ impl Experiment {
                 }
             };
             // In steps that are short beside what the input is.
-            if self.sees_no_difference(rough, &other(short / FINER).predicted(model)) {
+            if self.sees_no_difference(rough, &other(short / FINER).predicted(model, &modes)) {
                 *self = other(short);
                 return;
             }
@@ -183,11 +187,10 @@ impl Experiment {
     }
 
     /// The prediction of each output, its clock as a first guess has it.
-    fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
+    fn predicted(&self, model: &Model, terms: &[Term]) -> Vec<Vec<f64>> {
         let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
         let start = &[Departure::default()];
-        let (keys, terms) = (model.keys(), model.terms());
-        let all = predict_windows(model.kind, &keys, &terms, self, start, &clocks);
+        let all = predict_windows(model.kind, &model.keys(), terms, self, start, &clocks);
         all.into_iter().map(|one| one.values).collect()
     }
 
