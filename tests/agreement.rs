@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use quell::diagnosis::{Diagnosis, Score, Verdict};
-use quell::proof::generate;
+use quell::proof::{Case, Kind, generate, generate_kind};
 use quell::recording::{Channel, Recording, Role};
 use quell::report::score_line;
 use rand::{Rng, SeedableRng};
@@ -76,6 +76,28 @@ fn what_is_left_is_the_same_number_wherever_it_is_told() {
     let (unit, noise) = (change.find(" rms, "), change.find(" times the noise"));
     assert!(unit.unwrap() < noise.unwrap(), "{change}");
     assert!(text.contains("left: "));
+}
+
+/// A model that has friction sees the motion that the diagnosis saw which found it, of an encoder that rounds, too: what
+/// sticks stands where it stood then.
+#[test]
+fn friction_sticks_where_the_diagnosis_saw_it_stick() {
+    let is_it = |case: &Case| {
+        let [hidden] = &case.truth.effects[..] else {
+            return false;
+        };
+        hidden.effect == "coulomb_friction" && hidden.place == "transmission"
+    };
+    let mut cases = (0..).map(|index| generate_kind(Kind::Single, 6, index).unwrap());
+    let case = cases.find(is_it).unwrap();
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("model.toml"), &case.model).unwrap();
+    case.train.write(folder.join("train"), true).unwrap();
+    let fit = agrees(folder, None).0.fit;
+    let ratio = fit.scores[0].after.rms / fit.after.train_rms;
+    // Stretches that were held out are in the score, and not in the fit.
+    assert!((0.9..1.1).contains(&ratio), "{fit:?}");
 }
 
 /// `m x'' = U - b x' - c sgn(x')` from rest, in steps too short to matter: `m` 0.13 V s^2/rad, `b` 0.5 V s/rad,
