@@ -491,7 +491,7 @@ fn every_law_converges_as_steps_are_halved() {
             // followed in steps of its own, however short the others are.
             let (factor, size) = match effect.name {
                 "viscoelastic_creep" => (3.5, 5e-3),
-                "smooth_coulomb_friction" => (2.0, 2e-4),
+                "smooth_coulomb_friction" => (1.0, 2e-4),
                 _ => (8.0, 1e-3),
             };
             assert!(errors[1] < size, "{}: {told}", effect.name);

@@ -1,5 +1,6 @@
 //! What the data say of physics that is not this joint's.
 
+use super::detrended::detrended;
 use super::found::Found;
 use super::marginal::correlation;
 use super::problem::Problem;
@@ -30,6 +31,7 @@ fn at_rest(problem: &Problem, left: impl Fn(usize) -> Vec<f64>) -> Option<String
         for (from, to) in resting(problem, experiment, noise) {
             let first = output.time.partition_point(|time| *time < from);
             let last = output.time.partition_point(|time| *time <= to);
+            // Friction holds a deformation, and a load creeps.
             let own = DVector::from_vec(detrended(&left[first..last]));
             chi += own.norm_squared() / noise.powi(2);
             dependent += own.len() as f64 * correlation(&own);
@@ -73,19 +75,4 @@ fn resting(problem: &Problem, experiment: &Experiment, noise: f64) -> Vec<(f64, 
         first = k;
     }
     stretches
-}
-
-/// The values without the line through them: friction holds a deformation, and a load creeps.
-fn detrended(values: &[f64]) -> Vec<f64> {
-    let count = values.len() as f64;
-    let (mean, middle) = (values.iter().sum::<f64>() / count, (count - 1.0) / 2.0);
-    let (mut product, mut square) = (0.0, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let at = k as f64 - middle;
-        (product, square) = (product + at * (value - mean), square + at * at);
-    }
-    let slope = if square > 0.0 { product / square } else { 0.0 };
-    let line = |k: usize| mean + slope * (k as f64 - middle);
-    let all = values.iter().enumerate();
-    all.map(|(k, value)| value - line(k)).collect()
 }

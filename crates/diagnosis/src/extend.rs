@@ -15,7 +15,7 @@ const FITTED: usize = 10;
 /// Learned laws that are fitted after the screen, which tells of each the curve that is likeliest.
 const LEARNED: usize = 3;
 /// Sizes of each candidate that a fit starts from: a law with a time or a length has a basin for each few of them.
-const SIZES: usize = 4;
+const SIZES: usize = 8;
 
 impl Search<'_> {
     /// Candidates on top of an explanation, fitted and judged.

@@ -4,6 +4,7 @@ use super::explanation::Explanation;
 use super::found::Found;
 use super::judge::Judge;
 use super::locate::Located;
+use super::noise::REDDEST;
 use super::search::Search;
 use super::thresholds::FLOOR;
 
@@ -31,14 +32,23 @@ impl Search<'_> {
     /// another colour, unless it has a place in the chain.
     pub fn leaves_nothing(&self, found: &Found, located: &Located) -> bool {
         let own = &found.baseline;
-        let below = |chi: f64, rows: usize| chi <= CERTAIN * CERTAIN * rows as f64;
-        let little = below(own.train, self.judge.train_rows)
-            && below(own.held_out, self.judge.held_out_rows);
-        self.leaves_noise(own) || little && located.location.place.is_none()
+        let little = self.is_below(own, CERTAIN) && located.location.place.is_none();
+        self.leaves_noise(own) || little || self.leaves_other_noise(own)
     }
 
     /// Whether the best explanation leaves nothing but noise.
     pub fn explains(&self, found: &Found) -> bool {
-        self.leaves_noise(&found.best)
+        self.leaves_noise(&found.best) || self.leaves_other_noise(&found.best)
+    }
+
+    /// Whether what an explanation leaves is noise that third differences take for less than it is: as large where the
+    /// machine hardly moves as where it moves most.
+    fn leaves_other_noise(&self, own: &Explanation) -> bool {
+        self.is_below(own, REDDEST) && self.problem.follows_motion(&own.fitted.point) == Some(false)
+    }
+
+    fn is_below(&self, own: &Explanation, times: f64) -> bool {
+        let below = |chi: f64, rows: usize| chi <= times * times * rows as f64;
+        below(own.train, self.judge.train_rows) && below(own.held_out, self.judge.held_out_rows)
     }
 }

@@ -1,5 +1,6 @@
 //! The noise floor of an output: level and colour.
 
+use super::detrended::detrended;
 use super::noise_colour::colour;
 use super::whitening::Whitening;
 use quell_model::{Experiment, Output};
@@ -17,7 +18,7 @@ const WITNESS: f64 = 3.0;
 
 /// Deviation of noise of one pole at 0.95 over what its third differences show: noise that is slower is drift.
 /// With `r` its pole their variance is `20 - 30 r + 12 r^2 - 2 r^3` times its own, against 20 where it is white.
-const REDDEST: f64 = 5.7;
+pub const REDDEST: f64 = 5.7;
 
 /// Samples of a stretch whose variance is worth comparing.
 const SHORTEST: usize = 40;
@@ -194,20 +195,4 @@ fn busy(values: &[f64], ranges: &[std::ops::Range<usize>]) -> Vec<f64> {
         .flat_map(|(from, to)| &values[from..to.max(from)])
         .copied()
         .collect()
-}
-
-/// Without its mean and slope.
-fn detrended(values: &[f64]) -> Vec<f64> {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let centre = (n - 1.0) / 2.0;
-    let (mut product, mut square) = (0.0, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let x = k as f64 - centre;
-        product += x * (value - mean);
-        square += x * x;
-    }
-    let slope = product / square.max(1.0);
-    let rest = |(k, v): (usize, &f64)| v - mean - slope * (k as f64 - centre);
-    values.iter().enumerate().map(rest).collect()
 }

@@ -48,7 +48,8 @@ pub fn summary(
                 ),
                 false => format!(
                     "Nothing was found to be missing: with its parameters refitted the model leaves {left}. What is \
-                     left has no place in the chain: it is noise of another colour, or a mismatch too small to be named."
+                     left has no place in the chain, or is as large where nothing moves: it is noise of another colour, \
+                     or a mismatch too small to be named."
                 ),
             }
         }
