@@ -3,87 +3,101 @@
 use super::detrended::detrended;
 use super::point::Point;
 use super::problem::Problem;
+use super::thresholds::FLOOR;
 
-/// Length of a window in periods of the mode.
-const WINDOW: f64 = 3.0;
-/// Fewest windows whose powers are compared with as many others.
-const FEWEST: usize = 6;
-/// Ratio of the motion's power, of the windows that move most over those that move least, in which a mismatch shows that
-/// is as large as the noise: it is then eleven times as large in power there.
-const CONTRAST: f64 = 10.0;
-/// Standard deviations by which the logarithms of the powers differ with a chance of one in twenty.
+/// Fewest windows whose powers tell how much such powers scatter.
+const FEWEST: usize = 3;
+/// Standard deviations that chance exceeds once in twenty times.
 const CHANCE: f64 = 1.64;
 
+/// What a window of a recording has.
+struct Powers {
+    /// Of the motion, in that of the whole recording.
+    motion: f64,
+    /// Of the residual of each output, in that of its noise.
+    left: Vec<f64>,
+}
+
 impl Problem<'_> {
-    /// Whether an output's residual has more power in the third of the windows that move most than in the third that
-    /// move least. `None` where the windows are too few, or move too much alike, to tell; or where a force drives the
-    /// motor side freely, and errors add up.
+    /// Whether what a point leaves grows with the motion; `None` where too few periods were recorded to tell, or where a
+    /// force drives the motor side freely, and errors add up.
+    ///
+    /// The windows of a period, by the power of their motion, are a third `a` that moves least and a third `b` that moves
+    /// most. Were the power `e` beyond that of the noise a mismatch in proportion to the motion's power `m`, the logarithm
+    /// of the residual's would rise by `ln (1 + e m_b) - ln (1 + e m_a)`; of noise it does not rise. What rises by less
+    /// than half of that, with 95 % confidence, is noise: the likelihoods of both are equal there.
     pub fn follows_motion(&self, point: &Point) -> Option<bool> {
         if self.scales.forced {
             return None;
         }
-        let mut windows: Vec<(f64, Vec<f64>)> = Vec::new();
-        for e in 0..self.experiments.len() {
-            windows.extend(self.powers(point, e));
-        }
-        windows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all = 0..self.experiments.len();
+        let mut windows: Vec<Powers> = all.flat_map(|e| self.powers(point, e)).collect();
+        windows.sort_by(|a, b| a.motion.total_cmp(&b.motion));
         let third = windows.len() / 3;
-        let (least, most) = (windows.get(..third)?, &windows[windows.len() - third..]);
-        let motion = |part: &[(f64, Vec<f64>)]| part.iter().map(|own| own.0).sum::<f64>();
-        if third < FEWEST || motion(most) < CONTRAST * motion(least) {
+        if third < FEWEST {
             return None;
         }
-        let outputs = windows.iter().map(|own| own.1.len()).min()?;
+        let parts = [&windows[..third], &windows[windows.len() - third..]];
+        let moves = parts.map(|part| mean(part.iter().map(|own| own.motion)));
+        let outputs = windows.iter().map(|own| own.left.len()).min()?;
         let grows = |k: usize| {
-            let [(still, a), (moved, b)] = [least, most].map(|part| mean_of_logarithms(part, k));
-            moved - still > CHANCE * (a + b).sqrt()
+            let beyond = mean(windows.iter().map(|own| own.left[k])) - 1.0;
+            let [still, moved] = moves.map(|motion| (1.0 + beyond * motion).ln());
+            let [(a, var_a), (b, var_b)] = parts.map(|part| of_logarithms(part, k));
+            let most = b - a + CHANCE * (var_a + var_b).sqrt();
+            beyond > FLOOR - 1.0 && most > 0.5 * (moved - still)
         };
         Some((0..outputs).any(grows))
     }
 
-    /// Of each window of an experiment the motion's power, in that of the whole, and the residual's of each output. What
-    /// stands still, or creeps, does not count: friction holds a deformation at rest.
-    fn powers(&self, point: &Point, e: usize) -> Vec<(f64, Vec<f64>)> {
+    /// Of the windows of an experiment. What stands still, or creeps, is not left: friction holds a deformation at rest.
+    fn powers(&self, point: &Point, e: usize) -> Vec<Powers> {
         let experiment = &self.experiments[e];
         let residuals = self.explained(point, e);
         let [motor, link] = self.kinematics(point, e);
         let time = &experiment.outputs[0].time;
-        let speeds = motor.iter().zip(&link).map(|(m, l)| [m[1], l[1] - m[1]]);
+        let bodies = motor.iter().zip(&link);
+        let speeds = bodies.map(|(m, l)| [m[1], l[1] - m[1]]);
         let speeds: Vec<[f64; 2]> = speeds.collect();
-        let whole = [0, 1].map(|k| power(&speeds, k).max(f64::MIN_POSITIVE));
-        let length = WINDOW * self.scales.period();
-        let count = ((time[time.len() - 1] - time[0]) / length) as usize;
+        let power = |speeds: &[[f64; 2]], k: usize| mean(speeds.iter().map(|own| own[k] * own[k]));
+        let whole = [0, 1].map(|k| power(&speeds, k));
+        let period = self.scales.period();
+        let count = ((time[time.len() - 1] - time[0]) / period) as usize;
         let window = |index: usize| {
-            let from = time[0] + index as f64 * length;
+            let from = time[0] + index as f64 * period;
             let within = |time: &[f64]| {
                 let at = |t: f64| time.partition_point(|own| *own < t);
-                at(from)..at(from + length)
+                at(from)..at(from + period)
             };
-            let speeds = &speeds[within(time)];
-            let motion = power(speeds, 0) / whole[0] + power(speeds, 1) / whole[1];
+            let own = &speeds[within(time)];
+            let moving = (0..2).filter(|&k| whole[k] > 0.0);
+            let motion = mean(moving.map(|k| power(own, k) / whole[k]));
             let outputs = experiment.outputs.iter().zip(&residuals);
-            let left = outputs.map(|(output, residual)| {
-                let own = detrended(&residual[within(&output.time)]);
-                own.iter().map(|r| r * r).sum::<f64>() / own.len().max(1) as f64
+            let left = outputs.zip(&self.noise[e]);
+            let left = left.map(|((output, residual), noise)| {
+                let rest = detrended(&residual[within(&output.time)]);
+                mean(rest.iter().map(|r| r * r)) / noise.deviation.powi(2)
             });
-            (motion, left.collect())
+            Powers {
+                motion,
+                left: left.collect(),
+            }
         };
-        (0..count).map(window).collect()
+        let told = |own: &Powers| own.left.iter().chain([&own.motion]).all(|p| p.is_finite());
+        (0..count).map(window).filter(told).collect()
     }
 }
 
-fn power(speeds: &[[f64; 2]], k: usize) -> f64 {
-    speeds.iter().map(|own| own[k] * own[k]).sum::<f64>() / speeds.len().max(1) as f64
+/// Not a number where there are none.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), own| (sum + own, count + 1.0));
+    sum / count
 }
 
 /// Mean of the logarithms of the powers of an output, and its variance.
-fn mean_of_logarithms(windows: &[(f64, Vec<f64>)], k: usize) -> (f64, f64) {
-    let count = windows.len() as f64;
-    let logarithms = windows
-        .iter()
-        .map(|own| own.1[k].max(f64::MIN_POSITIVE).ln());
-    let all: Vec<f64> = logarithms.collect();
-    let mean = all.iter().sum::<f64>() / count;
-    let square: f64 = all.iter().map(|own| (own - mean).powi(2)).sum();
-    (mean, square / (count - 1.0) / count)
+fn of_logarithms(windows: &[Powers], k: usize) -> (f64, f64) {
+    let logarithm = |own: &Powers| own.left[k].max(f64::MIN_POSITIVE).ln();
+    let middle = mean(windows.iter().map(logarithm));
+    let square = mean(windows.iter().map(|own| (logarithm(own) - middle).powi(2)));
+    (middle, square / (windows.len() as f64 - 1.0))
 }

@@ -38,11 +38,12 @@ impl Search<'_> {
 
     /// Whether the best explanation leaves nothing but noise.
     pub fn explains(&self, found: &Found) -> bool {
-        self.leaves_noise(&found.best) || self.leaves_other_noise(&found.best)
+        self.leaves_noise(&found.best)
     }
 
     /// Whether what an explanation leaves is noise that third differences take for less than it is: as large where the
-    /// machine hardly moves as where it moves most.
+    /// machine hardly moves as where it moves most. Of an explanation with effects it is not asked: what they take from a
+    /// mismatch of another shape is what grows with the motion.
     fn leaves_other_noise(&self, own: &Explanation) -> bool {
         self.is_below(own, REDDEST) && self.problem.follows_motion(&own.fitted.point) == Some(false)
     }
