@@ -13,6 +13,8 @@ from typing import Any, TypeVar, Union, cast
 
 from typing import TYPE_CHECKING
 
+from ._written import written
+
 if TYPE_CHECKING:
     import pandas
 
@@ -118,6 +120,4 @@ class Reported(Result):
         Path
             The file.
         """
-        file = Path(file)
-        file.write_text(self.html, encoding="utf-8")
-        return file
+        return written(file, self.html)

@@ -8,6 +8,7 @@ from typing import Any
 
 from . import _quell
 from ._result import bold, table
+from ._written import written
 
 __all__ = ["Effect", "Model"]
 
@@ -137,9 +138,7 @@ class Model:
         Path
             The file.
         """
-        file = Path(file)
-        file.write_text(self.to_toml(), encoding="utf-8")
-        return file
+        return written(file, self.to_toml())
 
     @property
     def kind(self) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .._result import Result, bold, paragraph
+from .._written import written
 from ..errors import ModelError
 from ..model import Effect
 from ._diagnose import JointDiagnosis
@@ -57,9 +58,7 @@ class Exported(Result):
         Path
             The file.
         """
-        file = Path(file)
-        file.write_text(self.text, encoding="utf-8")
-        return file
+        return written(file, self.text)
 
     def _repr_html_(self) -> str:
         return bold("Exported") + f"<pre>{self.text}</pre>" + "".join(paragraph(lack) for lack in self.lacks)
