@@ -49,7 +49,7 @@ pub fn sees_forces(model: &Model, own: &Experiment) -> bool {
 }
 
 /// Rate of a coupling that remembers four samples, rad/s: what a sampled force is wrong by within a sample stays small.
-pub(super) fn strongest(experiment: &Experiment) -> f64 {
+fn strongest(experiment: &Experiment) -> f64 {
     let (from, until) = experiment.span();
     let samples = experiment.input_time.len() as f64 - 1.0;
     0.25 * samples / (until - from)

@@ -11,8 +11,18 @@ use super::weights::measure_noise;
 use super::whitening::Whitening;
 use quell_model::{Experiment, Hold, Model};
 
-/// The model with the other course of its input between its samples, where that explains the recordings clearly better;
-/// none where it does not, or where the model says what its input does.
+/// A model that says what its input does between its samples, which the given one does not.
+pub struct Held {
+    /// The model.
+    pub model: Model,
+    /// The recordings as it sees them.
+    pub experiments: Vec<Experiment>,
+    /// What the input does.
+    pub words: &'static str,
+}
+
+/// The model with the other course of its input between its samples, where that explains the recordings clearly better
+/// than the usual one; none where it does not, or where the model says what its input does.
 ///
 /// A controller holds a force from tick to tick: taken for straight lines it acts half a sample too early, which no law
 /// should have to explain. A force that was measured is smooth: taken for held it acts too late. Only a motor side that
@@ -21,8 +31,8 @@ use quell_model::{Experiment, Hold, Model};
 pub fn held_input(
     model: &Model,
     recordings: &Stretches,
-) -> Result<Option<(Model, &'static str)>, DiagnosisError> {
-    let usual = experiments(model, recordings)?;
+    usual: &[Experiment],
+) -> Result<Option<Held>, DiagnosisError> {
     let shows = || usual.iter().all(|own| sees_forces(model, own));
     if model.hold.is_some() || usual[0].windows.is_empty() || !shows() {
         return Ok(None);
@@ -32,12 +42,17 @@ pub fn held_input(
         Hold::ZeroOrder => (Hold::Linear, "straight lines between its samples"),
         Hold::Spline | Hold::Smooth(_) => return Ok(None),
     };
-    let mut held = model.clone();
-    held.hold = Some(other);
-    let (before, rows, whitening) = left(model, &usual, None);
-    let (after, ..) = left(&held, &experiments(&held, recordings)?, Some(whitening));
+    let mut model_held = model.clone();
+    model_held.hold = Some(other);
+    let held = Held {
+        experiments: experiments(&model_held, recordings)?,
+        model: model_held,
+        words,
+    };
+    let (before, rows, whitening) = left(model, usual, None);
+    let (after, ..) = left(&held.model, &held.experiments, Some(whitening));
     let evidence = 0.5 * (before - after) * rows / after;
-    Ok((evidence > STRONG).then_some((held, words)))
+    Ok((evidence > STRONG).then_some(held))
 }
 
 /// Chi-squared that a refitted model leaves, the number of rows, and the noise by which they are weighed.

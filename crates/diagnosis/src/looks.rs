@@ -2,12 +2,11 @@
 //! coupled to its measured motion, in windows, each with a start of its own, and in one piece.
 
 use super::candidate::Known;
-use super::document::Scored;
-use super::document::Verdict;
+use super::document::{Scored, Verdict};
 use super::error::DiagnosisError;
 use super::excitation::{Carried, carried, mute, silent};
 use super::experiments::{coupled, experiments, sees_forces};
-use super::input_hold::held_input;
+use super::input_hold::{Held, held_input};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::{Looked, attempt};
 use super::score::score_in_one_piece;
@@ -44,14 +43,11 @@ pub fn diagnose(
         return silent(model, train, &words);
     }
     let (known, apart) = (stretches(train), stretches(held_out));
-    let held = held_input(model, &known)?;
-    let told = held.as_ref().map_or(model, |(held, _)| held);
-    let mut outcome = look(told, &known, &apart, options, progress)?;
-    if let Some((_, words)) = held {
-        outcome.diagnosis.remarks.push(format!(
-            "The input was taken as {words}, which explains the recordings better. The model that is written says so (`input_hold`)."
-        ));
-    }
+    let usual = experiments(model, &known)?;
+    let mut outcome = match held_input(model, &known, &usual)? {
+        None => look(model, usual, (&known, &apart), options, progress)?,
+        Some(held) => look_held(held, (&known, &apart), options, progress)?,
+    };
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
@@ -79,16 +75,32 @@ fn where_it_happened(outcome: &mut Outcome, recordings: &[Recording]) {
     }
 }
 
-/// Of recordings that are no longer than they need to be.
+/// By a model that says what its input does between its samples.
+fn look_held(
+    held: Held,
+    recordings: (&Stretches, &Stretches),
+    options: &Options,
+    progress: Progress,
+) -> Result<Outcome, DiagnosisError> {
+    let mut outcome = look(&held.model, held.experiments, recordings, options, progress)?;
+    outcome.diagnosis.remarks.push(format!(
+        "The input was taken as {}, which explains the recordings better. The model that is written says so \
+         (`input_hold`).",
+        held.words
+    ));
+    Ok(outcome)
+}
+
+/// Of recordings that are no longer than they need to be, as the model sees those that are fitted.
 fn look(
     model: &Model,
-    known: &Stretches,
-    held_out: &Stretches,
+    fitted: Vec<Experiment>,
+    (known, held_out): (&Stretches, &Stretches),
     options: &Options,
     progress: Progress,
 ) -> Result<Outcome, DiagnosisError> {
     let train = &known.recordings[..];
-    let (fitted, mut apart) = (experiments(model, known)?, experiments(model, held_out)?);
+    let mut apart = experiments(model, held_out)?;
     for experiment in &mut apart {
         experiment.recording += train.len();
     }
@@ -116,12 +128,16 @@ fn look(
     // take its place: beyond belief, or so that the motion by itself is missed by hardly less.
     let mut in_noise = None;
     if fitted.iter().all(|own| sees_forces(model, own)) {
+        let when_coupled = |known: &Known| -> Result<Looked, DiagnosisError> {
+            let mut looked = once((coupled(&fitted), coupled(&apart)), known)?;
+            looked.outcome.diagnosis.remarks.push(COUPLED.into());
+            Ok(looked)
+        };
         let Looked {
             mut outcome,
             believable,
             ..
-        } = once((coupled(&fitted), coupled(&apart)), &unknown)?;
-        outcome.diagnosis.remarks.push(COUPLED.into());
+        } = when_coupled(&unknown)?;
         if believable && halves(&outcome) {
             return Ok(outcome);
         }
@@ -131,8 +147,7 @@ fn look(
                 alone: true,
                 ..unknown.clone()
             };
-            outcome = once((coupled(&fitted), coupled(&apart)), &nothing)?.outcome;
-            outcome.diagnosis.remarks.push(COUPLED.into());
+            outcome = when_coupled(&nothing)?.outcome;
         }
         in_noise = (outcome.diagnosis.verdict == Verdict::NoMismatch).then_some(outcome);
     }

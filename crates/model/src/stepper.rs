@@ -12,6 +12,7 @@ mod events;
 
 use super::attachment::{ATTACHMENTS, Attachment};
 use super::chain::{Chain, Constants, Instant, State, coordinate};
+use super::effects::Change;
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use super::trace::Trace;
 
@@ -52,8 +53,8 @@ pub(super) struct Stepper<'a> {
 /// Friction that falls or rises with speed.
 #[derive(Clone, Copy)]
 struct Fall {
-    /// Speed within which it does: the least Stribeck or transition velocity, or the distance of knots.
-    velocity: f64,
+    /// By how much the speed may change within a step.
+    step: f64,
     /// Acceleration by which it does.
     drop: f64,
     /// Speed beyond which it changes no more.
@@ -243,7 +244,7 @@ impl<'a> Stepper<'a> {
             longest = match above > 0.0 {
                 true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
                 true => longest,
-                false => longest.min(0.5 * fall.velocity / (change.abs() + fall.drop)),
+                false => longest.min(fall.step / (change.abs() + fall.drop)),
             };
         }
         longest
@@ -344,13 +345,13 @@ fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] 
     for index in 0..chain.frictions.len() {
         let attachment = chain.attachment(chain.frictions[index].place);
         let law = &mut chain.frictions[index].law;
-        let [velocity, force, until] = law.fall();
+        let Change { step, force, until } = law.change();
         let drop = chain.linear.unit_force * constants.mobility(attachment) * force;
         if drop <= 0.0 {
             continue;
         }
         let curve = law.levels.is_some();
-        if !curve && 0.5 * velocity < drop * h / FINEST {
+        if !curve && step < drop * h / FINEST {
             if law.transition_velocity > 0.0 {
                 (law.transition_velocity, law.breakaway) = (0.0, law.kinetic);
             }
@@ -358,13 +359,12 @@ fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] 
             continue;
         }
         let other = found[attachment as usize].unwrap_or(Fall {
-            velocity: f64::INFINITY,
+            step: f64::INFINITY,
             drop: 0.0,
             until: 0.0,
         });
-        let velocity = velocity.min(other.velocity);
         found[attachment as usize] = Some(Fall {
-            velocity,
+            step: step.min(other.step),
             drop: drop + other.drop,
             until: until.max(other.until),
         });

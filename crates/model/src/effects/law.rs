@@ -91,6 +91,25 @@ pub struct Friction {
     pub levels: Option<Box<[Spline; 2]>>,
 }
 
+/// How the level of friction falls or rises with the speed.
+#[derive(Clone, Copy)]
+pub(crate) struct Change {
+    /// By how much the speed may change within a step of the integration that follows it.
+    pub step: f64,
+    /// By how much it falls or rises at most.
+    pub force: f64,
+    /// Speed beyond which it does neither.
+    pub until: f64,
+}
+
+impl Change {
+    const NONE: Self = Self {
+        step: f64::INFINITY,
+        force: 0.0,
+        until: f64::INFINITY,
+    };
+}
+
 impl Friction {
     /// Friction that slides against these levels over the speed, for positive and for negative slip velocity, and
     /// sticks up to those at speed 0.
@@ -105,35 +124,30 @@ impl Friction {
         }
     }
 
-    /// A speed within which the level changes, how far it falls or rises, and the speed beyond which it does neither;
-    /// nowhere where it does neither.
-    pub(crate) fn fall(&self) -> [f64; 3] {
+    /// How the level changes with the speed; not at all at [`Change::NONE`].
+    pub(crate) fn change(&self) -> Change {
+        if let Some(levels) = &self.levels {
+            return levels.iter().fold(Change::NONE, |most, level| Change {
+                step: most.step.min(0.5 * level.spacing()),
+                force: most.force.max(level.steepest_fall()),
+                ..Change::NONE
+            });
+        }
+        if self.transition_velocity > 0.0 {
+            return Change {
+                // A rise does not run away: RK4 follows it in steps up to 2.8 of its time constants.
+                step: 2.0 * self.transition_velocity,
+                force: self.kinetic[0].max(self.kinetic[1]),
+                // It is 1 to .005 there.
+                until: 3.0 * self.transition_velocity,
+            };
+        }
         let [up, down] = [0, 1].map(|side| self.breakaway[side] - self.kinetic[side]);
-        match &self.levels {
-            Some(levels) => {
-                levels
-                    .iter()
-                    .fold([f64::INFINITY, 0.0, f64::INFINITY], |most, level| {
-                        let spacing = most[0].min(level.spacing());
-                        [spacing, most[1].max(level.steepest_fall()), f64::INFINITY]
-                    })
-            }
-            // A rise does not run away: RK4 follows it in steps up to 2.8 of its time constants; 2 are taken.
-            // It is 1 to .005 at three velocities.
-            None if self.transition_velocity > 0.0 => {
-                let velocity = self.transition_velocity;
-                [
-                    4.0 * velocity,
-                    self.kinetic[0].max(self.kinetic[1]),
-                    3.0 * velocity,
-                ]
-            }
-            // Beyond three velocities the force is the kinetic one to 1e-4.
-            None => [
-                self.stribeck_velocity,
-                up.max(down),
-                3.0 * self.stribeck_velocity,
-            ],
+        Change {
+            step: 0.5 * self.stribeck_velocity,
+            force: up.max(down),
+            // The force is the kinetic one to 1e-4 there.
+            until: 3.0 * self.stribeck_velocity,
         }
     }
 

@@ -77,6 +77,7 @@ mod viscous_friction;
 
 pub use catalogue::{Catalogue, words};
 pub use curve::curve;
+pub(crate) use law::Change;
 pub use law::{
     Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, STATES, Sensor,
 };
