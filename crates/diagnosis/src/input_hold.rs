@@ -2,7 +2,7 @@
 
 use super::baseline::{problem, refit};
 use super::error::DiagnosisError;
-use super::experiments::{coupled, experiments, sees_forces};
+use super::experiments::{coupled, experiments};
 use super::projector::Projector;
 use super::split;
 use super::stretches::Stretches;
@@ -33,8 +33,7 @@ pub fn held_input(
     recordings: &Stretches,
     usual: &[Experiment],
 ) -> Result<Option<Held>, DiagnosisError> {
-    let shows = || usual.iter().all(|own| sees_forces(model, own));
-    if model.hold.is_some() || usual[0].windows.is_empty() || !shows() {
+    if model.hold.is_some() || usual[0].windows.is_empty() {
         return Ok(None);
     }
     let (other, words) = match usual[0].hold {
@@ -49,21 +48,25 @@ pub fn held_input(
         model: model_held,
         words,
     };
-    let (before, rows, whitening) = left(model, usual, None);
-    let (after, ..) = left(&held.model, &held.experiments, Some(whitening));
+    let both = coupled(model, usual).zip(coupled(&held.model, &held.experiments));
+    let Some((usual, other)) = both else {
+        return Ok(None);
+    };
+    let (before, rows, whitening) = left(model, &usual, None);
+    let (after, ..) = left(&held.model, &other, Some(whitening));
     let evidence = 0.5 * (before - after) * rows / after;
     Ok((evidence > STRONG).then_some(held))
 }
 
-/// Chi-squared that a refitted model leaves, the number of rows, and the noise by which they are weighed.
+/// Chi-squared that a refitted model leaves of coupled experiments, the number of rows, and the noise by which they are
+/// weighed.
 fn left(
     model: &Model,
-    experiments: &[Experiment],
+    coupled: &[Experiment],
     known: Option<Vec<Vec<Whitening>>>,
 ) -> (f64, f64, Vec<Vec<Whitening>>) {
-    let coupled = coupled(experiments);
     let rows = coupled.iter().map(split::whole).collect();
-    let mut problem = problem(model, &coupled, rows);
+    let mut problem = problem(model, coupled, rows);
     let mut start = problem.start(model);
     match known {
         Some(whitening) => problem.whitening = whitening,

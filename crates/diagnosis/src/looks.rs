@@ -5,7 +5,7 @@ use super::candidate::Known;
 use super::document::{Scored, Verdict};
 use super::error::DiagnosisError;
 use super::excitation::{Carried, carried, mute, silent};
-use super::experiments::{coupled, experiments, sees_forces};
+use super::experiments::{coupled, experiments};
 use super::input_hold::{Held, held_input};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::{Looked, attempt};
@@ -127,9 +127,9 @@ fn look(
     // But what acts over a longer time than the coupling remembers, as a lag of a sensor, is hidden, and keys of the model
     // take its place: beyond belief, or so that the motion by itself is missed by hardly less.
     let mut in_noise = None;
-    if fitted.iter().all(|own| sees_forces(model, own)) {
+    if let Some((fitted, apart)) = coupled(model, &fitted).zip(coupled(model, &apart)) {
         let when_coupled = |known: &Known| -> Result<Looked, DiagnosisError> {
-            let mut looked = once((coupled(&fitted), coupled(&apart)), known)?;
+            let mut looked = once((fitted.clone(), apart.clone()), known)?;
             looked.outcome.diagnosis.remarks.push(COUPLED.into());
             Ok(looked)
         };
