@@ -91,4 +91,11 @@ impl Pull {
         let w = self.coupling.rate;
         w * w * (r - position) + 2.0 * w * (rate - velocity)
     }
+
+    /// Position of a motor side that friction has held for a time `h` until an instant: the coupling, which is no force,
+    /// does not move it, but what it is wrong by is forgotten as in motion.
+    pub(super) fn forgotten(&self, time: f64, position: f64, h: f64) -> f64 {
+        let measured = self.piece.at(time - self.start)[0];
+        measured + (position - measured) * (-self.coupling.rate * h).exp()
+    }
 }

@@ -219,7 +219,7 @@ impl<'a> Stepper<'a> {
             } else {
                 then.min(to)
             };
-            self.accept(state, span.from, input);
+            self.accept(state, span.from, input, h);
             if span.from < to {
                 start = self.settle(state, &span);
                 trace.push(&start, state);
@@ -300,8 +300,8 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The state at the end of a step: what sticks stands still, memories move on.
-    fn accept(&mut self, state: &mut State, time: f64, input: [f64; 3]) {
+    /// The state at the end of a step of length `h`: what sticks stands still, memories move on.
+    fn accept(&mut self, state: &mut State, time: f64, input: [f64; 3], h: f64) {
         for attachment in self.rough() {
             if self.holds(attachment) {
                 let motion = self
@@ -309,7 +309,12 @@ impl<'a> Stepper<'a> {
                     .position::<true>(&self.constants, time, state, input)
                     .motion;
                 match attachment {
-                    Attachment::Motor => state[1] = 0.0,
+                    Attachment::Motor => {
+                        state[1] = 0.0;
+                        if let Some(pull) = &self.chain.pull {
+                            state[0] = pull.forgotten(time, state[0], h);
+                        }
+                    }
                     Attachment::Across => state[3] = motion.motor[1],
                     Attachment::Link => state[3] = 0.0,
                 }
