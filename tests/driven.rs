@@ -164,3 +164,43 @@ fn a_driven_motor_shows_its_friction_and_its_cogging() {
     check(&told, "cogging", "drive", "amplitude", cogging);
     check(&told, "cogging", "drive", "order", 12.0);
 }
+
+/// Dry friction that holds at rest, and a cogging of several periods, behind an encoder whose noise hides a hundredth of the
+/// force from one sample to the next.
+#[test]
+fn a_heavy_axis_shows_its_friction_and_its_cogging_through_noise() {
+    let (mass, viscous) = (185.0, 120.0);
+    let (friction, cogging, order) = (60.0, 90.0, 40.0);
+    let (fine, every) = (1e-4, 20);
+    let ([mut u, mut v], mut force) = ([0.0; 2], 0.0);
+    let mut seen = [Vec::new(), Vec::new()];
+    for k in 0..(LENGTH / fine) as usize {
+        if k % every == 0 {
+            let [r, rate] = moves(k as f64 * fine);
+            force = 4e5 * (r - u) + 1.5e4 * (rate - v);
+            seen[0].push(force);
+            seen[1].push(u);
+        }
+        let pull = force - viscous * v - cogging * (order * u + 0.3_f64).sin();
+        if v == 0.0 && pull.abs() <= friction {
+            continue;
+        }
+        let way = if v == 0.0 { pull.signum() } else { v.signum() };
+        let next = v + fine * (pull - friction * way) / mass;
+        // It stops where it would turn back.
+        v = if next * way < 0.0 { 0.0 } else { next };
+        u += fine * v;
+    }
+    let [force, position] = seen;
+    let told = diagnosed(
+        "kind = \"rigid_axis\"\nmass = 180.0\nviscous = 150.0\n",
+        vec![
+            (Role::Torque, "N.m", force),
+            (Role::MotorPosition, "rad", position),
+        ],
+        1.0 / (fine * every as f64),
+    );
+    check(&told, "coulomb_friction", "drive", "friction", friction);
+    check(&told, "cogging", "drive", "amplitude", cogging);
+    check(&told, "cogging", "drive", "order", order);
+}

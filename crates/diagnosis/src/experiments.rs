@@ -7,11 +7,12 @@ use quell_model::chain::MotorSide;
 use quell_model::{Experiment, Model};
 use quell_recording::Role;
 use quell_signal::noise_floor;
+use std::f64::consts::PI;
 
 /// Share of the driving force that an error of it has, which a coupled motor side must show: a tenth of what a law of
 /// the catalogue typically takes.
 const SEEN: f64 = 0.01;
-/// `w t` after which the error of a start has fallen to a twentieth, as at the end of a window: `(1 + w t) exp(-w t)`.
+/// `w t` after which an error has fallen to a twentieth: `(1 + w t) exp(-w t)`.
 const FORGOTTEN: f64 = 4.74;
 
 /// One for each recording, or stretch of one.
@@ -34,9 +35,9 @@ pub fn coupled(model: &Model, all: &[Experiment]) -> Option<Vec<Experiment>> {
     all.iter().map(one).collect()
 }
 
-/// Rate of the coupling, rad/s: the strongest that still shows an error of the force, if it forgets within a window, which
-/// an axis that is not coupled is looked at in. With a rate `w` a force that is wrong by `dF` moves a mass `m` by
-/// `dF / (m w^2)`, which has to be above the noise of the encoder.
+/// Rate of the coupling, rad/s: the strongest that still shows an error of the force, if it forgets before the motion
+/// turns. With a rate `w` a force that is wrong by `dF` moves a mass `m` by `dF / (m w^2)`, which has to be above the noise
+/// of the encoder. The motion turns after half a period of the vibration whose acceleration and position are as large.
 fn rate(model: &Model, own: &Experiment) -> Option<f64> {
     let mut outputs = own.outputs.iter();
     let encoder = outputs.find(|output| output.role == Role::MotorPosition)?;
@@ -44,14 +45,19 @@ fn rate(model: &Model, own: &Experiment) -> Option<f64> {
     let MotorSide::Free { inertia, .. } = linear.motor else {
         return None;
     };
-    let squares: f64 = own.input_values.iter().map(|force| force * force).sum();
-    let force = linear.motor_gain * (squares / own.input_values.len() as f64).sqrt();
+    let acceleration = (linear.motor_gain * deviation(&own.input_values) / inertia).abs();
     let noise = noise_floor(&encoder.values).standard_deviation;
-    let seen = (SEEN * force.abs() / (inertia * noise)).sqrt();
-    let rate = strongest(own).min(seen);
-    let (from, until) = own.span();
-    let window = (until - from) / (own.windows.len() + 1) as f64;
-    (rate * window > FORGOTTEN).then_some(rate)
+    let rate = strongest(own).min((SEEN * acceleration / noise).sqrt());
+    let turns = PI / (acceleration / deviation(&encoder.values)).sqrt();
+    (rate * turns > FORGOTTEN).then_some(rate)
+}
+
+/// Root mean square about the mean.
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (squares / n).sqrt()
 }
 
 /// Rate of a coupling that remembers four samples, rad/s: what a sampled force is wrong by within a sample stays small.

@@ -150,16 +150,14 @@ impl Search<'_> {
 
 /// The most probable explanations beside the one that is told that hold, with it, the share of the credible set. One
 /// that has its effects and more, or laws that contain them as limits, as Stribeck's friction contains Coulomb's, does
-/// not contradict it.
+/// not contradict it, unless it is the more probable one.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
-    let same = |own: &Explanation| contains(own, best);
-    let mut held: f64 = ranked
-        .iter()
-        .filter(|own| same(&own.0))
-        .map(|own| own.1)
-        .sum();
+    let told = ranked.iter().find(|own| own.0.is_like(best));
+    let told = told.map_or(0.0, |own| own.1);
+    let same = |own: &(Explanation, f64)| contains(&own.0, best) && own.1 <= told;
+    let mut held: f64 = ranked.iter().filter(|own| same(own)).map(|own| own.1).sum();
     let mut set = Vec::new();
-    for (own, weight) in ranked.iter().filter(|own| !same(&own.0)) {
+    for (own, weight) in ranked.iter().filter(|own| !same(own)) {
         if held >= CREDIBLE {
             break;
         }

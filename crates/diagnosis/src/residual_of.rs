@@ -99,7 +99,10 @@ impl Problem<'_> {
             .kind
             .mode
             .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
-        let (natural_frequency, damping_ratio) = mode.unwrap_or((0.0, 0.0));
+        // An error of the motor side passes the coupling to its measured motion.
+        let coupling = experiment.coupling.as_ref().map(|own| (own.rate, 1.0));
+        let coupling = coupling.filter(|_| output.role == Role::MotorPosition);
+        let (natural_frequency, damping_ratio) = coupling.or(mode).unwrap_or((0.0, 0.0));
         let windows = experiment.windows.iter();
         let restarts: Vec<f64> = windows.map(|w| w.time + local.clocks[0]).collect();
         locate(&Residual {
