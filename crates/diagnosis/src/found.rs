@@ -65,8 +65,7 @@ impl Search<'_> {
     }
 
     /// The most probable explanation whose parameters mean something, that predicts what was held out better than the
-    /// model without it, and of whose effects none makes that prediction worse; with limits in the place of its laws
-    /// where the credible set does not exclude them.
+    /// model without it, and of whose effects none makes that prediction worse.
     fn told(&self, pool: &mut Pool) -> Told {
         loop {
             let known = pool.count();
@@ -80,55 +79,38 @@ impl Search<'_> {
 
     fn first_sound(&self, pool: &mut Pool) -> Told {
         let temperature = pool.temperature(self.judge);
-        let ranked = pool.ranked(temperature).into_iter();
-        let ranked = ranked.map(|(own, log)| (own.clone(), log));
-        let ranked: Vec<(Explanation, f64)> = ranked.take_while(|own| own.0.terms() > 0).collect();
+        let ranked = pool
+            .ranked(temperature)
+            .into_iter()
+            .map(|own| own.0.clone());
+        let ranked: Vec<Explanation> = ranked.take_while(|own| own.terms() > 0).collect();
         let mut refused = Vec::new();
-        for (own, log) in &ranked {
-            let limits = ranked.iter().filter(|(other, theirs)| {
-                is_limit(other, own) && log - theirs < (CREDIBLE / (1.0 - CREDIBLE)).ln()
-            });
-            let Some(ablated) = self.sound(own, pool, temperature) else {
-                refused.push(own.clone());
-                continue;
-            };
-            let simpler = limits.map(|other| &other.0).find_map(|other| {
-                let ablated = self.sound(other, pool, temperature)?;
-                Some((other, ablated))
-            });
-            let (best, ablated) = simpler.unwrap_or((own, ablated));
-            return Told {
-                best: best.clone(),
-                ablated,
-                refused,
-            };
+        for own in ranked {
+            let better = own.held_out <= pool.baseline().held_out;
+            if better && self.problem.is_meaningful(&own, temperature) {
+                let ablated = self.ablated(&own, pool);
+                let worse = |without: &Explanation| {
+                    let foreseen = |own: &Explanation| own.evidence.of_held_out(temperature);
+                    let missed = |own: &Explanation| own.held_out / (2.0 * temperature);
+                    let chance = |more: f64| more <= BARE_MENTION;
+                    chance(foreseen(without) - foreseen(&own))
+                        && chance(missed(&own) - missed(without))
+                };
+                if ablated.iter().all(worse) {
+                    return Told {
+                        best: own,
+                        ablated,
+                        refused,
+                    };
+                }
+            }
+            refused.push(own);
         }
         Told {
             best: pool.baseline().clone(),
             ablated: Vec::new(),
             refused,
         }
-    }
-
-    /// What an explanation leaves without each of its effects, if it may be told.
-    fn sound(
-        &self,
-        own: &Explanation,
-        pool: &mut Pool,
-        temperature: f64,
-    ) -> Option<Vec<Explanation>> {
-        let better = own.held_out <= pool.baseline().held_out;
-        if !better || !self.problem.is_meaningful(own, temperature) {
-            return None;
-        }
-        let ablated = self.ablated(own, pool);
-        let foreseen = |own: &Explanation| own.evidence.of_held_out(temperature);
-        let missed = |own: &Explanation| own.held_out / (2.0 * temperature);
-        let chance = |more: f64| more <= BARE_MENTION;
-        let worse = |without: &Explanation| {
-            chance(foreseen(without) - foreseen(own)) && chance(missed(own) - missed(without))
-        };
-        ablated.iter().all(worse).then_some(ablated)
     }
 
     /// An explanation without each of its effects, refitted.
@@ -150,14 +132,16 @@ impl Search<'_> {
 
 /// The most probable explanations beside the one that is told that hold, with it, the share of the credible set. One
 /// that has its effects and more, or laws that contain them as limits, as Stribeck's friction contains Coulomb's, does
-/// not contradict it, unless it is the more probable one.
+/// not contradict it.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
-    let told = ranked.iter().find(|own| own.0.is_like(best));
-    let told = told.map_or(0.0, |own| own.1);
-    let same = |own: &(Explanation, f64)| contains(&own.0, best) && own.1 <= told;
-    let mut held: f64 = ranked.iter().filter(|own| same(own)).map(|own| own.1).sum();
+    let same = |own: &Explanation| contains(own, best);
+    let mut held: f64 = ranked
+        .iter()
+        .filter(|own| same(&own.0))
+        .map(|own| own.1)
+        .sum();
     let mut set = Vec::new();
-    for (own, weight) in ranked.iter().filter(|own| !same(own)) {
+    for (own, weight) in ranked.iter().filter(|own| !same(&own.0)) {
         if held >= CREDIBLE {
             break;
         }
@@ -165,12 +149,6 @@ fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanatio
         set.push(own.clone());
     }
     set
-}
-
-/// Whether an explanation is another one with limits in the place of some of its laws, as Coulomb's friction is of
-/// Stribeck's.
-fn is_limit(simpler: &Explanation, own: &Explanation) -> bool {
-    simpler.terms() == own.terms() && !simpler.is_like(own) && contains(own, simpler)
 }
 
 /// Whether an explanation has all effects of a simpler one, or laws that contain them as limits.
