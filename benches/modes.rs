@@ -178,7 +178,15 @@ fn main() {
                 each.join(" ")
             );
             if policy == Policy::Learned && std::env::args().any(|word| word == "--each") {
-                left.iter().for_each(|left| println!("    {}", left.said));
+                for (left, all) in left.iter().zip(&unshaped) {
+                    println!(
+                        "    {:.4} of {:.4} mrad, {} retunes, {}",
+                        1e3 * left.residual,
+                        1e3 * all.residual,
+                        left.retunes,
+                        left.said
+                    );
+                }
             }
         }
     }
