@@ -5,7 +5,6 @@ use quell_shapers::{
     UncertainMode,
 };
 
-use super::adapting::ringing_time;
 use super::ahead::Ahead;
 use super::corrected::Corrected;
 use super::path::Lane;
@@ -175,30 +174,6 @@ impl Axis {
     pub(super) fn replace_sensor(&mut self, sensor: DeformationSensor) -> DeformationSensor {
         self.begin_move();
         core::mem::replace(&mut self.sensor, sensor)
-    }
-
-    /// A move from rest begins: the mode may have changed since the last one, as by a payload.
-    ///
-    /// What the last mode has left would be replayed as that of the new one, and vibration be cancelled that is not there. It is
-    /// forgotten where the last mode says that it is less than what is worth a change.
-    pub(super) fn begin_from_rest(&mut self) {
-        if self.has_died() {
-            self.filter.forget();
-        }
-        self.begin_move();
-    }
-
-    /// Whether less than the dead band is left of what the planned input would have made, by the mode that was estimated last.
-    fn has_died(&self) -> bool {
-        let estimate = self.status.estimate.as_ref();
-        let estimate = estimate.filter(|found| self.adaptation.screen(found).is_ok());
-        let mode = estimate.map_or(self.status.shaped_for.mode, |found| found.mode);
-        if self.since_plan_end > ringing_time(mode) {
-            return true;
-        }
-        let left = self.filter.residual(mode);
-        let dead_band = self.settings.adaptation.dead_band;
-        left.is_none_or(|left| left.shaped <= dead_band * left.unshaped.max(self.unshaped))
     }
 
     /// What was estimated of the last move does not hold for the next one.
