@@ -68,6 +68,18 @@ fn arms() -> Vec<Programme> {
     ]
 }
 
+/// Kinds of programmes.
+type Kind = (&'static str, fn(&Programme) -> bool);
+const KINDS: [Kind; 5] = [
+    ("without backlash", |p| p.faults.backlash == 0.0),
+    ("without backlash and friction", |p| {
+        p.faults.backlash == 0.0 && p.faults.friction == 0.0
+    }),
+    ("with backlash", |p| p.faults.backlash > 0.0),
+    ("one mode", |p| p.modes.len() == 1),
+    ("several modes", |p| p.modes.len() > 1),
+];
+
 /// Root of the mean square of what the moves left.
 fn size(left: &[Left]) -> f64 {
     (left.iter().map(|left| left.residual.powi(2)).sum::<f64>() / left.len() as f64).sqrt()
@@ -93,6 +105,7 @@ fn campaign(count: u64, from: u64) {
                 each.join(" "),
                 programme.name
             ),
+            programme,
         )
     };
     let mut all: Vec<_> = (from..from + count).into_par_iter().map(run).collect();
@@ -111,6 +124,14 @@ fn campaign(count: u64, from: u64) {
             at(0.99),
             at(1.0)
         );
+    }
+    for (name, is_of) in KINDS {
+        let of_kind = all.iter().filter(|one| is_of(&one.2));
+        let mut ratios: Vec<f64> = of_kind.map(|one| one.0[1]).collect();
+        if !ratios.is_empty() {
+            ratios.sort_by(f64::total_cmp);
+            println!("{name}: {}, median {:.3}", ratios.len(), median(&ratios));
+        }
     }
     all.sort_by(|a, b| b.0[1].total_cmp(&a.0[1]));
     all.iter().take(12).for_each(|one| println!("  {}", one.1));
@@ -178,7 +199,15 @@ fn main() {
                 each.join(" ")
             );
             if policy == Policy::Learned && std::env::args().any(|word| word == "--each") {
-                left.iter().for_each(|left| println!("    {}", left.said));
+                for (left, all) in left.iter().zip(&unshaped) {
+                    println!(
+                        "    {:.4} of {:.4} mrad, {} retunes, {}",
+                        1e3 * left.residual,
+                        1e3 * all.residual,
+                        left.retunes,
+                        left.said
+                    );
+                }
             }
         }
     }

@@ -184,6 +184,17 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         self.fade.replace(&last);
     }
 
+    /// Takes what was sent up to now as having left no vibration, as after it has died. Says whether: not where the output still moves.
+    ///
+    /// What another mode than the present one has left, as with another payload, cannot be replayed with the present one.
+    pub fn forget(&mut self) -> bool {
+        let settled = self.is_settled();
+        if settled {
+            self.history.reset(self.sent.position);
+        }
+        settled
+    }
+
     /// Whether the output is constant: the input has been for as long as the trains last, and no
     /// correction is under way.
     pub fn is_settled(&self) -> bool {

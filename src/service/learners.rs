@@ -27,6 +27,8 @@ pub enum Job {
     Prescribe(Box<Wanted>),
     /// Solve a move within a tolerance.
     Within(Box<Within>),
+    /// Look at a move along its way.
+    Along(Box<Along>),
     /// A move has rung out.
     Ended(Box<Ended>),
     /// Forget a joint.
@@ -49,6 +51,22 @@ pub struct Wanted {
     pub base: GridTrain,
     /// Whether the plan may be stopped anywhere on its way, as a jog.
     pub anywhere: bool,
+}
+
+/// A move along its way.
+pub struct Along {
+    /// The joint.
+    pub joint: usize,
+    /// Number of the question.
+    pub ticket: u64,
+    /// Its samples up to now.
+    pub heard: Vec<Sample>,
+    /// The plan.
+    pub plan: SampledTrajectory,
+    /// The rest of what there is along its way.
+    pub surroundings: Surroundings,
+    /// The train in force.
+    pub in_force: GridTrain,
 }
 
 /// A move within a tolerance.
@@ -109,6 +127,15 @@ pub enum Said {
         ticket: u64,
         /// What is in force for it.
         prescription: Box<Prescription>,
+    },
+    /// What a move says along its way; none where nothing is to be changed.
+    Along {
+        /// The joint.
+        joint: usize,
+        /// Number of the question.
+        ticket: u64,
+        /// What to go on with.
+        prescription: Option<Box<Prescription>>,
     },
     /// The move within a tolerance, or why there is none.
     Within {
@@ -228,6 +255,16 @@ impl Learners {
                 });
             }
             Job::Within(within) => self.within(*within),
+            Job::Along(along) => {
+                let (learner, _) = &self.joints[along.joint];
+                let (plan, around) = (&along.plan, &along.surroundings);
+                let found = learner.along(&along.heard, plan, around, &along.in_force);
+                let _ = self.said.send(Said::Along {
+                    joint: along.joint,
+                    ticket: along.ticket,
+                    prescription: found.map(Box::new),
+                });
+            }
             Job::Ended(ended) => self.hear(&ended),
             Job::Forget(joint) => {
                 self.joints[joint].0.forget();

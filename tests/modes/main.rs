@@ -121,6 +121,23 @@ fn a_declared_payload_is_shaped_for_from_its_first_move() {
     }
 }
 
+/// Payloads that nobody declares, learned in motion: what the arm did with the last one is none of the next one's vibration.
+#[test]
+fn a_payload_that_changes_between_moves_leaves_nothing_behind() {
+    let loaded = PlantMode {
+        payload: 0.8,
+        ..PlantMode::new(8.0, 0.03, 1.0)
+    };
+    let mut programme = arm(&[loaded], 8.0, &TARGETS);
+    let payloads = [0.0, 1.0, 0.5, 0.25, 0.75, 0.0, 0.9, 0.1];
+    for (entry, payload) in programme.moves.iter_mut().zip(payloads) {
+        entry.1 = payload;
+    }
+    let [unshaped, adaptive] = [Policy::Unshaped, Policy::Adaptive].map(|p| programme.run(p));
+    let all = percent(&adaptive, &unshaped);
+    assert!(worst(&all) <= 1.0, "{all:?}");
+}
+
 fn declared_in(most: f64) -> Vec<f64> {
     let loaded = PlantMode {
         payload: 0.8,
@@ -146,7 +163,7 @@ fn adaptation_hardly_ever_leaves_more_than_none() {
     };
     let ratios: Vec<f64> = (2000..2004).into_par_iter().map(ratio).collect();
     println!("{ratios:.3?}");
-    // The aim is 1.05 in 99 of 100. Joints with backlash miss it: of 90 the worst was at 1.22.
+    // The aim is 1.05 in 99 of 100: of these four and 120 others one, that with backlash here, is above, at 1.15.
     assert!(worst(&ratios) <= 1.25, "{ratios:?}");
     assert!(median(&ratios) < 1.0, "{ratios:?}");
 }

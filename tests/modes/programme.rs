@@ -4,9 +4,9 @@ use super::plant::{Faults, Plant, PlantMode};
 use quell::adaptation::AdaptationSettings;
 use quell::controller::{AxisSettings, Controller, RetunePolicy};
 use quell::estimators::{Settings, estimator};
-use quell::learning::{Learner, LearnerSettings, Surroundings};
+use quell::learning::{Learner, LearnerSettings, ModeOnWay, Prescription, Surroundings};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
-use quell_shapers::{Mode, Shaper, shaper_by_name};
+use quell_shapers::{CORRECTED_MODES, Mode, Shaper, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
 pub const PERIOD: f64 = 0.001;
@@ -17,6 +17,8 @@ const LIMITS: Limits = Limits {
 };
 /// The motor side has followed from here on, rad.
 const FOLLOWED: f64 = 1e-6;
+/// So often a move of which nothing is known is looked at along its way, and so late its answer comes, s.
+const LOOKED: f64 = 0.1;
 /// The arm is left alone for so many periods of the belief.
 const WATCHED: f64 = 12.0;
 
@@ -142,7 +144,9 @@ impl Programme {
                 let delay = controller.axis().next_train().duration();
                 controller.load(plan.clone()).expect("a plan");
                 let before = controller.axis().status().retunes;
-                let residual = self.one(&mut controller, &mut plant, &mut inbox, target);
+                let is_new = policy == Policy::Learned && learner.modes() == 0;
+                let along = is_new.then_some((&learner, &plan, &around));
+                let residual = self.one(&mut controller, &mut plant, &mut inbox, target, along);
                 let retunes = controller.axis().status().retunes - before;
                 let start = std::time::Instant::now();
                 if policy == Policy::Learned {
@@ -167,8 +171,10 @@ impl Programme {
         plant: &mut Plant,
         inbox: &mut Vec<Measurement>,
         target: f64,
+        along: Option<(&Learner, &SampledTrajectory, &Surroundings)>,
     ) -> f64 {
         let (mut quiet, mut trace) = (0.0, Vec::new());
+        let (looked, mut found) = ((LOOKED / PERIOD) as usize, None);
         while quiet < WATCHED / self.belief_hz && trace.len() < 20_000 {
             let setpoint = controller.tick(inbox);
             let measured = plant.step(setpoint.position, setpoint.velocity);
@@ -185,6 +191,16 @@ impl Programme {
                         deformation,
                     }),
             );
+            if let Some((learner, plan, around)) = along
+                && trace.len() % looked == looked - 1
+            {
+                if let Some(prescribed) = found.take() {
+                    go_on_with(controller, &prescribed);
+                }
+                let in_force = controller.axis().next_train();
+                let heard = controller.axis().heard();
+                found = learner.along(heard, plan, around, in_force);
+            }
             trace.push((plant.motor(), plant.deformation()));
             quiet = match controller.is_settled() {
                 true => quiet + PERIOD,
@@ -196,6 +212,17 @@ impl Programme {
         trace[end..]
             .iter()
             .fold(0.0, |peak, (_, deformation)| deformation.abs().max(peak))
+    }
+}
+
+/// Goes over to what was found along the way of a move.
+fn go_on_with(controller: &mut Controller, prescribed: &Prescription) {
+    let shaped = prescribed.modes.iter().filter(|mode| mode.shaped);
+    let modes = shaped.map(ModeOnWay::anywhere).take(CORRECTED_MODES);
+    let modes: Vec<_> = modes.collect();
+    if let (Some(train), Some(known)) = (&prescribed.train, &prescribed.known) {
+        controller.retune(train, known, &modes);
+        controller.hold(prescribed.hold);
     }
 }
 

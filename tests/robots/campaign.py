@@ -198,15 +198,20 @@ class Service:
         return int(status.split("VmRSS:")[1].split()[0])
 
 
-class Robot:
-    """`udp_arm.py` as a process."""
+def arguments(options):
+    """Those of `udp_arm.py`."""
+    words = ["--sensor", options.sensor, "--divider", options.divider]
+    words += ["--frequency", options.frequency, "--seed", options.seed]
+    return [*words, "--joints", options.joints]
 
-    def __init__(self, service, folder, options):
+
+class Robot:
+    """`udp_arm.py`, or another program that speaks as it does, as a process."""
+
+    def __init__(self, service, folder, arguments, arm=ARM):
         self.log = folder / "setpoints.csv"
-        command = [sys.executable, str(ARM), "--service", service.udp, "--log", str(self.log)]
-        command += ["--sensor", options.sensor, "--divider", str(options.divider)]
-        command += ["--frequency", str(options.frequency), "--seed", str(options.seed)]
-        command += ["--joints", str(options.joints)]
+        command = [sys.executable, str(arm), "--service", service.udp, "--log", str(self.log)]
+        command += [str(word) for word in arguments]
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -431,7 +436,7 @@ def main():
         folder = pathlib.Path(folder)
         service = Service(options.quell, folder, options)
         try:
-            robot = Robot(service, folder, options)
+            robot = Robot(service, folder, arguments(options))
             service.wait_for_rest()
             if options.kill:
                 kill(verdict, service, options)

@@ -24,7 +24,7 @@ import time
 import urllib.error
 import urllib.request
 
-from campaign import TARGETS, Robot, Service, Verdict, judge_setpoints
+from campaign import TARGETS, Robot, Service, Verdict, arguments, judge_setpoints
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 # What caches and buffers of a service just started still take, s.
@@ -139,7 +139,7 @@ def main():
         folder = pathlib.Path(folder)
         service, browser = Service(options.quell, folder, options), None
         try:
-            robot = Robot(service, folder, options)
+            robot = Robot(service, folder, arguments(options))
             service.wait_for_rest()
             browser = browse(service.page, folder)
             readers = [Reader(service.page, deaf=k % 2 == 0) for k in range(options.readers)]

@@ -4,7 +4,7 @@ use quell::service::contract::{Phase, Request, ShapingChange};
 
 use super::modes::{JERK, go, posed, run, two, world};
 use super::plant::PlantMode;
-use super::world::{LIMITS, PERIOD, World};
+use super::world::{LIMITS, PERIOD, Sent, World};
 
 /// Ticks after which the target changes: the arm is fast then.
 const TURNED: usize = 80;
@@ -42,7 +42,13 @@ fn turned(world: &mut World, degrees: f64) -> f64 {
     assert_eq!(world.joint().phase, Phase::Moving);
     let target = degrees.to_radians();
     let (_, left) = run(world, to(degrees), target);
-    let sent = world.sent().split_off(before);
+    within_limits(&world.sent().split_off(before), target);
+    go(world, 0.0, None);
+    left
+}
+
+/// Limits are kept, and the end is the target to the bit.
+fn within_limits(sent: &[Sent], target: f64) {
     assert_eq!(sent.last().map(|sent| sent.1.position), Some(target));
     for pair in sent.windows(2) {
         let [before, now] = [pair[0].1, pair[1].1];
@@ -57,8 +63,6 @@ fn turned(world: &mut World, degrees: f64) -> f64 {
             "{peaks:?}"
         );
     }
-    go(world, 0.0, None);
-    left
 }
 
 #[test]
@@ -89,6 +93,29 @@ fn a_new_target_in_motion_is_shaped_for_its_way() {
         assert!(sums[0] < 0.05 * sums[2], "{sums:?}");
         assert!(sums[0] < sums[1], "{sums:?}");
     }
+}
+
+/// Nothing is known of the joint but a wrong belief: its samples say on the way that two modes ring.
+#[test]
+fn two_modes_are_retuned_for_in_the_first_move() {
+    let folders = [(); 3].map(|()| tempfile::tempdir().expect("a folder"));
+    let fixed = ShapingChange {
+        adaptation: Some(false),
+        ..ShapingChange::default()
+    };
+    let none = ShapingChange {
+        enabled: Some(false),
+        ..ShapingChange::default()
+    };
+    let mut learned = world(folders[0].path(), 9.0, &two());
+    let mut fixed = said(folders[1].path(), &two(), fixed);
+    let mut unshaped = said(folders[2].path(), &two(), none);
+    let target = 50_f64.to_radians();
+    let left = [&mut learned, &mut fixed, &mut unshaped].map(|w| go(w, target, None).1);
+    println!("{left:?} rad, {} corrections", learned.joint().corrections);
+    assert!(learned.joint().corrections > 0);
+    assert!(left[0] < 0.05 * left[2] && left[0] < left[1], "{left:?}");
+    within_limits(&learned.sent(), target);
 }
 
 /// Held for half a second and let go of, at places all over the range.

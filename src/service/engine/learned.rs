@@ -23,6 +23,8 @@ pub struct Learning {
     pub waits: Option<(u64, f64)>,
     /// The plan in motion whose train is being solved.
     pub turn: Option<Turn>,
+    /// When the plan in motion was looked at last along its way, s.
+    pub looked: f64,
     /// The last plan that was given the train that was solved for it.
     pub prescribed: Option<u64>,
 }

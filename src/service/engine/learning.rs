@@ -127,6 +127,11 @@ impl Engine {
                     true => self.prescribed_together(joint, ticket, *prescription),
                     false => self.prescribed(joint, ticket, *prescription),
                 },
+                Said::Along {
+                    joint,
+                    ticket,
+                    prescription,
+                } => self.looked_along(joint, ticket, prescription),
                 Said::Within {
                     ticket,
                     moving,

@@ -297,7 +297,7 @@ impl Engine {
         joint.stop_due &= !matches!(ordered.what, What::Stop);
         match (ordered.what, &mut joint.running) {
             (What::Stop, Some(running)) => {
-                running.plan = ordered.samples.clone();
+                (running.plan, running.ticket) = (ordered.samples.clone(), ordered.ticket);
                 (running.tick, running.first) = (taken.tick, taken.first);
                 running.stopping = running.settled.is_none();
                 running.interrupted |= running.stopping;
@@ -366,6 +366,7 @@ impl Engine {
             start,
             recording: None,
             plan: asked.samples.clone(),
+            ticket: asked.ticket,
             tick: taken.tick,
             first: taken.first,
             shaped: asked.shaper.is_some(),

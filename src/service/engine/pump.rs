@@ -27,6 +27,7 @@ impl Engine {
         for index in 0..self.joints.len() {
             self.look_after(index, now);
             self.insist_on_stop(index);
+            self.look_along(index, now);
         }
         if round {
             (0..self.joints.len()).for_each(|index| self.order_train(index));

@@ -24,6 +24,8 @@ pub struct Running {
     pub recording: Option<String>,
     /// Its present plan: the move's own, or that of a stop.
     pub plan: SampledTrajectory,
+    /// Number of that plan.
+    pub ticket: u64,
     /// Tick with which the present plan began.
     pub tick: u64,
     /// The plan's sample that was sent then.

@@ -1,5 +1,6 @@
-//! New targets in motion: the move goes on with the train in force at once, and is retuned for its new way once the train for that
-//! is solved.
+//! Plans in motion whose train was not solved for them: the move goes on with the train in force at once, and is retuned for its way
+//! once the train for that is solved. Of a new target the map says the modes; where nothing is known yet, as in a first move, its
+//! samples up to then do.
 //!
 //! The tick retunes as it does for an estimate: the vibration of everything sent is replayed, for up to three modes, the end is exact,
 //! the limits hold, and nothing changes where that leaves no less. A plan that has ended or has given way to another one, as to a
@@ -8,10 +9,11 @@
 use quell_shapers::{CORRECTED_MODES, RetuneOutcome};
 
 use super::Engine;
-use super::joint::Ordered;
+use super::joint::{Ordered, name_of};
 use super::learned::Turn;
+use super::planning::standing_train;
 use crate::learning::{ModeOnWay, Prescription};
-use crate::service::learners::{Job, Wanted};
+use crate::service::learners::{Along, Job, Wanted};
 use crate::service::tick::{RetuneOrder, ToTick};
 
 /// Shortest control period at which a plan in motion is retuned, s: the search for three modes takes up to 1.6 ms there
@@ -42,6 +44,61 @@ impl Engine {
         };
         // It lives as long as the engine.
         let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
+    }
+
+    /// Has a move looked at along its way, a period after the last time, where nothing is known of the joint's modes.
+    pub(super) fn look_along(&mut self, index: usize, now: f64) {
+        let joint = &self.joints[index];
+        let learning = &joint.learning;
+        let period = joint.config.belief.damped_period();
+        let is_due =
+            learning.modes == 0 && learning.turn.is_none() && now > learning.looked + period;
+        let Some(running) = joint.running.as_ref().filter(|running| {
+            let own = running.start.shaper == name_of(joint.standing_shaper());
+            let goes_on = running.settled.is_none() && !running.interrupted && !running.frozen;
+            own && goes_on && running.adaptive && joint.adaptation
+        }) else {
+            return;
+        };
+        if !is_due || self.config.period < SHORTEST || joint.asked.is_some() {
+            return;
+        }
+        let Ok(standing) = standing_train(joint, joint.standing_shaper(), self.config.period)
+        else {
+            return;
+        };
+        self.tickets += 1;
+        let along = Along {
+            joint: index,
+            ticket: self.tickets,
+            heard: running.heard.clone(),
+            plan: running.plan.clone(),
+            surroundings: self.surroundings(index, Some(&running.before)),
+            in_force: standing.train,
+        };
+        let turn = Turn {
+            asked: self.tickets,
+            plan: running.ticket,
+        };
+        let learning = &mut self.joints[index].learning;
+        (learning.turn, learning.looked) = (Some(turn), now);
+        // It lives as long as the engine.
+        let _ = self.lessons.jobs.send(Job::Along(Box::new(along)));
+    }
+
+    /// A move was looked at along its way.
+    pub(super) fn looked_along(
+        &mut self,
+        index: usize,
+        ticket: u64,
+        prescription: Option<Box<Prescription>>,
+    ) {
+        let turn = &mut self.joints[index].learning.turn;
+        if let Some(turn) = turn.take_if(|turn| turn.asked == ticket)
+            && let Some(prescription) = prescription
+        {
+            self.retune(index, turn, *prescription);
+        }
     }
 
     /// The train for a plan in motion is solved: the tick goes over to it, if that plan runs still.

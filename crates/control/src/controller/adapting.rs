@@ -209,6 +209,30 @@ impl Axis {
         }
     }
 
+    /// A move from rest begins: the mode may have changed since the last one, as by a payload.
+    ///
+    /// What the last mode has left would be replayed as that of the new one, and vibration be cancelled that is not there. It is
+    /// forgotten where the last mode says that it is less than what is worth a change.
+    pub(super) fn begin_from_rest(&mut self) {
+        if self.has_died() {
+            self.filter.forget();
+        }
+        self.begin_move();
+    }
+
+    /// Whether less than the dead band is left of what the planned input would have made, by the mode that was estimated last.
+    fn has_died(&self) -> bool {
+        let estimate = self.status.estimate.as_ref();
+        let estimate = estimate.filter(|found| self.adaptation.screen(found).is_ok());
+        let mode = estimate.map_or(self.status.shaped_for.mode, |found| found.mode);
+        if self.since_plan_end > ringing_time(mode) {
+            return true;
+        }
+        let left = self.filter.residual(mode);
+        let dead_band = self.settings.adaptation.dead_band;
+        left.is_none_or(|left| left.shaped <= dead_band * left.unshaped.max(self.unshaped))
+    }
+
     /// A correction was made for another plan: with the new one it could leave another vibration, and exceed the
     /// limits. Where none keeps them, nothing is changed.
     pub(super) fn follow(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {

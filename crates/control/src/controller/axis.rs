@@ -176,7 +176,7 @@ impl Axis {
         core::mem::replace(&mut self.sensor, sensor)
     }
 
-    /// A move from rest begins: the mode may have changed since the last one.
+    /// What was estimated of the last move does not hold for the next one.
     pub(super) fn begin_move(&mut self) {
         self.estimator.restart();
         self.status.estimate = None;

@@ -109,7 +109,7 @@ impl Controller {
             return Err((plan, LoadError::Correction(reason)));
         }
         if self.is_settled() {
-            self.axis.begin_move();
+            self.axis.begin_from_rest();
         }
         self.cursor = cursor;
         Ok(self.plan.replace(plan))

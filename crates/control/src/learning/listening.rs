@@ -12,7 +12,7 @@ use crate::estimators::Sample;
 use quell_trajectories::SampledTrajectory;
 
 /// Samples of a move from which something is learned: more than twice the unknowns of three modes.
-const FEWEST: usize = 64;
+pub(super) const FEWEST: usize = 64;
 /// What a move left unexplained counts by half as much with each move after it.
 const FORGETS: f64 = 0.5;
 /// Inflation by the residual's colour up to which it is as good as white: a correlation of neighbours of 0.2.
@@ -61,7 +61,7 @@ impl Learner {
     }
 
     /// The fit of a move, and whether it is one of the modes that are known.
-    fn explain(
+    pub(super) fn explain(
         &self,
         samples: &[Sample],
         way: Way,
@@ -138,7 +138,7 @@ impl Learner {
 }
 
 /// The finite samples that advance in time.
-fn in_order(heard: &[Sample]) -> Vec<Sample> {
+pub(super) fn in_order(heard: &[Sample]) -> Vec<Sample> {
     let mut samples: Vec<Sample> = Vec::with_capacity(heard.len());
     for sample in heard.iter().filter(|sample| sample.is_finite()) {
         if samples.last().is_none_or(|last| sample.time > last.time) {

@@ -4,9 +4,11 @@
 //! After each move [`Learner::learn`] fits a sum of modes to it ([`fit`]), as many as there is evidence for ([`order`]), and keeps
 //! what it says in a map of each mode ([`mode_map`]). Before a move [`Learner::prescribe`] forecasts what trains leave of it
 //! ([`forecast`]): that in force, that of the belief, and the one solved for the way. The train in force is kept unless another
-//! is expected to leave less; [`monitor`] holds the expectation against what moves have left.
+//! is expected to leave less; [`monitor`] holds the expectation against what moves have left. In the midst of a move for which none
+//! was solved, as the first, [`Learner::along`] does both with the samples up to then.
 
 mod account;
+mod along;
 mod chart;
 mod choice;
 mod fit;

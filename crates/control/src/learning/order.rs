@@ -158,16 +158,21 @@ fn is_most(found: &Fit, without: f64) -> bool {
 }
 
 /// Whether a mode is known well enough to be of use, rings, and is none of the others.
+///
+/// A fit that stops at the edge of the range follows something else, as play does at the lower one, and the standard deviation
+/// there is not that of its error.
 pub fn rings(found: &Fit, k: usize) -> bool {
     let end = NODES - 1;
     let mode = &found.modes[k];
     let std = |n: usize| mode.covariance[(n, n)].sqrt();
+    let (log_w, (low, high)) = (mode.point.log_w[end], found.range);
+    let inside = log_w - 2.0 * std(end) > low && log_w + 2.0 * std(end) < high;
     let apart = found.modes.iter().enumerate().all(|(other, with)| {
         let distance = with.point.log_w[end] - mode.point.log_w[end];
         let known = (with.covariance + mode.covariance)[(end, end)];
         other == k || distance * distance > 9.0 * known
     });
-    std(end) < USEFUL && mode.point.xi + 2.0 * std(NODES) < RINGS && apart
+    inside && std(end) < USEFUL && mode.point.xi + 2.0 * std(NODES) < RINGS && apart
 }
 
 /// Frequencies at which a further mode explains most, the best first.

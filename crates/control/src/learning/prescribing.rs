@@ -59,10 +59,7 @@ impl Learner {
         let hold = self.hold(&known);
         let mut prescription = Prescription {
             train: None,
-            known: known
-                .iter()
-                .max_by(|a, b| a.contribution.total_cmp(&b.contribution))
-                .map(|mode| mode.known),
+            known: ModeOnWay::strongest(&known).map(|mode| mode.known),
             modes: known,
             expected: None,
             hold,
@@ -118,7 +115,7 @@ impl Learner {
         }
     }
 
-    fn modes_on_way(
+    pub(super) fn modes_on_way(
         &self,
         plan: &SampledTrajectory,
         way: Way,
@@ -146,7 +143,7 @@ impl Learner {
             .collect()
     }
 
-    fn hold(&self, modes: &[ModeOnWay]) -> Option<Hold> {
+    pub(super) fn hold(&self, modes: &[ModeOnWay]) -> Option<Hold> {
         if self.monitor.prefers_base(self.settings.dead_band) {
             return Some(Hold::Worse);
         }

@@ -53,6 +53,13 @@ pub struct ModeOnWay {
 }
 
 impl ModeOnWay {
+    /// The mode that contributes most.
+    pub fn strongest(modes: &[Self]) -> Option<&Self> {
+        modes
+            .iter()
+            .max_by(|a, b| a.contribution.total_cmp(&b.contribution))
+    }
+
     /// One mode whose two standard deviations reach over those of the mode wherever it is on the way.
     pub fn anywhere(&self) -> UncertainMode {
         let frequencies = self.modes.map(|mode| mode.natural_frequency());

@@ -58,6 +58,8 @@ pub struct Fit {
     pub coloured: f64,
     /// Residual at each sample; spikes are no numbers.
     pub residual: Vec<f64>,
+    /// Lowest and highest `ln w` that were looked at.
+    pub range: (f64, f64),
 }
 
 impl Fit {
@@ -154,6 +156,7 @@ impl<'a> Problem<'a> {
             inflation,
             coloured: colour.coloured(),
             residual,
+            range: self.range,
         })
     }
 }

@@ -1,0 +1,56 @@
+//! Several modes in the midst of a move: what its samples up to now say of them, and the train to go on with.
+
+use super::forecast::{Expected, Forecast};
+use super::listening::{FEWEST, in_order};
+use super::path::Way;
+use super::prescription::{Hold, ModeOnWay, Prescription};
+use super::{Learner, Surroundings};
+use crate::estimators::Sample;
+use quell_shapers::GridTrain;
+use quell_trajectories::SampledTrajectory;
+
+impl Learner {
+    /// The train to go on with in a move whose train was not solved for it, from its samples up to now; nothing is remembered.
+    ///
+    /// None where they show fewer than two modes: one is followed at the tick. None, too, where the modes leave more unexplained
+    /// than the train in force leaves of them: another one would take less away than is not understood.
+    pub fn along(
+        &self,
+        heard: &[Sample],
+        plan: &SampledTrajectory,
+        surroundings: &Surroundings,
+        in_force: &GridTrain,
+    ) -> Option<Prescription> {
+        let samples = in_order(heard);
+        let way = Way::of(plan);
+        if samples.len() < FEWEST {
+            return None;
+        }
+        let (fit, _) = self.explain(&samples, way, &surroundings.places(&way))?;
+        let expected: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
+        let modes = self.modes_on_way(plan, way, &expected);
+        if self.hold(&modes) != Some(Hold::SeveralModes) {
+            return None;
+        }
+        let on_way = expected.iter().zip(&modes);
+        let shaped = on_way.filter(|(_, mode)| mode.shaped);
+        let shaped: Vec<Expected> = shaped.map(|(mode, _)| *mode).collect();
+        let unshaped = Forecast::new(plan, way, &expected)
+            .whole()
+            .left(0)
+            .unshaped();
+        let unexplained = (2.0 * fit.unexplained()).sqrt() / unshaped.max(f64::MIN_POSITIVE);
+        let forecast = Forecast::new(plan, way, &shaped);
+        if unexplained > forecast.left_of(&[in_force]).by(in_force) {
+            return None;
+        }
+        let (train, expected) = self.choose(&forecast, &shaped, in_force, plan.period());
+        Some(Prescription {
+            train: train.or_else(|| Some(in_force.clone())),
+            known: ModeOnWay::strongest(&modes).map(|mode| mode.known),
+            modes,
+            expected: Some(expected),
+            hold: Some(Hold::SeveralModes),
+        })
+    }
+}
