@@ -112,6 +112,80 @@ fn val_flexible_arm_that_never_rests() {
     on_line_agrees(&found, 0.03);
 }
 
+/// A method that does not know its error never states one that excludes what is recommended; a clock that is off makes no
+/// second mode.
+#[test]
+fn val_deviations_of_methods_do_not_contradict_each_other() {
+    for (seed, late) in [(1, 0.0), (2, 0.0), (3, 0.25e-3), (4, -0.25e-3)] {
+        let truth = Truth {
+            frequency_hz: 7.3,
+            damping_ratio: 0.02,
+            across: false,
+        };
+        let samples = two_moves_late(&truth, 2e-5, seed, late);
+        let found = identify(&samples, Prior::default()).expect("a vibration");
+        let best = found.recommended().expect("a line");
+        assert_eq!(
+            (best.method, best.further),
+            ("likelihood", None),
+            "{late}: {best:?}"
+        );
+        let off = best.mode.mode.natural_frequency() / (7.3 * std::f64::consts::TAU) - 1.0;
+        assert!(off.abs() < 2e-3, "{late}: {best:?}");
+        if late == 0.0 {
+            assert!(
+                off.abs() * best.mode.mode.natural_frequency()
+                    < 4.0 * best.mode.natural_frequency_std,
+                "{best:?}"
+            );
+        }
+        for (index, line) in ESTIMATORS
+            .iter()
+            .enumerate()
+            .filter(|own| !own.1.states_error)
+        {
+            let result = found.quoted(index).and_then(|run| run.estimator(line.name));
+            let one = result
+                .and_then(|result| result.estimate)
+                .expect("an estimate");
+            let distance = one.mode.natural_frequency() - best.mode.mode.natural_frequency();
+            let [frequency, _] = found.deviations(&one, line.states_error);
+            assert!(
+                frequency >= distance.abs(),
+                "{}: {frequency} {distance}",
+                line.name
+            );
+        }
+    }
+}
+
+/// Two moves whose deformation is stamped late by a time, s.
+fn two_moves_late(truth: &Truth, noise: f64, seed: u64, late: f64) -> Vec<Sample> {
+    let shift = |times: Vec<f64>| -> Vec<f64> { times.iter().map(|time| time - late).collect() };
+    let times = stamps(1000.0 / 3.0, 3.6);
+    let moves = [
+        jerk_limited_move(0.3, 0.4, 0.07, 0.4),
+        jerk_limited_move(2.0, 0.5, 0.09, -0.3),
+    ];
+    let on_time: Vec<_> = moves
+        .iter()
+        .map(|own| respond(truth, own, &times))
+        .collect();
+    let late: Vec<_> = moves
+        .iter()
+        .map(|own| respond(truth, own, &shift(times.clone())))
+        .collect();
+    let mut samples: Vec<Sample> = (0..times.len())
+        .map(|k| Sample {
+            time: times[k],
+            motor_position: on_time.iter().map(|own| own[k].motor_position).sum(),
+            deformation: late.iter().map(|own| own[k].deformation).sum(),
+        })
+        .collect();
+    add_noise(&mut samples, noise, seed);
+    samples
+}
+
 /// Two moves with rests between, seen from 0.3 s before the first on.
 fn two_moves(truth: &Truth, noise: f64, seed: u64) -> Vec<Sample> {
     let times = stamps(1000.0 / 3.0, 3.6);
@@ -249,6 +323,16 @@ fn the_verb_prints_what_it_promises() {
         assert!((frequency / 8.12 - 1.0).abs() < 0.03, "{estimate}");
     }
     assert_eq!(json["free_decay_from_s"].as_array().map(Vec::len), Some(2));
+    let best = &json["recommended"];
+    assert_eq!(best["method"], "likelihood");
+    assert_eq!(best["modes"][0], json["mode"]);
+    let text = String::from_utf8(quell(&["--force"]).stdout).expect("text");
+    assert_eq!(text.matches("  recommended").count(), 1, "{text}");
+    assert!(text.contains("Recommended: likelihood, 8.1"), "{text}");
+    assert!(
+        text.ends_with("Next: quell compare --model out/model.toml --rate 1000\n"),
+        "{text}"
+    );
     assert!(
         json["offline"]
             .as_array()

@@ -4,7 +4,7 @@ mod propose;
 mod topics;
 
 use super::out::Force;
-use super::{CliError, output};
+use super::{CliError, next, output};
 use crate::page::{columns, fixed};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
 use crate::recording::{
@@ -44,7 +44,11 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let (path, joint) = mcap_and_joint(&args.recording);
     if McapFile::is_named(&path) {
-        return mcap(&McapFile::open(&path)?, joint.as_deref(), args.json);
+        return mcap(
+            (&path, &McapFile::open(&path)?),
+            joint.as_deref(),
+            args.json,
+        );
     }
     if is_csv(&path) || (path.is_dir() && !path.join(MANIFEST).exists()) {
         return proposed(&path, &args);
@@ -54,7 +58,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if args.json {
         output::json(&document(&recording, &figures))
     } else {
-        output::text(&page(&recording, &figures))
+        let next = next::command(["identify".as_ref(), args.recording.as_path()]);
+        output::text(&format!("{}\n{next}", page(&recording, &figures)))
     }
 }
 
@@ -64,10 +69,12 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     let Some((manifest, _)) = written.manifests.first() else {
         return Ok(());
     };
-    let manifest = manifest.display();
     let next = match written.open.is_empty() {
-        true => format!("Next: quell identify {manifest}\n"),
-        false => format!("Next: correct {manifest}, then quell identify {manifest}\n"),
+        true => next::command(["identify".as_ref(), manifest.as_path()]),
+        false => {
+            let then = next::then(["identify".as_ref(), manifest.as_path()]);
+            format!("Next: correct {}\n{then}", manifest.display())
+        }
     };
     let read = Recording::from_path(&written.manifests[0].0);
     let (text, mut all) = match &read {
@@ -88,10 +95,15 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
 }
 
 /// The topics of an MCAP file, and the recording of the joint that is named or alone in it.
-fn mcap(file: &McapFile, joint: Option<&str>, json: bool) -> Result<(), CliError> {
+fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Result<(), CliError> {
     let mut text = topics::page(file);
     let mut all = topics::document(file);
-    if joint.is_some() || file.joints().len() == 1 {
+    let joints = file.joints();
+    let mut one = path.as_os_str().to_os_string();
+    if let Some(name) = joint.or(joints.first().map(String::as_str)) {
+        one.push(format!("#{name}"));
+    }
+    if joint.is_some() || joints.len() == 1 {
         let recording = file.recording(joint)?;
         let figures: Vec<Health> = recording.channels.iter().map(health).collect();
         text.push_str(&page(&recording, &figures));
@@ -101,7 +113,10 @@ fn mcap(file: &McapFile, joint: Option<&str>, json: bool) -> Result<(), CliError
     }
     match json {
         true => output::json(&all),
-        false => output::text(&text),
+        false => output::text(&format!(
+            "{text}\n{}",
+            next::command(["identify".as_ref(), one.as_os_str()])
+        )),
     }
 }
 

@@ -6,6 +6,7 @@ mod nominal_model;
 pub mod output_only;
 mod prepare;
 pub mod printer;
+mod recommended;
 mod run;
 mod stretches;
 mod whole_fit;
@@ -14,6 +15,7 @@ pub use amplitude::{AmplitudeDependence, CycleDamping};
 pub use nominal_model::NominalModel;
 pub use prepare::{IdentificationError, Series, prepare};
 pub use quell_model::ModelError;
+pub use recommended::{Recommended, Why};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
 

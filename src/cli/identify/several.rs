@@ -1,14 +1,12 @@
 //! `quell identify` of recordings of what vibrates alone: text, JSON and page.
 
 use super::alone::{self, Alone};
-use super::model;
 use super::printer::{self, Tuned};
 use crate::cli::CliError;
 use crate::identification::output_only::{Excitation, FoundMode};
 use crate::recording::Recording;
-use quell_shapers::UncertainMode;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const TAU: f64 = core::f64::consts::TAU;
 
@@ -41,23 +39,6 @@ pub fn text(all: &[Alone], tuned: &[Tuned]) -> String {
         tables.push(lines.trim_end_matches('\n').to_string() + "\n");
     }
     tables.join("\n")
-}
-
-/// The next command; of several modes it names them all.
-pub fn next(all: &[Alone], file: &Path) -> String {
-    let modes = all.first().map(Alone::shaped_for).unwrap_or_default();
-    if modes.len() < 2 {
-        return model::next(file);
-    }
-    let flag = |mode: &UncertainMode| {
-        format!(
-            " --mode {:.4},{:.5}",
-            mode.mode.hertz(),
-            mode.mode.damping_ratio()
-        )
-    };
-    let flags: String = modes.iter().map(flag).collect();
-    format!("Next: quell compare{flags} --rate 1000\n")
 }
 
 /// The JSON document.
