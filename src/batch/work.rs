@@ -165,7 +165,7 @@ fn diagnosed(job: &Job, path: &Path) -> Outcome {
     let page = page(&outcome.diagnosis, &outcome.traces, "model.toml", &names);
     Ok(Done {
         diagnosis,
-        model: outcome.model.to_toml(),
+        model: outcome.to_toml(),
         report: page.render(),
     })
 }

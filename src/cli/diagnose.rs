@@ -218,7 +218,7 @@ fn write(
         serde_json::to_string_pretty(&outcome.diagnosis).map_err(CliError::failure)?;
     document.push('\n');
     let stage = out.stage()?;
-    let contents = [page.render(), document, outcome.model.to_toml()];
+    let contents = [page.render(), document, outcome.to_toml()];
     for (name, content) in FILES.iter().zip(contents) {
         stage.file(name, content)?;
     }

@@ -12,6 +12,7 @@ mod registrations;
 mod several;
 mod words;
 
+pub use alone::can;
 pub use identified::Identified;
 
 use super::out::{Force, Out};

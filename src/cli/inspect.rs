@@ -4,13 +4,14 @@ mod propose;
 mod topics;
 
 use super::out::Force;
-use super::{CliError, next, output};
+use super::{CliError, identify, next, output};
 use crate::page::{columns, fixed};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
 use serde_json::{Value, json};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Tells what a recording holds, and what looks wrong with it; proposes the manifest of a CSV file.
@@ -58,8 +59,21 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if args.json {
         output::json(&document(&recording, &figures))
     } else {
-        let next = next::command(["identify".as_ref(), args.recording.as_path()]);
+        let next = next::command(follows(&recording, args.recording.as_os_str()));
         output::text(&format!("{}\n{next}", page(&recording, &figures)))
+    }
+}
+
+/// What can be done with a recording of this path: its mode, where it tells one; else what physics a model of it lacks.
+fn follows<'a>(recording: &Recording, path: &'a OsStr) -> Vec<&'a OsStr> {
+    match identify::can(recording) {
+        true => vec!["identify".as_ref(), path],
+        false => vec![
+            "diagnose".as_ref(),
+            "--model".as_ref(),
+            "MODEL.toml".as_ref(),
+            path,
+        ],
     }
 }
 
@@ -69,14 +83,19 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     let Some((manifest, _)) = written.manifests.first() else {
         return Ok(());
     };
-    let next = match written.open.is_empty() {
-        true => next::command(["identify".as_ref(), manifest.as_path()]),
-        false => {
-            let then = next::then(["identify".as_ref(), manifest.as_path()]);
-            format!("Next: correct {}\n{then}", manifest.display())
-        }
+    let read = Recording::from_path(manifest);
+    let words = match &read {
+        Ok(recording) => follows(recording, manifest.as_os_str()),
+        Err(_) => vec!["inspect".as_ref(), manifest.as_os_str()],
     };
-    let read = Recording::from_path(&written.manifests[0].0);
+    let next = match written.open.is_empty() {
+        true => next::command(words),
+        false => format!(
+            "Next: correct {}\n{}",
+            manifest.display(),
+            next::then(words)
+        ),
+    };
     let (text, mut all) = match &read {
         Ok(recording) => {
             let figures: Vec<Health> = recording.channels.iter().map(health).collect();
@@ -103,8 +122,10 @@ fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Re
     if let Some(name) = joint.or(joints.first().map(String::as_str)) {
         one.push(format!("#{name}"));
     }
+    let mut words = vec!["identify".as_ref(), one.as_os_str()];
     if joint.is_some() || joints.len() == 1 {
         let recording = file.recording(joint)?;
+        words = follows(&recording, &one);
         let figures: Vec<Health> = recording.channels.iter().map(health).collect();
         text.push_str(&page(&recording, &figures));
         if let Value::Object(keys) = document(&recording, &figures) {
@@ -113,10 +134,7 @@ fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Re
     }
     match json {
         true => output::json(&all),
-        false => output::text(&format!(
-            "{text}\n{}",
-            next::command(["identify".as_ref(), one.as_os_str()])
-        )),
+        false => output::text(&format!("{text}\n{}", next::command(words))),
     }
 }
 

@@ -216,7 +216,7 @@ fn write(args: &Args, stage: &Stage, told: &Told, outcome: &Outcome) -> Result<(
         &told.joint,
         &recordings,
     );
-    let contents = [page.render(), document, outcome.model.to_toml()];
+    let contents = [page.render(), document, outcome.to_toml()];
     for (name, content) in super::FILES.iter().zip(contents) {
         stage.file(folder.join(name), content)?;
     }

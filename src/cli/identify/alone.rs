@@ -55,6 +55,13 @@ pub fn is_alone(recording: &Recording) -> bool {
     vibrates && !driven
 }
 
+/// Whether there is something in the recording that `quell identify` can look at.
+pub fn can(recording: &Recording) -> bool {
+    let has = |role: Role| recording.channel(role).is_some();
+    let told = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
+    is_alone(recording) || (has(Role::MotorPosition) && told.into_iter().any(has))
+}
+
 impl Alone {
     /// Identifies a recording of this file.
     ///
