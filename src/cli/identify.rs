@@ -18,9 +18,10 @@ pub use identified::Identified;
 use super::out::{Force, Out};
 use super::{CliError, choices, output};
 use crate::estimators::ESTIMATORS;
+use crate::identification::stop::{Stop, never};
 use crate::identification::{
-    Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series, identify,
-    prepare,
+    Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series,
+    identify_until, prepare,
 };
 use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::{Recording, Role};
@@ -119,7 +120,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     }
     let model = args.model.as_ref().map(NominalModel::from_path);
     let model = model.transpose()?;
-    let identified = Identified::of(recordings, model.as_ref(), args.registration)?;
+    let identified = Identified::of(recordings, model.as_ref(), args.registration, &never)?;
     let stage = out.stage()?;
     stage.file(REPORT, identified.page().render())?;
     let known = identified.model();
@@ -145,12 +146,13 @@ impl Findings {
         recording: Recording,
         model: Option<&NominalModel>,
         registration: TipRegistration,
+        stop: Stop,
     ) -> Result<Self, CliError> {
         let name = recording.name.clone();
         let tip = recording.channel(Role::TipPosition);
         let again = tip.is_some().then(|| recording.clone());
         let series = prepare(recording, model, registration)?;
-        let found = identify(&series.samples, prior(model, &series))?;
+        let found = identify_until(&series.samples, prior(model, &series), stop)?;
         let registered = again.map_or_else(Vec::new, |recording| {
             registrations::all(&recording, model, registration, (&series, &found))
         });

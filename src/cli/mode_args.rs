@@ -3,6 +3,7 @@
 use super::identify::Identified;
 use super::{CliError, values};
 use crate::identification::NominalModel;
+use crate::identification::stop::never;
 use crate::recording::Recording;
 use crate::signal::TipRegistration;
 use quell_shapers::Mode;
@@ -36,7 +37,12 @@ impl ModeArgs {
             return Ok(self.mode.clone());
         };
         let recording = Recording::from_path(file)?;
-        let found = Identified::of(vec![(file.clone(), recording)], None, TipRegistration::Arc)?;
+        let found = Identified::of(
+            vec![(file.clone(), recording)],
+            None,
+            TipRegistration::Arc,
+            &never,
+        )?;
         let modes: Vec<Mode> = found.modes().iter().map(|known| known.mode).collect();
         match modes.is_empty() {
             true => Err(CliError::input(format!(

@@ -67,6 +67,9 @@ pub enum IdentificationError {
          that turns; record the decay after a tap, or a longer time"
     )]
     OnlyLines,
+    /// It was stopped before its time.
+    #[error("the identification was stopped before its time")]
+    Stopped,
     /// The deformation does not vary.
     #[error("the deformation does not vary: nothing vibrates in this recording")]
     Still,

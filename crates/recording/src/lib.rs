@@ -40,6 +40,8 @@ mod layout;
 mod manifest;
 mod mcap;
 mod memory;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod preferred;
 #[cfg(test)]
 mod properties;

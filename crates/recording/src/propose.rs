@@ -13,7 +13,17 @@ use content::Content;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that are read as text with columns.
-const ENDINGS: &[&str] = &["csv", "tsv", "txt", "dat", "asc", "log", "gz"];
+const ENDINGS: &[&str] = &[
+    "csv",
+    "tsv",
+    "txt",
+    "dat",
+    "asc",
+    "log",
+    "gz",
+    #[cfg(feature = "parquet")]
+    "parquet",
+];
 
 /// A manifest that is proposed.
 #[derive(Clone, Debug, PartialEq)]

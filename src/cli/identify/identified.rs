@@ -5,6 +5,7 @@ use super::printer::{self, Tuned};
 use super::{Findings, alone_page, document, model, page, several, tables};
 use crate::cli::CliError;
 use crate::identification::NominalModel;
+use crate::identification::stop::Stop;
 use crate::page::Page;
 use crate::recording::Recording;
 use crate::signal::TipRegistration;
@@ -23,7 +24,7 @@ enum Kind {
 }
 
 impl Identified {
-    /// Identifies recordings, each of the file beside it (empty where it has none).
+    /// Identifies recordings, each of the file beside it (empty where it has none), until it is stopped.
     ///
     /// # Errors
     /// [`CliError::Input`] where a recording is refused, nothing vibrates, or one of several has a known input.
@@ -31,6 +32,7 @@ impl Identified {
         mut recordings: Vec<(PathBuf, Recording)>,
         model: Option<&NominalModel>,
         registration: TipRegistration,
+        stop: Stop,
     ) -> Result<Self, CliError> {
         let driven = match recordings.as_slice() {
             [] => return Err(CliError::input("no recording was given")),
@@ -38,10 +40,10 @@ impl Identified {
             _ => false,
         };
         if let Some((_, recording)) = recordings.pop_if(|_| driven) {
-            let findings = Findings::of(recording, model, registration)?;
+            let findings = Findings::of(recording, model, registration, stop)?;
             return Ok(Self(Kind::Driven(Box::new(findings))));
         }
-        let all = several::identified(&recordings)?;
+        let all = several::identified(&recordings, stop)?;
         let tuned = printer::tune(&all)?;
         Ok(Self(Kind::Alone(all, tuned)))
     }

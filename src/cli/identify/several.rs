@@ -4,6 +4,7 @@ use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
 use crate::cli::CliError;
 use crate::identification::output_only::{Excitation, FoundMode};
+use crate::identification::stop::Stop;
 use crate::recording::Recording;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -14,7 +15,7 @@ const TAU: f64 = core::f64::consts::TAU;
 ///
 /// # Errors
 /// [`CliError::Input`] where one of several has a known input, or one has no mode.
-pub fn identified(recordings: &[(PathBuf, Recording)]) -> Result<Vec<Alone>, CliError> {
+pub fn identified(recordings: &[(PathBuf, Recording)], stop: Stop) -> Result<Vec<Alone>, CliError> {
     let mut all = Vec::new();
     for (path, recording) in recordings {
         if !alone::is_alone(recording) && recordings.len() > 1 {
@@ -25,7 +26,7 @@ pub fn identified(recordings: &[(PathBuf, Recording)]) -> Result<Vec<Alone>, Cli
             let text = format!("{called}: it has a known input: identify it by itself");
             return Err(CliError::input(text));
         }
-        all.push(Alone::of(path, recording)?);
+        all.push(Alone::of(path, recording, stop)?);
     }
     Ok(all)
 }
