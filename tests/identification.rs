@@ -353,6 +353,42 @@ fn the_verb_prints_what_it_promises() {
     );
 }
 
+/// Two encoders in counts, whose gain nobody knows: the deformation is what is left of the link beside the motor side.
+#[test]
+fn val_two_sensors_in_raw_counts() {
+    let truth = Truth {
+        frequency_hz: 7.3,
+        damping_ratio: 0.03,
+        across: false,
+    };
+    let samples = two_moves(&truth, 2e-5, 5);
+    let channel = |role, of: &dyn Fn(&Sample) -> f64| quell::recording::Channel {
+        role,
+        unit: "raw".into(),
+        time: samples.iter().map(|s| s.time).collect(),
+        columns: vec![samples.iter().map(|s| of(s).round()).collect()],
+    };
+    let motor = channel(quell::recording::Role::MotorPosition, &|s| {
+        1e5 * s.motor_position
+    });
+    let link = channel(quell::recording::Role::LinkPosition, &|s| {
+        -1.7e5 * (s.motor_position + s.deformation) + 1200.0
+    });
+    let recording = Recording {
+        name: "counts".into(),
+        payload: None,
+        channels: vec![motor, link],
+    };
+    let series = prepare(recording, None, TipRegistration::Arc).expect("a series");
+    let found = identify(&series.samples, Prior::default()).expect("a vibration");
+    let best = found.recommended().expect("a line").mode;
+    assert!((best.mode.hertz() / 7.3 - 1.0).abs() < 2e-3, "{best:?}");
+    assert!(
+        (best.mode.damping_ratio() / 0.03 - 1.0).abs() < 0.05,
+        "{best:?}"
+    );
+}
+
 /// Over what the tracker of the simulated arm saw, in a frame of its own.
 #[test]
 fn the_verb_compares_the_registrations() {

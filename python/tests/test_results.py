@@ -130,6 +130,28 @@ def test_an_interrupt_is_obeyed(recording: quell.Recording, model: quell.Model) 
         quell.diagnose(model, [recording] * 3, progress=interrupts)
 
 
+def test_an_interrupt_ends_the_identification(recording: quell.Recording) -> None:
+    # A sweep of a printer's axis takes seconds.
+    t = np.arange(400_000) / 3200
+    noise = np.random.default_rng(1).normal(size=len(t))
+    swept = np.sin(2.0 * np.pi * (5.0 + t / 2.0) * t) + noise
+    long = quell.Recording.from_arrays({"tip_acceleration": swept}, time=t)
+
+    def interrupt() -> None:
+        time.sleep(0.3)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        while True:
+            quell.identify(long)
+    # The computation ends, too: nothing of it runs on.
+    time.sleep(1.0)
+    before = time.process_time()
+    time.sleep(0.5)
+    assert time.process_time() - before < 0.25
+
+
 def test_what_does_not_suit_is_refused(recording: quell.Recording, model: quell.Model, tmp_path: Path) -> None:
     still = quell.Recording.from_arrays({"tip_acceleration": np.zeros(100)}, rate=100)
     with pytest.raises(quell.IdentificationError, match="nothing vibrates|no channel|not vary"):

@@ -20,6 +20,8 @@ const ENDINGS: &[&str] = &[
     "dat",
     "asc",
     "log",
+    "lvm",
+    "prn",
     "gz",
     #[cfg(feature = "parquet")]
     "parquet",
