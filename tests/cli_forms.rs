@@ -50,6 +50,13 @@ fn forms() -> Vec<(&'static str, String, Vec<&'static str>, bool)> {
             true,
         ),
         (
+            "labview.lvm",
+            "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\nX_Value\tAcceleration\n".to_owned()
+                + &rows(|k| format!("{:.6}\t{:.6}\n", ms(k), decay(ms(k)))),
+            vec!["skip = 4", "column = \"Acceleration\""],
+            false,
+        ),
+        (
             "scope.txt",
             "# scope 7\nt a\ns m/s^2\n".to_owned()
                 + &rows(|k| format!("{:.3}    {:.5}\n", ms(k), decay(ms(k)))),
