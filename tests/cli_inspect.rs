@@ -286,6 +286,7 @@ fn a_path_that_is_no_recording_is_refused_with_a_way_out() {
         ("run.mat", "a MATLAB file is not read"),
         ("run.db3", "a ROS 2 bag (SQLite) is not read"),
         ("run.bag", "a ROS 1 bag is not read"),
+        ("run.parquet", "a Parquet file is not read"),
         ("run.xlsx", "a spreadsheet is not read"),
         ("run.npz", "a NumPy file is not read"),
     ] {

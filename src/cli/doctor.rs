@@ -32,14 +32,9 @@ struct Feature {
 }
 
 /// All optional parts.
-const FEATURES: [Feature; 6] = [
+const FEATURES: [Feature; 5] = [
     feature("serve", cfg!(feature = "serve"), "quell serve: the service"),
     feature("urdf", cfg!(feature = "urdf"), "robots described in URDF"),
-    feature(
-        "parquet",
-        cfg!(feature = "parquet"),
-        "recordings in Parquet files",
-    ),
     feature(
         "nats",
         cfg!(feature = "nats"),
@@ -65,7 +60,7 @@ const fn feature(name: &'static str, built: bool, what: &'static str) -> Feature
 #[derive(Serialize)]
 struct Report {
     version: &'static str,
-    features: [Feature; 6],
+    features: [Feature; 5],
     machine: Machine,
     tick: Tick,
 }

@@ -53,9 +53,6 @@ pub enum Problem {
     /// A format that is known, and not read.
     #[error("{} is not read: {}", .0.name, .0.remedy)]
     Foreign(super::foreign::Foreign),
-    /// A Parquet file that cannot be read, or has nothing to be read.
-    #[error("not a Parquet file that can be read: {0}")]
-    Parquet(String),
     /// A cell is no time of this unit.
     #[error("{} is no time in {unit}", quoted(.text))]
     NotATime {

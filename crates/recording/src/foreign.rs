@@ -39,10 +39,9 @@ pub const FOREIGN: &[Foreign] = &[
         endings: &["bag"],
         magic: &[b"#ROSBAG V"],
     },
-    #[cfg(not(feature = "parquet"))]
     Foreign {
         name: "a Parquet file",
-        remedy: "build quell with --features parquet, or write it as CSV with Python: pandas.read_parquet(\"run.parquet\").to_csv(\"run.csv\", index=False)",
+        remedy: "write it as CSV with Python: pandas.read_parquet(\"run.parquet\").to_csv(\"run.csv\", index=False)",
         endings: &["parquet"],
         magic: &[b"PAR1"],
     },

@@ -40,8 +40,6 @@ mod layout;
 mod manifest;
 mod mcap;
 mod memory;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod preferred;
 #[cfg(test)]
 mod properties;

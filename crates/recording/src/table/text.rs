@@ -49,10 +49,6 @@ pub fn single_spaces(text: &str) -> String {
 /// The text of a file, unpacked, without a byte order mark.
 pub fn text(path: &Path) -> Result<String, RecordingError> {
     let bytes = bytes(path).map_err(|problem| problem.in_file(path))?;
-    #[cfg(feature = "parquet")]
-    if bytes.starts_with(crate::parquet::MAGIC) || is_parquet(path) {
-        return crate::parquet::csv(bytes).map_err(|problem| problem.in_file(path));
-    }
     if let Some(format) = crate::foreign::of(path, &bytes) {
         return Err(Problem::Foreign(format).in_file(path));
     }
@@ -73,13 +69,6 @@ fn latin_1(bytes: &[u8]) -> Option<String> {
     let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0xa0..=0xff);
     let all = bytes.iter().all(is_text);
     all.then(|| bytes.iter().map(|byte| char::from(*byte)).collect())
-}
-
-/// Whether a file is called so: then it is told what is wrong with it as such.
-#[cfg(feature = "parquet")]
-fn is_parquet(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension == "parquet")
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {

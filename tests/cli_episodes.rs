@@ -1,16 +1,11 @@
-//! Data sets for learning, as LeRobot writes them: Parquet files with lists of states and actions, 30 samples a second.
+//! Data sets for learning in the form of LeRobot's, as CSV: lists of states and actions, episodes, 30 samples a second.
 
 use assert_cmd::Command;
-use parquet::data_type::{DoubleType, FloatType, Int64Type};
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::parser::parse_message_type;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use std::f64::consts::TAU;
 use std::path::Path;
-use std::sync::Arc;
 use tempfile::TempDir;
 
 /// Samples a second, and of an episode.
@@ -59,66 +54,24 @@ fn states(joint: usize, random: &mut ChaCha8Rng) -> Vec<f32> {
     seen
 }
 
-/// Writes two episodes: lists with an element for each joint, stamps that begin again, and columns that count.
+/// Writes two episodes: an element of a list for each joint, stamps that begin again, and columns that count.
 fn data_set(file: &Path) {
-    let schema = "message schema {
-        optional group observation.state (LIST) { repeated group list { optional float element; } }
-        optional group action (LIST) { repeated group list { optional float element; } }
-        required double timestamp;
-        required int64 frame_index;
-        required int64 episode_index;
-    }";
-    let schema = Arc::new(parse_message_type(schema).unwrap());
-    let properties = Arc::new(WriterProperties::builder().build());
-    let file = std::fs::File::create(file).unwrap();
-    let mut writer = SerializedFileWriter::new(file, schema, properties).unwrap();
-    let mut group = writer.next_row_group().unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    let interleaved = |of: &mut dyn FnMut(usize) -> Vec<f32>| -> Vec<f32> {
-        let joints = [of(0), of(1)];
-        (0..SAMPLES)
-            .flat_map(|k| [joints[0][k], joints[1][k]])
-            .collect()
-    };
-    let twice = |one: Vec<f32>| [one.clone(), one].concat();
-    let states = [0, 1]
-        .map(|_| interleaved(&mut |joint| states(joint, &mut random)))
-        .concat();
-    let action = |joint: usize| {
-        (0..SAMPLES)
-            .map(|k| command(joint, k as f64 / RATE) as f32)
-            .collect()
-    };
-    let actions = twice(interleaved(&mut { action }));
-    let rows = 2 * SAMPLES;
-    let (levels, again): (Vec<i16>, Vec<i16>) = (vec![3; 2 * rows], [0, 1].repeat(rows));
-    for list in [states, actions] {
-        let mut column = group.next_column().unwrap().unwrap();
-        let typed = column.typed::<FloatType>();
-        typed
-            .write_batch(&list, Some(&levels), Some(&again))
-            .unwrap();
-        column.close().unwrap();
+    let mut text = String::from(
+        "observation.state[0],observation.state[1],action[0],action[1],timestamp,frame_index,episode_index\n",
+    );
+    for episode in 0..2 {
+        let [first, second] = [0, 1].map(|joint| states(joint, &mut random));
+        for k in 0..SAMPLES {
+            let time = k as f64 / RATE;
+            let [one, other] = [0, 1].map(|joint| command(joint, time) as f32);
+            text += &format!(
+                "{},{},{one},{other},{time},{k},{episode}\n",
+                first[k], second[k]
+            );
+        }
     }
-    let frames: Vec<i64> = (0..rows).map(|k| (k % SAMPLES) as i64).collect();
-    let stamps: Vec<f64> = frames.iter().map(|k| *k as f64 / RATE).collect();
-    let mut column = group.next_column().unwrap().unwrap();
-    column
-        .typed::<DoubleType>()
-        .write_batch(&stamps, None, None)
-        .unwrap();
-    column.close().unwrap();
-    let episodes = (0..rows).map(|k| (k / SAMPLES) as i64).collect();
-    for counts in [frames, episodes] {
-        let mut column = group.next_column().unwrap().unwrap();
-        column
-            .typed::<Int64Type>()
-            .write_batch(&counts, None, None)
-            .unwrap();
-        column.close().unwrap();
-    }
-    group.close().unwrap();
-    writer.close().unwrap();
+    std::fs::write(file, text).unwrap();
 }
 
 fn quell(folder: &Path, arguments: &[&str]) -> std::process::Output {
@@ -135,8 +88,8 @@ fn quell(folder: &Path, arguments: &[&str]) -> std::process::Output {
 fn episodes_are_diagnosed_or_refused_with_the_rate_that_it_takes() {
     let folder = TempDir::new().unwrap();
     let here = folder.path();
-    data_set(&here.join("file-000.parquet"));
-    let told = quell(here, &["inspect", "file-000.parquet"]);
+    data_set(&here.join("file-000.csv"));
+    let told = quell(here, &["inspect", "file-000.csv"]);
     let text = String::from_utf8(told.stdout).unwrap();
     assert!(
         text.contains("only = { \"episode_index\" = \"0\" }"),
@@ -210,20 +163,4 @@ fn episodes_are_diagnosed_or_refused_with_the_rate_that_it_takes() {
     let words = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(words.contains("has 30 samples a second, and shows a mode of 22 Hz at 8 Hz: record it at more than 44 Hz"), "{words}");
-}
-
-#[test]
-fn a_damaged_file_is_told_as_one() {
-    let folder = TempDir::new().unwrap();
-    let file = folder.path().join("run.parquet");
-    for bytes in [&b"PAR1"[..], b"no such file at all", b""] {
-        std::fs::write(&file, bytes).unwrap();
-        let told = quell(folder.path(), &["inspect", "run.parquet"]);
-        let words = String::from_utf8(told.stderr).unwrap();
-        assert_eq!(told.status.code(), Some(2));
-        assert!(
-            words.contains("run.parquet") && words.contains("not a Parquet file"),
-            "{words}"
-        );
-    }
 }
