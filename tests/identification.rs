@@ -9,12 +9,16 @@ use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 mod shared;
 
 use quell::estimators::{ESTIMATORS, Sample};
-use quell::identification::{Identification, NominalModel, Prior, identify, prepare};
+use quell::identification::output_only::{Vibration, output_only_until};
+use quell::identification::{
+    Identification, IdentificationError, NominalModel, Prior, identify, identify_until, prepare,
+};
 use quell::recording::Recording;
 use quell::signal::TipRegistration;
 use quell_shapers::Mode;
 use shared::shared;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 fn recordings(name: &str) -> Option<PathBuf> {
     shared("QUELL_RECORDINGS", "recordings", name)
@@ -351,6 +355,52 @@ fn the_verb_prints_what_it_promises() {
         words.contains("model.toml:1") && words.contains("natural_frequency_hz"),
         "{words}"
     );
+}
+
+/// What was stopped, whenever it was, is no answer; what nobody stops is that of [`identify`].
+#[test]
+fn an_identification_ends_as_soon_as_it_is_told() {
+    let truth = Truth {
+        frequency_hz: 7.3,
+        damping_ratio: 0.03,
+        across: false,
+    };
+    let samples = two_moves(&truth, 2e-5, 5);
+    let after = |most: usize| {
+        let asked = AtomicUsize::new(0);
+        let stop = || asked.fetch_add(1, Relaxed) >= most;
+        let ended = identify_until(&samples, Prior::default(), &stop);
+        (ended, asked.load(Relaxed))
+    };
+    let (whole, asked) = after(usize::MAX);
+    let best = |found: Identification| found.recommended();
+    let alone = identify(&samples, Prior::default()).map(best);
+    assert_eq!(whole.map(best).ok(), alone.ok());
+    assert!(asked > 5, "{asked}");
+    for most in 0..asked {
+        let (ended, _) = after(most);
+        assert!(
+            matches!(ended, Err(IdentificationError::Stopped)),
+            "after {most} of {asked}"
+        );
+    }
+    let vibration = Vibration {
+        role: quell::recording::Role::Deformation,
+        unit: "rad".into(),
+        start: 0.0,
+        rate: 1000.0 / 3.0,
+        axes: vec![
+            samples
+                .iter()
+                .skip(300)
+                .take(300)
+                .map(|s| s.deformation)
+                .collect(),
+        ],
+        used: 1.0,
+    };
+    let stopped = output_only_until(&vibration, &|| true);
+    assert!(matches!(stopped, Err(IdentificationError::Stopped)));
 }
 
 /// Two encoders in counts, whose gain nobody knows: the deformation is what is left of the link beside the motor side.
