@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let recording = recorded();
     let outcome = diagnose(&model, &[recording], &[], &Options::default(), &|_, _| {})?;
     println!("{}", outcome.diagnosis.summary);
-    println!("{}", outcome.model.to_toml());
+    println!("{}", outcome.to_toml());
     Ok(())
 }
 

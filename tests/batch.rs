@@ -35,7 +35,9 @@ fn results(folder: &Path) -> BTreeSet<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let name = |entry: fs::DirEntry| entry.file_name().into_string().expect("text");
     entries
-        .map(|entry| name(entry.expect("an entry")))
+        .map(|entry| entry.expect("an entry"))
+        .filter(|entry| entry.path().is_dir())
+        .map(name)
         .collect()
 }
 
@@ -90,6 +92,15 @@ fn a_batch_is_its_recordings_one_by_one() {
     );
     let model = |folder: &Path| fs::read_to_string(folder.join("model.toml")).expect("a model");
     assert_eq!(model(&one), model(&here.join("alone")));
+
+    // One page over all, with a link to the report of each, and what is set aside last.
+    let page = fs::read_to_string(here.join("out/report.html")).expect("a page");
+    for folder in all.iter().filter(|one| !one.starts_with("poison")) {
+        assert!(page.contains(&format!("{folder}/report.html")), "{folder}");
+        assert!(here.join("out").join(folder).join("report.html").is_file());
+    }
+    assert!(page.contains("1 could not be diagnosed."), "{page}");
+    assert!(page.rfind("poison") > page.rfind("r0002"));
 
     let before = fs::read(one.join("result.json")).expect("a result");
     let again = batch(&["--json"], here);

@@ -50,6 +50,13 @@ fn forms() -> Vec<(&'static str, String, Vec<&'static str>, bool)> {
             true,
         ),
         (
+            "labview.lvm",
+            "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\nX_Value\tAcceleration\n".to_owned()
+                + &rows(|k| format!("{:.6}\t{:.6}\n", ms(k), decay(ms(k)))),
+            vec!["skip = 4", "column = \"Acceleration\""],
+            false,
+        ),
+        (
             "scope.txt",
             "# scope 7\nt a\ns m/s^2\n".to_owned()
                 + &rows(|k| format!("{:.3}    {:.5}\n", ms(k), decay(ms(k)))),
@@ -211,4 +218,49 @@ fn an_error_shows_no_file_and_a_users_manifest_stays() {
         manifest
     );
     assert!(folder.path().join("run.toml").exists());
+}
+
+/// Text that is not UTF-8 is read as ISO 8859-1, where it can be; a drive's trace has demand and actual value.
+#[test]
+fn a_trace_of_a_drive_and_an_older_code_of_letters_are_understood() {
+    let head = "Zeit [s];Beschleunigung [m/s\u{b2}]\n".to_owned();
+    let text =
+        head + &rows(|k| format!("{:.3};{:.5}\n", k as f64 / 1000.0, decay(k as f64 / 1000.0)));
+    let folder = TempDir::new().unwrap();
+    let bytes: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+    std::fs::write(folder.path().join("messung.csv"), bytes).unwrap();
+    let told = json("identify", Path::new("messung.csv"), &folder);
+    let hertz = told["recordings"][0]["modes"][0]["frequency_hz"]
+        .as_f64()
+        .unwrap();
+    assert!((hertz / 8.0 - 1.0).abs() < 1e-3, "{hertz}");
+
+    let head = "Time (s),Position demand (deg),Position actual (deg),Motor current (A),Following error (deg)\n".to_owned();
+    let line = |k: usize| {
+        let (t, x) = (k as f64 / 1000.0, decay(k as f64 / 1000.0));
+        format!(
+            "{t:.3},{x:.4},{:.4},{:.4},{:.4}\n",
+            0.9 * x,
+            3.0 * x,
+            0.1 * x
+        )
+    };
+    let folder = write("servo.csv", &(head + &rows(line)));
+    json("inspect", Path::new("servo.csv"), &folder);
+    let manifest = std::fs::read_to_string(folder.path().join("recording.toml")).unwrap();
+    let roles: Vec<&str> = manifest.split("[[channel]]").skip(1).collect();
+    for (channel, role, column) in [
+        (roles[0], "command_position", "Position demand (deg)"),
+        (roles[1], "motor_position", "Position actual (deg)"),
+        (roles[2], "motor_current", "Motor current (A)"),
+    ] {
+        assert!(
+            channel.contains(&format!("role = \"{role}\"")),
+            "{manifest}"
+        );
+        assert!(
+            channel.contains(&format!("column = \"{column}\"")),
+            "{manifest}"
+        );
+    }
 }

@@ -95,6 +95,52 @@ fn verbs_that_are_not_built_in_are_not_listed_and_say_how_to_build_them() {
     }
 }
 
+/// The last line of a verb that begins so, as it is typed.
+fn last(text: &str) -> &str {
+    text.trim_end().lines().last().unwrap_or_default()
+}
+
+#[test]
+fn each_verb_ends_with_the_next_command_and_that_command_runs() {
+    let folder = TempDir::new().unwrap();
+    // From a first move to the train for what rings in it.
+    let mut line = "quell move".to_string();
+    for verb in ["identify", "compare", "shape"] {
+        let (stdout, stderr, code) = shell(folder.path(), &line);
+        assert_eq!(code, Some(0), "{line}: {stderr}");
+        line = last(&stdout)
+            .strip_prefix("Next: ")
+            .expect(&stdout)
+            .to_string();
+        assert!(line.starts_with(&format!("quell {verb} ")), "{line}");
+    }
+    let (stdout, stderr, code) = shell(folder.path(), &line);
+    assert_eq!(code, Some(0), "{line}: {stderr}");
+    assert!(
+        last(&stdout).ends_with("COMMAND.csv --column NAME"),
+        "{stdout}"
+    );
+    for (line, next) in [
+        (
+            "quell simulate --out s",
+            "quell identify s/recording.toml --model s/model.toml --out s",
+        ),
+        ("quell inspect s", "quell identify s"),
+        (
+            "quell score out/model.toml s",
+            "quell diagnose --model out/model.toml s",
+        ),
+        (
+            "quell simulate out/model.toml s --out p.csv",
+            "quell diagnose --model out/model.toml s",
+        ),
+        ("quell doctor", "quell move"),
+    ] {
+        let (stdout, stderr, _) = shell(folder.path(), line);
+        assert_eq!(last(&stdout), format!("Next: {next}"), "{line}: {stderr}");
+    }
+}
+
 #[test]
 fn the_log_has_no_colours_where_nobody_sees_them() {
     let folder = TempDir::new().unwrap();

@@ -145,7 +145,7 @@ fn bad_csv_is_refused_with_file_line_and_column() {
         ),
         (
             "not utf-8",
-            b"time_s,joint_1_rad\n0,1\n\xff,1\n",
+            b"time_s,joint_1_rad\n0,1\n\x81,1\n",
             &["encoder.csv:3: the text is not"],
         ),
     ];

@@ -273,10 +273,13 @@ fn a_batch_replaces_nothing() {
     let batch = "diagnose --batch --model model.toml fleet --out results";
     quell(here, batch).assert().success();
     let results = here.join("results");
-    let one = fs::read_dir(&results).unwrap().next().unwrap().unwrap();
-    fs::remove_dir_all(one.path()).unwrap();
-    fs::create_dir(one.path()).unwrap();
-    fs::write(one.path().join("diagnosis.json"), OWN).unwrap();
+    let mut entries = fs::read_dir(&results)
+        .unwrap()
+        .map(|one| one.unwrap().path());
+    let one = entries.find(|path| path.is_dir()).unwrap();
+    fs::remove_dir_all(&one).unwrap();
+    fs::create_dir(&one).unwrap();
+    fs::write(one.join("diagnosis.json"), OWN).unwrap();
     let before = contents(&results);
     let assert = quell(here, batch).assert().code(2);
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();

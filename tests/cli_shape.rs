@@ -304,3 +304,49 @@ fn every_shaper_of_the_help_can_be_asked_for() {
         .success();
     }
 }
+
+/// The modes of a recording, without a file between.
+#[test]
+fn a_recording_says_the_mode() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("decay.csv");
+    let (w, xi) = (std::f64::consts::TAU * 8.12, 0.02);
+    let mut csv = String::from("time_s,accel_m_s2\n");
+    for k in 0..3000 {
+        let t = f64::from(k) / 1000.0;
+        // Noise of a sine that no mode has: its period is no multiple of the samples'.
+        let noise = 1e-3 * (f64::from(k * k % 7919) * 0.37).sin();
+        csv.push_str(&format!(
+            "{t:.3},{:.6}\n",
+            (-xi * w * t).exp() * (w * t).cos() + noise
+        ));
+    }
+    std::fs::write(&file, csv).unwrap();
+    let file = file.to_str().unwrap();
+    let document = shape_json(&["--shaper", "zvd", "--recording", file, "--rate", "250"]);
+    let mode = &document["modes"][0];
+    let hertz = mode["frequency_hz"].as_f64().unwrap();
+    assert!((hertz / 8.12 - 1.0).abs() < 1e-3, "{document}");
+    let mut compare = Command::cargo_bin("quell").unwrap();
+    compare.current_dir(folder.path());
+    let told = compare.args(["compare", "--recording", file, "--rate", "250", "--json"]);
+    let told: Value = serde_json::from_slice(&told.assert().success().get_output().stdout).unwrap();
+    assert_eq!(told["modes"][0]["frequency_hz"], mode["frequency_hz"]);
+    refused(
+        &mut shape(&[
+            "--shaper",
+            "zv",
+            "--recording",
+            file,
+            "--mode",
+            "8,0.1",
+            "--rate",
+            "250",
+        ]),
+        &["cannot be used with"],
+    );
+    refused(
+        &mut shape(&["--shaper", "zv", "--rate", "250"]),
+        &["--recording RECORDING"],
+    );
+}

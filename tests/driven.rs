@@ -1,7 +1,7 @@
 //! Axes with friction in their bearings, simulated by this file alone: one whose motor side is measured, and one that a
 //! torque drives, with a loop that the model does not know.
 
-use quell::diagnosis::{Diagnosis, Finding, Options, diagnose};
+use quell::diagnosis::{Diagnosis, Finding, Options, Outcome, diagnose};
 use quell::effects::{Effect, Law};
 use quell::model::Model;
 use quell::recording::{Channel, Recording, Role};
@@ -48,7 +48,7 @@ const LENGTH: f64 = 6.0;
 /// Standard deviation of the noise of a position, rad.
 const NOISE: f64 = 1e-5;
 
-fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> Diagnosis {
+fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> Outcome {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let channels = channels.into_iter().map(|(role, unit, mut values)| {
         if unit == "rad" {
@@ -70,7 +70,7 @@ fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> D
     };
     let model = Model::from_toml(model, "model.toml").unwrap();
     let outcome = diagnose(&model, &[recording], &[], &Options::default(), &|_, _| {});
-    outcome.unwrap().diagnosis
+    outcome.unwrap()
 }
 
 /// The value of a parameter of a finding at a place, and whether its interval holds the truth.
@@ -114,7 +114,15 @@ fn a_bearing_that_creeps_is_named() {
         ],
         1.0 / (fine * every as f64),
     );
-    let of = |parameter, truth| check(&told, "smooth_coulomb_friction", "link", parameter, truth);
+    let of = |parameter, truth| {
+        check(
+            &told.diagnosis,
+            "smooth_coulomb_friction",
+            "link",
+            parameter,
+            truth,
+        )
+    };
     of("friction", friction / (w * w));
     of("transition_velocity", transition);
 }
@@ -155,6 +163,7 @@ fn a_driven_motor_shows_its_friction_and_its_cogging() {
         ],
         1.0 / (fine * every as f64),
     );
+    let told = told.diagnosis;
     check(
         &told,
         "smooth_coulomb_friction",
@@ -162,6 +171,7 @@ fn a_driven_motor_shows_its_friction_and_its_cogging() {
         "friction",
         friction,
     );
+    let told = told.diagnosis;
     check(&told, "cogging", "drive", "amplitude", cogging);
     check(&told, "cogging", "drive", "order", 12.0);
 }
@@ -210,4 +220,68 @@ fn a_heavy_axis_shows_its_friction_and_its_cogging_through_noise() {
     };
     assert_eq!(told.findings.iter().filter(|own| dry(own)).count(), 1);
     assert!(told.findings.len() == 2 && told.fit.after.held_out_over_noise < 1.1);
+}
+
+/// What is known of the drive decides in which unit its friction is told: that of the channel, or N.m where a key says what
+/// torque it makes.
+#[test]
+fn val_forces_are_in_the_unit_of_what_drives_the_axis() {
+    let (inertia, viscous, friction, transition, constant) = (0.02, 0.03, 0.25, 0.4, 0.12);
+    let (fine, every, mut x, mut torque) = (1e-4, 40, [0.0; 2], 0.0);
+    let (mut drive, mut motor) = (Vec::new(), Vec::new());
+    for k in 0..(LENGTH / fine) as usize {
+        let t = k as f64 * fine;
+        if k % every == 0 {
+            torque = 0.8 * (TAU * 0.7 * t).sin() + 0.5 * (TAU * 1.9 * t + 1.0).sin();
+            drive.push(torque / constant);
+            motor.push(x[0]);
+        }
+        let rates = |_: f64, x: &[f64; 2]| {
+            let rubbing = friction * (x[1] / transition).tanh();
+            [x[1], (torque - viscous * x[1] - rubbing) / inertia]
+        };
+        step(rates, 0.0, fine, &mut x);
+    }
+    let head = "kind = \"rigid_axis\"\ninput_hold = \"zero_order\"\n";
+    let bare = format!("{head}mass = 0.15\nviscous = 0.2\n");
+    let told = format!("{head}mass = 0.018\nviscous = 0.02\nforce_gain = {constant}\n");
+    for (role, own, model, unit) in [
+        (Role::MotorCurrent, "A", &bare, "A"),
+        (Role::MotorVoltage, "V", &bare, "V"),
+        (Role::MotorCurrent, "A", &told, "N.m"),
+    ] {
+        let channels = vec![
+            (role, own, drive.clone()),
+            (Role::MotorPosition, "rad", motor.clone()),
+        ];
+        let outcome = diagnosed(model, channels, 1.0 / (fine * every as f64));
+        let size = if unit == "N.m" {
+            friction
+        } else {
+            friction / constant
+        };
+        check(
+            &outcome.diagnosis,
+            "smooth_coulomb_friction",
+            "drive",
+            "friction",
+            size,
+        );
+        let units: Vec<&str> = outcome.diagnosis.findings[0]
+            .parameters
+            .iter()
+            .map(|one| one.unit.as_str())
+            .collect();
+        assert_eq!(units, [unit, "rad/s"]);
+        let text = outcome.to_toml();
+        for comment in [format!("# {unit}.s^2/rad"), format!("# {unit}\n")] {
+            assert!(text.contains(&comment), "{comment}: {text}");
+        }
+        assert_eq!(
+            text.contains("force_gain = 0.12  # N.m/A"),
+            unit == "N.m",
+            "{text}"
+        );
+        assert_eq!(text.contains("N.m"), unit == "N.m", "{text}");
+    }
 }

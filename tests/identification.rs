@@ -9,12 +9,16 @@ use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 mod shared;
 
 use quell::estimators::{ESTIMATORS, Sample};
-use quell::identification::{Identification, NominalModel, Prior, identify, prepare};
+use quell::identification::output_only::{Vibration, output_only_until};
+use quell::identification::{
+    Identification, IdentificationError, NominalModel, Prior, identify, identify_until, prepare,
+};
 use quell::recording::Recording;
 use quell::signal::TipRegistration;
 use quell_shapers::Mode;
 use shared::shared;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 fn recordings(name: &str) -> Option<PathBuf> {
     shared("QUELL_RECORDINGS", "recordings", name)
@@ -110,6 +114,80 @@ fn val_flexible_arm_that_never_rests() {
         found.explained
     );
     on_line_agrees(&found, 0.03);
+}
+
+/// A method that does not know its error never states one that excludes what is recommended; a clock that is off makes no
+/// second mode.
+#[test]
+fn val_deviations_of_methods_do_not_contradict_each_other() {
+    for (seed, late) in [(1, 0.0), (2, 0.0), (3, 0.25e-3), (4, -0.25e-3)] {
+        let truth = Truth {
+            frequency_hz: 7.3,
+            damping_ratio: 0.02,
+            across: false,
+        };
+        let samples = two_moves_late(&truth, 2e-5, seed, late);
+        let found = identify(&samples, Prior::default()).expect("a vibration");
+        let best = found.recommended().expect("a line");
+        assert_eq!(
+            (best.method, best.further),
+            ("likelihood", None),
+            "{late}: {best:?}"
+        );
+        let off = best.mode.mode.natural_frequency() / (7.3 * std::f64::consts::TAU) - 1.0;
+        assert!(off.abs() < 2e-3, "{late}: {best:?}");
+        if late == 0.0 {
+            assert!(
+                off.abs() * best.mode.mode.natural_frequency()
+                    < 4.0 * best.mode.natural_frequency_std,
+                "{best:?}"
+            );
+        }
+        for (index, line) in ESTIMATORS
+            .iter()
+            .enumerate()
+            .filter(|own| !own.1.states_error)
+        {
+            let result = found.quoted(index).and_then(|run| run.estimator(line.name));
+            let one = result
+                .and_then(|result| result.estimate)
+                .expect("an estimate");
+            let distance = one.mode.natural_frequency() - best.mode.mode.natural_frequency();
+            let [frequency, _] = found.deviations(&one, line.states_error);
+            assert!(
+                frequency >= distance.abs(),
+                "{}: {frequency} {distance}",
+                line.name
+            );
+        }
+    }
+}
+
+/// Two moves whose deformation is stamped late by a time, s.
+fn two_moves_late(truth: &Truth, noise: f64, seed: u64, late: f64) -> Vec<Sample> {
+    let shift = |times: Vec<f64>| -> Vec<f64> { times.iter().map(|time| time - late).collect() };
+    let times = stamps(1000.0 / 3.0, 3.6);
+    let moves = [
+        jerk_limited_move(0.3, 0.4, 0.07, 0.4),
+        jerk_limited_move(2.0, 0.5, 0.09, -0.3),
+    ];
+    let on_time: Vec<_> = moves
+        .iter()
+        .map(|own| respond(truth, own, &times))
+        .collect();
+    let late: Vec<_> = moves
+        .iter()
+        .map(|own| respond(truth, own, &shift(times.clone())))
+        .collect();
+    let mut samples: Vec<Sample> = (0..times.len())
+        .map(|k| Sample {
+            time: times[k],
+            motor_position: on_time.iter().map(|own| own[k].motor_position).sum(),
+            deformation: late.iter().map(|own| own[k].deformation).sum(),
+        })
+        .collect();
+    add_noise(&mut samples, noise, seed);
+    samples
 }
 
 /// Two moves with rests between, seen from 0.3 s before the first on.
@@ -249,6 +327,16 @@ fn the_verb_prints_what_it_promises() {
         assert!((frequency / 8.12 - 1.0).abs() < 0.03, "{estimate}");
     }
     assert_eq!(json["free_decay_from_s"].as_array().map(Vec::len), Some(2));
+    let best = &json["recommended"];
+    assert_eq!(best["method"], "likelihood");
+    assert_eq!(best["modes"][0], json["mode"]);
+    let text = String::from_utf8(quell(&["--force"]).stdout).expect("text");
+    assert_eq!(text.matches("  recommended").count(), 1, "{text}");
+    assert!(text.contains("Recommended: likelihood, 8.1"), "{text}");
+    assert!(
+        text.ends_with("Next: quell compare --model out/model.toml --rate 1000\n"),
+        "{text}"
+    );
     assert!(
         json["offline"]
             .as_array()
@@ -266,6 +354,88 @@ fn the_verb_prints_what_it_promises() {
     assert!(
         words.contains("model.toml:1") && words.contains("natural_frequency_hz"),
         "{words}"
+    );
+}
+
+/// What was stopped, whenever it was, is no answer; what nobody stops is that of [`identify`].
+#[test]
+fn an_identification_ends_as_soon_as_it_is_told() {
+    let truth = Truth {
+        frequency_hz: 7.3,
+        damping_ratio: 0.03,
+        across: false,
+    };
+    let samples = two_moves(&truth, 2e-5, 5);
+    let after = |most: usize| {
+        let asked = AtomicUsize::new(0);
+        let stop = || asked.fetch_add(1, Relaxed) >= most;
+        let ended = identify_until(&samples, Prior::default(), &stop);
+        (ended, asked.load(Relaxed))
+    };
+    let (whole, asked) = after(usize::MAX);
+    let best = |found: Identification| found.recommended();
+    let alone = identify(&samples, Prior::default()).map(best);
+    assert_eq!(whole.map(best).ok(), alone.ok());
+    assert!(asked > 5, "{asked}");
+    for most in 0..asked {
+        let (ended, _) = after(most);
+        assert!(
+            matches!(ended, Err(IdentificationError::Stopped)),
+            "after {most} of {asked}"
+        );
+    }
+    let vibration = Vibration {
+        role: quell::recording::Role::Deformation,
+        unit: "rad".into(),
+        start: 0.0,
+        rate: 1000.0 / 3.0,
+        axes: vec![
+            samples
+                .iter()
+                .skip(300)
+                .take(300)
+                .map(|s| s.deformation)
+                .collect(),
+        ],
+        used: 1.0,
+    };
+    let stopped = output_only_until(&vibration, &|| true);
+    assert!(matches!(stopped, Err(IdentificationError::Stopped)));
+}
+
+/// Two encoders in counts, whose gain nobody knows: the deformation is what is left of the link beside the motor side.
+#[test]
+fn val_two_sensors_in_raw_counts() {
+    let truth = Truth {
+        frequency_hz: 7.3,
+        damping_ratio: 0.03,
+        across: false,
+    };
+    let samples = two_moves(&truth, 2e-5, 5);
+    let channel = |role, of: &dyn Fn(&Sample) -> f64| quell::recording::Channel {
+        role,
+        unit: "raw".into(),
+        time: samples.iter().map(|s| s.time).collect(),
+        columns: vec![samples.iter().map(|s| of(s).round()).collect()],
+    };
+    let motor = channel(quell::recording::Role::MotorPosition, &|s| {
+        1e5 * s.motor_position
+    });
+    let link = channel(quell::recording::Role::LinkPosition, &|s| {
+        -1.7e5 * (s.motor_position + s.deformation) + 1200.0
+    });
+    let recording = Recording {
+        name: "counts".into(),
+        payload: None,
+        channels: vec![motor, link],
+    };
+    let series = prepare(recording, None, TipRegistration::Arc).expect("a series");
+    let found = identify(&series.samples, Prior::default()).expect("a vibration");
+    let best = found.recommended().expect("a line").mode;
+    assert!((best.mode.hertz() / 7.3 - 1.0).abs() < 2e-3, "{best:?}");
+    assert!(
+        (best.mode.damping_ratio() / 0.03 - 1.0).abs() < 0.05,
+        "{best:?}"
     );
 }
 

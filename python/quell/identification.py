@@ -222,9 +222,9 @@ def _mode(document: Mapping[str, Any]) -> Mode:
 
 
 def _driven_modes(document: Mapping[str, Any]) -> list[Any]:
-    """The mode that is quoted, and the second one of the estimator that told two."""
-    further = [one["further_mode"] for one in document["estimates"] if one["further_mode"]]
-    return [mode for mode in [document["mode"], *further[:1]] if mode]
+    """The mode that is recommended, or the two."""
+    best = document["recommended"]
+    return best["modes"] if best else []
 
 
 def _estimates(document: Mapping[str, Any]) -> tuple[Estimate, ...]:

@@ -97,7 +97,7 @@ fn written(
     let html = page
         .footnote(format!("quell.diagnose, seed {seed}"))
         .render();
-    let toml = outcome.model.to_toml();
+    let toml = outcome.to_toml();
     (document, words, html, toml, outcome.traces.outputs)
 }
 

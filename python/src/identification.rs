@@ -38,8 +38,11 @@ pub fn identify(
         .into_iter()
         .map(|(path, one)| (path, one.0.clone()));
     let recordings: Vec<_> = recordings.collect();
-    let told = wait(py, &Watch::default(), None, move || {
-        let found = Identified::of(recordings, believed.as_ref(), way)?;
+    let watch = Watch::default();
+    let asked = watch.clone();
+    let told = wait(py, &watch, None, move || {
+        let stop = || asked.stops();
+        let found = Identified::of(recordings, believed.as_ref(), way, &stop)?;
         let document = found.document().to_string();
         Ok((document, found.text(), found.page().render(), found.model()))
     })?;

@@ -75,6 +75,43 @@ def test_an_episode_of_a_parquet_file_is_a_recording(tmp_path: Path) -> None:
         quell.Recording.load(tmp_path / "file.parquet", channels, where={"episode_index": 7})
 
 
+def test_an_episode_at_30_samples_a_second_is_diagnosed_or_refused(tmp_path: Path) -> None:
+    rate, fine, late = 30, 100, 0.08
+    t = np.arange(600) / rate
+    command = 0.3 * (1.0 - np.cos(1.3 * t)) + 0.2 * (1.0 - np.cos(2.9 * t)) + 0.1 * (1.0 - np.cos(5.2 * t))
+    # A servo that is late: u'' = 40 (12 (r - u) - u'), the command held over a sample.
+    held = np.concatenate([np.zeros(int(late * rate * fine)), np.repeat(command, fine)])
+    x, v, state = 0.0, 0.0, []
+    for k in range(len(t) * fine):
+        if k % fine == 0:
+            state.append(x)
+        v += 40.0 * (12.0 * (held[k] - x) - v) / (rate * fine)
+        x += v / (rate * fine)
+    seen = np.array(state) + 2e-4 * np.random.default_rng(3).normal(size=len(t))
+    columns = {
+        "timestamp": t.astype(np.float32),
+        "episode_index": np.zeros(len(t), dtype=np.int64),
+        "action": list(command[:, np.newaxis].astype(np.float32)),
+        "observation.state": list(seen[:, np.newaxis].astype(np.float32)),
+    }
+    pq.write_table(pa.table(columns), tmp_path / "file-000.parquet")
+
+    def episode(role: str) -> quell.Recording:
+        channels = {"command_position": "action[0]", role: "observation.state[0]"}
+        units = {"command_position": "rad", role: "rad"}
+        where = {"episode_index": 0}
+        return quell.Recording.load(tmp_path / "file-000.parquet", channels, units=units, where=where)
+
+    servo = "mass = { value = 1.0, fixed = true }\nviscous = 0.0\nposition_gain = 12.0\nvelocity_gain = 40.0\n"
+    servo = 'kind = "rigid_axis"\ninput_hold = "zero_order"\n' + servo
+    found = quell.diagnose(quell.Model.from_toml(servo, "servo"), episode("motor_position"))
+    assert found.findings[0].effect in {"drive_delay", "sensor_delay"}
+    assert found.findings[0].parameters[0].value == pytest.approx(late, rel=0.02)
+    fast = 'kind = "flexible_joint"\nnatural_frequency_hz = 22\ndamping_ratio = 0.03\n'
+    with pytest.raises(quell.DiagnosisError, match="at more than 44 Hz"):
+        quell.diagnose(quell.Model.from_toml(fast, "fast"), episode("link_position"))
+
+
 def test_missing_samples_are_left_out_or_refused() -> None:
     values = Q.copy()
     values[[3, 40]] = np.nan

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quell
+import scipy.signal
 
 
 def test_a_mode_is_identified_with_its_input_known(recording: quell.Recording) -> None:
@@ -128,6 +129,18 @@ def test_an_interrupt_is_obeyed(recording: quell.Recording, model: quell.Model) 
 
     with pytest.raises(KeyboardInterrupt):
         quell.diagnose(model, [recording] * 3, progress=interrupts)
+
+
+def test_an_interrupt_of_an_identification_is_obeyed() -> None:
+    # A machine at work, whose mode takes a while to find.
+    noise = np.random.default_rng(1).normal(size=400_000)
+    pole = np.exp((-0.05 + 1j) * 2.0 * np.pi * 48.0 / 3200.0)
+    work = scipy.signal.lfilter([1.0], [1.0, -2.0 * pole.real, abs(pole) ** 2], noise)
+    recording = quell.Recording.from_arrays({"tip_acceleration": work}, rate=3200)
+    with pytest.raises(KeyboardInterrupt):
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+        while True:
+            quell.identify(recording)
 
 
 def test_what_does_not_suit_is_refused(recording: quell.Recording, model: quell.Model, tmp_path: Path) -> None:

@@ -32,16 +32,34 @@ pub struct Answer {
     pub diagnosis: Option<Value>,
     /// The content of `model.toml`, with the physics in it.
     pub model: Option<String>,
+    /// The report, a page; only where the diagnosis was made. It is a hundred times as large as the rest and does not travel.
+    #[serde(skip)]
+    pub report: Option<String>,
+}
+
+/// What a job makes.
+#[derive(Clone, Debug)]
+pub struct Done {
+    /// The content of `diagnosis.json`.
+    pub diagnosis: Value,
+    /// The content of `model.toml`.
+    pub model: String,
+    /// The report.
+    pub report: String,
 }
 
 impl Answer {
-    /// The job's diagnosis and model, or why there are none, after so many seconds.
-    pub fn new(job: &Job, seconds: f64, outcome: Result<(Value, String), String>) -> Self {
-        let (found, error) = match outcome {
-            Ok(found) => (Some(found), None),
-            Err(error) => (None, Some(error)),
+    /// What came of a job, or why nothing did, after so many seconds.
+    pub fn new(job: &Job, seconds: f64, outcome: Result<Done, String>) -> Self {
+        let (diagnosis, model, report, error) = match outcome {
+            Ok(done) => (
+                Some(done.diagnosis),
+                Some(done.model),
+                Some(done.report),
+                None,
+            ),
+            Err(error) => (None, None, None, Some(error)),
         };
-        let (diagnosis, model) = found.unzip();
         Self {
             about: About {
                 key: job.key.clone(),
@@ -53,6 +71,7 @@ impl Answer {
             },
             diagnosis,
             model,
+            report,
         }
     }
 

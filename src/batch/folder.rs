@@ -1,7 +1,7 @@
 //! Answers on disk: a folder for each.
 //!
-//! `<name>-<first 16 digits of the key>/` has `diagnosis.json` and `model.toml` as `quell diagnose` writes
-//! them, and `result.json`, which says what they are of, or why they are not there. It is written under a
+//! `<name>-<first 16 digits of the key>/` has `report.html`, `diagnosis.json` and `model.toml` as `quell diagnose` writes
+//! them (the report only where the diagnosis was made here), and `result.json`, which says what they are of, or why they are not there. It is written under a
 //! hidden name and moved to its own when it is whole. A folder of that name without `result.json` is not
 //! ours, and is left alone.
 
@@ -19,6 +19,8 @@ use super::error::BatchError;
 const RESULT: &str = "result.json";
 const DIAGNOSIS: &str = "diagnosis.json";
 const MODEL: &str = "model.toml";
+/// The report in a folder of an answer.
+pub const REPORT: &str = "report.html";
 /// How the name of a folder begins that is not whole.
 const UNFINISHED: &str = ".unfinished-";
 /// Digits of a key in the name of a folder: among a million jobs two share 64 bits once in 4e7 batches.
@@ -81,6 +83,9 @@ impl Folder {
         if let Some(diagnosis) = &answer.diagnosis {
             write(&unfinished.join(DIAGNOSIS), json(diagnosis).as_bytes())?;
         }
+        if let Some(report) = &answer.report {
+            write(&unfinished.join(REPORT), report.as_bytes())?;
+        }
         if let Some(model) = &answer.model {
             write(&unfinished.join(MODEL), model.as_bytes())?;
         }
@@ -109,6 +114,11 @@ impl Folder {
     pub fn answer(&self, key: &str) -> Result<Option<Answer>, BatchError> {
         let folder = self.known().get(digits(key)).cloned();
         folder.map(|folder| read(&folder)).transpose()
+    }
+
+    /// The folder of the answer to a job, if it is there.
+    pub fn of(&self, key: &str) -> Option<PathBuf> {
+        self.known().get(digits(key)).cloned()
     }
 
     /// Every folder with an answer, in the order of their names.
@@ -141,6 +151,7 @@ pub(super) fn read(folder: &Path) -> Result<Answer, BatchError> {
             about,
             diagnosis: None,
             model: None,
+            report: None,
         });
     }
     let diagnosis: Value = serde_json::from_slice(&parsed(DIAGNOSIS)?)
@@ -150,6 +161,7 @@ pub(super) fn read(folder: &Path) -> Result<Answer, BatchError> {
         about,
         diagnosis: Some(diagnosis),
         model: Some(model),
+        report: None,
     })
 }
 

@@ -27,11 +27,11 @@ mod submit;
 mod unpack;
 mod work;
 
-pub use answer::{About, Answer};
+pub use answer::{About, Answer, Done};
 pub use error::BatchError;
 pub use features::connect;
 pub use find::find;
-pub use folder::Folder;
+pub use folder::{Folder, REPORT};
 pub use in_process::InProcess;
 pub use job::Job;
 pub use pack::{MOST_BYTES, pack};

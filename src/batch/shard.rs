@@ -1,5 +1,6 @@
 //! A share of a batch, for job arrays that have no queue.
 
+use std::fmt;
 use std::str::FromStr;
 
 use super::error::BatchError;
@@ -28,6 +29,13 @@ impl Shard {
     pub fn has(&self, key: &str) -> bool {
         let first = key.get(..16).unwrap_or_default();
         u64::from_str_radix(first, 16).unwrap_or(0) % self.count == self.index
+    }
+}
+
+impl fmt::Display for Shard {
+    /// `3 of 8`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {}", self.index + 1, self.count)
     }
 }
 

@@ -6,10 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde_json::Value;
-
-use super::answer::Answer;
+use super::answer::{Answer, Done};
 use super::error::BatchError;
 use super::hash::hash;
 use super::job::Job;
@@ -18,6 +15,8 @@ use super::unpack::unpack;
 use crate::diagnosis::{Options, diagnose};
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::report::page;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// How often a job is handed out at most. A machine that is switched off takes a job with it once; what has
 /// taken three workers with it is no accident.
@@ -38,7 +37,7 @@ pub struct Work {
 }
 
 /// The outcome of a job at a worker.
-type Outcome = Result<(Value, String), String>;
+type Outcome = Result<Done, String>;
 
 /// Works until `ending` is set, or there is nothing more to do; `told` hears of each answer.
 ///
@@ -162,7 +161,13 @@ fn diagnosed(job: &Job, path: &Path) -> Outcome {
     let outcome = diagnose(&model, &[recording], &[], &options, &|_, _| {});
     let outcome = outcome.map_err(|error| told(&error))?;
     let diagnosis = serde_json::to_value(&outcome.diagnosis).map_err(|error| told(&error))?;
-    Ok((diagnosis, outcome.model.to_toml()))
+    let names = [job.name.clone()];
+    let page = page(&outcome.diagnosis, &outcome.traces, "model.toml", &names);
+    Ok(Done {
+        diagnosis,
+        model: outcome.to_toml(),
+        report: page.render(),
+    })
 }
 
 /// Works, and says meanwhile that it does.

@@ -1,82 +1,72 @@
-//! Answers of a batch: a line of a table for each, and what was set aside.
+//! Answers of a batch, in short.
 
 use serde_json::Value;
+use std::path::Path;
 
 use super::CliError;
-use crate::batch::{Answer, BatchError};
+use super::overview::{Line, Told};
+use crate::batch::{Answer, BatchError, REPORT};
 use crate::diagnosis::Verdict;
-use crate::page::{columns, number};
+use crate::effects::Catalogue;
 
-/// One answer in a table.
-pub struct Row {
-    cells: [String; 5],
-    /// Why there is no diagnosis.
-    error: Option<String>,
-    /// Whether the recording says nothing of the model.
-    silent: bool,
-}
-
-impl Row {
-    /// The line for an answer.
-    pub fn of(answer: &Answer) -> Self {
-        let about = &answer.about;
-        let diagnosis = answer.diagnosis.as_ref();
-        let verdict = answer.said("verdict").unwrap_or("set aside");
-        let silent = verdict == Verdict::NotExcited.name();
-        let over_noise = |which: &str| {
-            let path = format!("/fit/{which}/held_out_over_noise");
-            let value = diagnosis.and_then(|one| one.pointer(&path)?.as_f64());
-            value.filter(|_| !silent).map_or("-".into(), number)
-        };
-        let missing = diagnosis.map_or_else(String::new, effects);
-        Self {
-            cells: [
-                about.name.clone(),
-                verdict.to_string(),
-                if missing.is_empty() {
-                    "-".into()
-                } else {
-                    missing
-                },
-                over_noise("before"),
-                over_noise("after"),
-            ],
-            error: about.error.clone(),
-            silent,
-        }
-    }
-
-    fn set_aside(&self) -> Option<String> {
-        let error = self.error.as_ref()?;
-        Some(format!("{}: {error}\n", self.cells[0]))
+/// The line of an answer in an overview, and its report where it lies in a folder beside the overview.
+pub fn line(answer: &Answer, folder: Option<&Path>) -> Line {
+    let name = folder.and_then(Path::file_name);
+    let report = folder.is_some_and(|folder| folder.join(REPORT).is_file());
+    Line {
+        name: answer.about.name.clone(),
+        report: name
+            .filter(|_| report)
+            .map(|name| format!("{}/{REPORT}", name.to_string_lossy())),
+        told: match (&answer.about.error, &answer.diagnosis) {
+            (Some(error), _) => Err(error.clone()),
+            (None, Some(diagnosis)) => told_of(diagnosis),
+            (None, None) => Err("its answer has no diagnosis".into()),
+        },
     }
 }
 
-/// The rows as a table, and below it why what was set aside was.
-pub fn table(rows: &[Row]) -> String {
-    let header = ["recording", "verdict", "missing", "misfit", "with it"];
-    let cells = rows.iter().map(|row| row.cells.clone());
-    let errors: String = rows.iter().filter_map(Row::set_aside).collect();
-    let gap = if errors.is_empty() { "" } else { "\n" };
-    format!("{}{gap}{errors}", columns(header, cells))
-}
-
-/// How many were set aside.
-pub fn set_aside(rows: &[Row]) -> usize {
-    rows.iter().filter(|row| row.error.is_some()).count()
-}
-
-/// How many say nothing of the model: neither healthy nor ill.
-pub fn silent(rows: &[Row]) -> usize {
-    rows.iter().filter(|row| row.silent).count()
-}
-
-/// The physics that is missing, as one word.
-fn effects(diagnosis: &Value) -> String {
+/// What a diagnosis says, as the version that wrote it lays it out.
+fn told_of(diagnosis: &Value) -> Result<Told, String> {
+    let text = |key: &str| {
+        diagnosis
+            .get(key)
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+    };
+    let verdict: Verdict = serde_json::from_value(text("verdict").into())
+        .map_err(|error| format!("its diagnosis cannot be read: {error}"))?;
+    let over_noise = |which: &str| {
+        let path = format!("/fit/{which}/held_out_over_noise");
+        diagnosis
+            .pointer(&path)
+            .and_then(Value::as_f64)
+            .unwrap_or(f64::NAN)
+    };
     let findings = diagnosis.get("findings").and_then(Value::as_array);
     let names = findings.into_iter().flatten();
     let names = names.filter_map(|finding| finding.get("effect")?.as_str());
-    names.collect::<Vec<_>>().join(" + ")
+    Ok(Told {
+        verdict,
+        summary: text("summary").into(),
+        missing: names.map(|name| Catalogue::default().title(name)).collect(),
+        before: over_noise("before"),
+        after: over_noise("after"),
+    })
+}
+
+/// How many were set aside.
+pub fn set_aside(lines: &[Line]) -> usize {
+    lines.iter().filter(|line| line.told.is_err()).count()
+}
+
+/// How many say nothing of the model: neither healthy nor ill.
+pub fn silent(lines: &[Line]) -> usize {
+    let silent = |told: &Told| told.verdict == Verdict::NotExcited;
+    lines
+        .iter()
+        .filter(|line| line.told.as_ref().is_ok_and(silent))
+        .count()
 }
 
 /// An error of the user's is bad input, one of the system's a failure.

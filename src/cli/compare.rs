@@ -7,11 +7,11 @@ mod page;
 mod print;
 mod trial;
 
+use super::mode_args::ModeArgs;
 use super::out::{Force, Out};
 use super::progress::Progress;
 use super::robot_args::{RobotArgs, robot};
-use super::{CliError, output, shaping, values};
-use crate::identification::NominalModel;
+use super::{CliError, next, output, shaping, values};
 use crate::page::number;
 use crate::plant::Robot;
 use candidate::{Candidate, Design};
@@ -30,11 +30,13 @@ const POINTS: usize = 60;
 
 /// Compares all shapers over a spread of frequency errors and recommends one.
 #[derive(clap::Args)]
+#[command(mut_group("modes", |group| group.conflicts_with("joint")))]
 #[command(after_help = "\
 Examples:
   quell compare                              the embedded arm
   quell compare robot.toml --joint 2 --out out
   quell compare --model out/model.toml --rate 1000
+  quell compare --recording arm7 --rate 1000
   quell compare --mode 8.12,0.084 --rate 1000 --frequency-std 5 --max-delay 0.1 --json
 
 V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
@@ -54,12 +56,8 @@ pub struct Args {
     file: Option<PathBuf>,
     #[command(flatten)]
     robot: RobotArgs,
-    /// Natural frequency in Hz and damping ratio, instead of the robot's; may be repeated.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, conflicts_with = "joint")]
-    mode: Vec<Mode>,
-    /// The model of the joint instead of --mode, as `quell identify` writes it.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["mode", "joint"])]
-    model: Option<PathBuf>,
+    #[command(flatten)]
+    modes: ModeArgs,
     /// Commands a second [default: the robot's].
     #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]
     rate: Option<f64>,
@@ -170,10 +168,22 @@ pub fn run(args: Args) -> Result<(), CliError> {
         return output::json(&document);
     }
     output::text(&format!(
-        "{}\nReport: {}\n",
+        "{}\nReport: {}\n{}",
         print::text(&comparison),
-        report.display()
+        report.display(),
+        next_command(&comparison)
     ))
+}
+
+/// The next command: the recommended shaper's train; nothing where none is recommended.
+fn next_command(comparison: &Comparison) -> String {
+    let Some(choice) = comparison.choice() else {
+        return String::new();
+    };
+    let shaper = ["shape", "--shaper", choice.figures.shaper.name()].map(String::from);
+    let rate = ["--rate".into(), comparison.rate.to_string()];
+    let words = shaper.into_iter().chain(next::modes(&comparison.modes));
+    next::command(words.chain(rate))
 }
 
 fn compare(args: &Args) -> Result<Comparison, CliError> {
@@ -219,11 +229,9 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
 
 /// The modes that are shaped for, and the joint (counted from 0) whose they are.
 fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliError> {
-    if let Some(file) = &args.model {
-        return Ok((None, vec![NominalModel::from_path(file)?.mode]));
-    }
-    if !args.mode.is_empty() {
-        return Ok((None, args.mode.clone()));
+    let modes = args.modes.modes()?;
+    if !modes.is_empty() {
+        return Ok((None, modes));
     }
     let joint = args.robot.joint_of(robot)?;
     let modes = robot.joints[joint].modes.iter().map(|entry| entry.mode);

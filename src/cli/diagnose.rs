@@ -8,7 +8,7 @@ pub use help::long_help;
 
 use super::out::{Force, Out};
 use super::progress::Progress;
-use super::{CliError, output};
+use super::{CliError, next, output};
 use crate::batch::Shard;
 use crate::diagnosis::{Diagnosis, Options, Outcome, Stop, Verdict, diagnose};
 use crate::effects::Catalogue;
@@ -153,8 +153,30 @@ pub fn run(args: Args) -> Result<(), CliError> {
         return told(&outcome.diagnosis);
     }
     let case = Case::new(&outcome.diagnosis, &outcome.traces);
-    output::text(&text(&case, &files))?;
+    let next = next_command(&args, &outcome.diagnosis);
+    output::text(&format!("{}\n{next}", text(&case, &files)))?;
     told(&outcome.diagnosis)
+}
+
+/// The next command: to diagnose again with what is to be recorded, where that is told; else to judge the model that was
+/// written by another recording.
+fn next_command(args: &Args, diagnosis: &Diagnosis) -> String {
+    if diagnosis.next_move.is_none() {
+        let model = args.out.join(FILES[2]);
+        return next::command([
+            "score".as_ref(),
+            model.as_path(),
+            "ANOTHER_RECORDING".as_ref(),
+        ]);
+    }
+    let words = [Path::new("diagnose"), Path::new("--model"), args.model()];
+    let recordings = args.recordings.iter().map(PathBuf::as_path);
+    next::then(
+        words
+            .into_iter()
+            .chain(recordings)
+            .chain([Path::new("NEW_RECORDING")]),
+    )
 }
 
 /// Refuses a recording that says nothing of the model: a script that asks for health must not take it for that.
@@ -196,7 +218,7 @@ fn write(
         serde_json::to_string_pretty(&outcome.diagnosis).map_err(CliError::failure)?;
     document.push('\n');
     let stage = out.stage()?;
-    let contents = [page.render(), document, outcome.model.to_toml()];
+    let contents = [page.render(), document, outcome.to_toml()];
     for (name, content) in FILES.iter().zip(contents) {
         stage.file(name, content)?;
     }

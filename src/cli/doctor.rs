@@ -2,7 +2,7 @@
 
 mod lateness;
 
-use super::{CliError, output};
+use super::{CliError, next, output};
 use serde::Serialize;
 use std::fs;
 use std::thread::available_parallelism;
@@ -177,7 +177,7 @@ fn text(report: &Report) -> String {
         format!("late by {median:.0} us in the median, {p99:.0} us at 99 %, {max:.0} us at most");
     text += &line("a bare loop at 1 kHz", &late);
     text += if tick.lacks() { ADVICE } else { "" };
-    text
+    text + "\n" + &next::command(["move"])
 }
 
 /// A name and what is said of it.

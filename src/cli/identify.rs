@@ -12,14 +12,16 @@ mod registrations;
 mod several;
 mod words;
 
+pub use alone::can;
 pub use identified::Identified;
 
 use super::out::{Force, Out};
 use super::{CliError, choices, output};
 use crate::estimators::ESTIMATORS;
+use crate::identification::stop::{Stop, never};
 use crate::identification::{
-    Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series, identify,
-    prepare,
+    Identification, IdentificationError, ModelError, NominalModel, Prior, Run, Series,
+    identify_until, prepare,
 };
 use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::{Recording, Role};
@@ -118,7 +120,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     }
     let model = args.model.as_ref().map(NominalModel::from_path);
     let model = model.transpose()?;
-    let identified = Identified::of(recordings, model.as_ref(), args.registration)?;
+    let identified = Identified::of(recordings, model.as_ref(), args.registration, &never)?;
     let stage = out.stage()?;
     stage.file(REPORT, identified.page().render())?;
     let known = identified.model();
@@ -144,12 +146,13 @@ impl Findings {
         recording: Recording,
         model: Option<&NominalModel>,
         registration: TipRegistration,
+        stop: Stop,
     ) -> Result<Self, CliError> {
         let name = recording.name.clone();
         let tip = recording.channel(Role::TipPosition);
         let again = tip.is_some().then(|| recording.clone());
         let series = prepare(recording, model, registration)?;
-        let found = identify(&series.samples, prior(model, &series))?;
+        let found = identify_until(&series.samples, prior(model, &series), stop)?;
         let registered = again.map_or_else(Vec::new, |recording| {
             registrations::all(&recording, model, registration, (&series, &found))
         });
@@ -180,14 +183,19 @@ fn tables(findings: &Findings) -> String {
         off_line(findings.found.reference()),
     );
     let registered = registrations::text(&findings.registered);
+    let best = findings.found.recommended();
+    let best = best.map_or(String::new(), |best| {
+        format!("\nRecommended: {}\n", words::recommended(findings, &best))
+    });
     format!(
-        "{}\n\n{on_line}\n{off_line}\n{registered}{remarks}",
+        "{}\n\n{on_line}\n{off_line}\n{registered}{remarks}{best}",
         findings.recording
     )
 }
 
 /// The estimates of every estimator, over the run that is quoted of it.
 fn on_line(found: &Identification) -> String {
+    let best = found.recommended();
     let figure = |value: Option<f64>, digits: usize| {
         value
             .filter(|v| v.is_finite())
@@ -199,17 +207,22 @@ fn on_line(found: &Identification) -> String {
         let run = found.quoted(index);
         let result = run.and_then(|run| run.estimator(line.name));
         let estimate = result.and_then(|result| result.estimate);
+        let std = estimate.map(|e| found.deviations(&e, line.states_error));
         let tau = core::f64::consts::TAU;
         [
             line.name.to_string(),
             figure(estimate.map(|e| e.mode.hertz()), 3),
-            deviation(estimate.map(|e| e.natural_frequency_std / tau), 3),
+            deviation(std.map(|std| std[0] / tau), 3),
             figure(estimate.map(|e| e.mode.damping_ratio()), 4),
-            deviation(estimate.map(|e| e.damping_ratio_std), 4),
+            deviation(std.map(|std| std[1]), 4),
             figure(estimate.map(|e| e.gain), 4),
             figure(result.and_then(|r| r.converged_at), 3),
             figure(result.and_then(|r| r.periods), 2),
             run.map_or("-".into(), words::shown),
+            match best.is_some_and(|best| best.method == line.name) {
+                true => "recommended".into(),
+                false => String::new(),
+            },
         ]
     });
     let heads = [
@@ -222,6 +235,7 @@ fn on_line(found: &Identification) -> String {
         "converged_s",
         "periods",
         "over",
+        "",
     ];
     columns(heads, rows)
 }

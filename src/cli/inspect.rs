@@ -4,13 +4,14 @@ mod propose;
 mod topics;
 
 use super::out::Force;
-use super::{CliError, output};
+use super::{CliError, identify, next, output};
 use crate::page::{columns, fixed};
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
 use serde_json::{Value, json};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Tells what a recording holds, and what looks wrong with it; proposes the manifest of a CSV file.
@@ -44,7 +45,11 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let (path, joint) = mcap_and_joint(&args.recording);
     if McapFile::is_named(&path) {
-        return mcap(&McapFile::open(&path)?, joint.as_deref(), args.json);
+        return mcap(
+            (&path, &McapFile::open(&path)?),
+            joint.as_deref(),
+            args.json,
+        );
     }
     if is_csv(&path) || (path.is_dir() && !path.join(MANIFEST).exists()) {
         return proposed(&path, &args);
@@ -54,7 +59,21 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if args.json {
         output::json(&document(&recording, &figures))
     } else {
-        output::text(&page(&recording, &figures))
+        let next = next::command(follows(&recording, args.recording.as_os_str()));
+        output::text(&format!("{}\n{next}", page(&recording, &figures)))
+    }
+}
+
+/// What can be done with a recording of this path: its mode, where it tells one; else what physics a model of it lacks.
+fn follows<'a>(recording: &Recording, path: &'a OsStr) -> Vec<&'a OsStr> {
+    match identify::can(recording) {
+        true => vec!["identify".as_ref(), path],
+        false => vec![
+            "diagnose".as_ref(),
+            "--model".as_ref(),
+            "MODEL.toml".as_ref(),
+            path,
+        ],
     }
 }
 
@@ -64,12 +83,19 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     let Some((manifest, _)) = written.manifests.first() else {
         return Ok(());
     };
-    let manifest = manifest.display();
-    let next = match written.open.is_empty() {
-        true => format!("Next: quell identify {manifest}\n"),
-        false => format!("Next: correct {manifest}, then quell identify {manifest}\n"),
+    let read = Recording::from_path(manifest);
+    let words = match &read {
+        Ok(recording) => follows(recording, manifest.as_os_str()),
+        Err(_) => vec!["inspect".as_ref(), manifest.as_os_str()],
     };
-    let read = Recording::from_path(&written.manifests[0].0);
+    let next = match written.open.is_empty() {
+        true => next::command(words),
+        false => format!(
+            "Next: correct {}\n{}",
+            manifest.display(),
+            next::then(words)
+        ),
+    };
     let (text, mut all) = match &read {
         Ok(recording) => {
             let figures: Vec<Health> = recording.channels.iter().map(health).collect();
@@ -88,11 +114,18 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
 }
 
 /// The topics of an MCAP file, and the recording of the joint that is named or alone in it.
-fn mcap(file: &McapFile, joint: Option<&str>, json: bool) -> Result<(), CliError> {
+fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Result<(), CliError> {
     let mut text = topics::page(file);
     let mut all = topics::document(file);
-    if joint.is_some() || file.joints().len() == 1 {
+    let joints = file.joints();
+    let mut one = path.as_os_str().to_os_string();
+    if let Some(name) = joint.or(joints.first().map(String::as_str)) {
+        one.push(format!("#{name}"));
+    }
+    let mut words = vec!["identify".as_ref(), one.as_os_str()];
+    if joint.is_some() || joints.len() == 1 {
         let recording = file.recording(joint)?;
+        words = follows(&recording, &one);
         let figures: Vec<Health> = recording.channels.iter().map(health).collect();
         text.push_str(&page(&recording, &figures));
         if let Value::Object(keys) = document(&recording, &figures) {
@@ -101,7 +134,7 @@ fn mcap(file: &McapFile, joint: Option<&str>, json: bool) -> Result<(), CliError
     }
     match json {
         true => output::json(&all),
-        false => output::text(&text),
+        false => output::text(&format!("{text}\n{}", next::command(words))),
     }
 }
 

@@ -126,7 +126,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
         return output::json(&document::document(&comparison));
     }
     output::text(&document::text(&scenario, &comparison))?;
-    output::text(&format!("\nReport: {}\n", report.display()))
+    let next = files::next_command(&args.out);
+    output::text(&format!("\nReport: {}\n{next}", report.display()))
 }
 
 /// How far from its target a command that has ended may stand, rad: rounding.

@@ -2,7 +2,7 @@
 
 use super::out::{Force, Out, Stage};
 use super::progress::Progress;
-use super::{CliError, choices, output};
+use super::{CliError, choices, next, output};
 use crate::diagnosis::{Diagnosis, FittedParameter, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
@@ -94,7 +94,25 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if args.json {
         return output::json(&score.to_json());
     }
-    output::text(&format!("{subtitle}\n\n{}", score.to_text()))
+    let next = next_command(&args);
+    output::text(&format!("{subtitle}\n\n{}\n{next}", score.to_text()))
+}
+
+/// The next command: to diagnose the first case by hand, where the cases are kept; else to keep them.
+fn next_command(args: &Args) -> String {
+    let folder = args.keep.as_ref().or(args.from.as_ref());
+    let Some(folder) = folder else {
+        let seed = args.seed.to_string();
+        return next::command(["prove", "--cases", "4", "--seed", &seed, "--keep", "cases"]);
+    };
+    let case = folder.join("case-00");
+    let (model, train) = (case.join("model.toml"), case.join("train"));
+    next::command([
+        "diagnose".as_ref(),
+        "--model".as_ref(),
+        model.as_path(),
+        train.as_path(),
+    ])
 }
 
 /// Diagnoses all cases of a source.

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::answers::{self, Row, told};
-use super::{CliError, output};
+use super::answers::{self, told};
+use super::overview::Overview;
+use super::{CliError, next, output};
 use crate::batch::{BatchError, Folder, connect};
 
 /// Shows what came out of the recordings in a queue, and how many are left.
@@ -38,12 +39,12 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let folder = args.out.as_deref().map(Folder::open).transpose();
     let folder = folder.map_err(told)?;
     let left = queue.left().map_err(told)?;
-    let (mut rows, mut printed) = (Vec::new(), Ok(()));
+    let (mut lines, mut printed) = (Vec::new(), Ok(()));
     let each = &mut |answer| -> Result<(), BatchError> {
         if let Some(folder) = &folder {
             folder.store(&answer)?;
         }
-        rows.push(Row::of(&answer));
+        lines.push(answers::line(&answer, None));
         if args.json && printed.is_ok() {
             printed = line(&answer);
         }
@@ -54,12 +55,22 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if args.json {
         return Ok(());
     }
-    let (done, aside) = (rows.len(), answers::set_aside(&rows));
-    let silent = answers::silent(&rows);
+    let (done, aside) = (lines.len(), answers::set_aside(&lines));
+    let silent = answers::silent(&lines);
     output::text(&format!(
-        "{}\n{done} done, {aside} of them set aside, {silent} not excited, {left} left\n",
-        answers::table(&rows)
+        "{}\n{done} done, {aside} of them set aside, {silent} not excited, {left} left\n\n{}",
+        Overview::new("recording", lines).text(),
+        next_command(&args, left)
     ))
+}
+
+/// The next command: to do what is left, else to have the results as files.
+fn next_command(args: &Args, left: u64) -> String {
+    match (left, &args.out) {
+        (0, None) => next::command(["results", "--queue", &args.queue, "--out", "out"]),
+        (0, Some(_)) => String::new(),
+        _ => next::command(["work", "--queue", &args.queue]),
+    }
 }
 
 fn line(answer: &crate::batch::Answer) -> Result<(), CliError> {

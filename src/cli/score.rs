@@ -1,6 +1,6 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
-use super::{CliError, output};
+use super::{CliError, next, output};
 use crate::diagnosis::{forecast, predict};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -46,6 +46,15 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let (_, score) = judged.map_err(CliError::input)?;
     match args.json {
         true => output::json(&score),
-        false => output::text(&format!("{}\n", score_line(&score))),
+        false => output::text(&format!(
+            "{}\n{}",
+            score_line(&score),
+            next::command([
+                "diagnose".as_ref(),
+                "--model".as_ref(),
+                args.model.as_path(),
+                args.recording.as_path()
+            ])
+        )),
     }
 }

@@ -2,10 +2,10 @@
 
 mod command_file;
 
+use super::mode_args::ModeArgs;
 use super::out::Force;
-use super::{CliError, choices, output, shaping, values};
-use crate::identification::NominalModel;
-use crate::page::columns;
+use super::{CliError, choices, next, output, shaping, values};
+use crate::page::{columns, number};
 use quell_shapers::{
     Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, design_for_all,
     insensitivity, residual_vibration,
@@ -23,6 +23,7 @@ Examples:
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250
   quell shape --shaper zv --mode 8.12,0.084 --mode 21,0.02 --rate 1000 --json
   quell shape --shaper zvd --model out/model.toml --rate 250
+  quell shape --shaper zvd --recording decay.csv --rate 250
   quell shape --shaper optimal --mode 8.12,0.084 --frequency-std 3 --damping-std 0.01 --rate 250
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250 command.csv --column joint_1_rad --out out
 
@@ -34,12 +35,9 @@ pub struct Args {
     /// The shaper.
     #[arg(long, value_parser = choices::shapers())]
     pub shaper: &'static dyn Shaper,
-    /// Natural frequency in Hz and damping ratio; several modes are shaped for at once.
-    #[arg(long, value_name = "F,XI", value_parser = values::mode, allow_hyphen_values = true, required_unless_present = "model")]
-    pub mode: Vec<Mode>,
-    /// The model of the joint instead of --mode, as `quell identify` writes it.
-    #[arg(long, value_name = "FILE", conflicts_with = "mode")]
-    pub model: Option<PathBuf>,
+    /// The modes.
+    #[command(flatten)]
+    pub modes: ModeArgs,
     /// Standard deviation of the frequency, in percent of it, that `optimal` is solved for, with --mode once
     /// [default: it may be off by 10 % and the damping ratio by half].
     #[arg(long, value_name = "PERCENT", value_parser = values::positive,
@@ -84,10 +82,7 @@ struct Design {
 ///
 /// # Errors
 /// [`CliError::Input`] where the shaper cannot be designed or the file is refused.
-pub fn run(mut args: Args) -> Result<(), CliError> {
-    if let Some(file) = &args.model {
-        args.mode = vec![NominalModel::from_path(file)?.mode];
-    }
+pub fn run(args: Args) -> Result<(), CliError> {
     let design = design(&args)?;
     let file = match &args.file {
         Some(file) => Some(command_file::shape(file, &args, &design.grid)?),
@@ -105,30 +100,52 @@ pub fn run(mut args: Args) -> Result<(), CliError> {
             file.appended
         ));
     }
-    output::text(&page)
+    output::text(&format!("{page}\n{}", next_command(&design, &args)))
+}
+
+/// The next command: to shape a command file; of one that is shaped, to look at what the robot did with it.
+fn next_command(design: &Design, args: &Args) -> String {
+    if args.file.is_some() {
+        let next = next::command(["inspect", "RECORDING.csv"]);
+        return format!("Run it on the robot and record it. {next}");
+    }
+    let shaper = ["shape", "--shaper", design.shaper.name()]
+        .map(String::from)
+        .into_iter();
+    let words = shaper.chain(next::modes(&design.modes));
+    let rate = ["--rate".into(), args.rate.to_string()];
+    let file = ["COMMAND.csv", "--column", "NAME"].map(String::from);
+    next::command(words.chain(rate).chain(file))
 }
 
 fn design(args: &Args) -> Result<Design, CliError> {
-    let known = known(args)?;
+    let modes = args.modes.modes()?;
+    if modes.is_empty() {
+        let error = CliError::input("the modes to shape for are not said");
+        return Err(
+            error.with_help("give --mode 8.12,0.084, --model FILE or --recording RECORDING")
+        );
+    }
+    let known = known(args, &modes)?;
     let train = design_for_all(args.shaper, &known).map_err(CliError::input)?;
     let grid = shaping::train(args.shaper, known, 1.0 / args.rate).map_err(CliError::input)?;
     Ok(Design {
         shaper: args.shaper,
-        modes: args.mode.clone(),
+        modes,
         train,
         grid,
     })
 }
 
 /// The modes, as well as they are said to be known.
-fn known(args: &Args) -> Result<Vec<UncertainMode>, CliError> {
-    let believed = args.mode.iter().copied().map(UncertainMode::believed);
+fn known(args: &Args, modes: &[Mode]) -> Result<Vec<UncertainMode>, CliError> {
+    let believed = modes.iter().copied().map(UncertainMode::believed);
     let Some(percent) = args.frequency_std else {
         return Ok(believed.collect());
     };
-    let &[mode] = args.mode.as_slice() else {
+    let &[mode] = modes else {
         return Err(CliError::input(
-            "--frequency-std is of one mode: give --mode once",
+            "--frequency-std is of one mode, and there are several",
         ));
     };
     if args.shaper.name() != Optimal::TYPICAL.name() {
@@ -203,7 +220,11 @@ fn modes(design: &Design) -> Result<String, CliError> {
         let range = band
             .map(edges)
             .map_or("-".into(), |[from, to]| format!("{from:.3} to {to:.3}"));
-        let name = format!("{} Hz, {}", mode.hertz(), mode.damping_ratio());
+        let name = format!(
+            "{} Hz, {}",
+            number(mode.hertz()),
+            number(mode.damping_ratio())
+        );
         rows.push([name, format!("{residual:.1e}"), width, range]);
     }
     Ok(columns(

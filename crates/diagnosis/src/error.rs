@@ -78,6 +78,25 @@ pub enum DiagnosisError {
         /// What the model predicts, with its unit.
         by: String,
     },
+    /// A channel with too few samples in a period of the mode.
+    #[error(
+        "{channel} of \"{recording}\" has {} samples a second, and shows a mode of {} Hz at {} Hz: record it at more than {} Hz, \
+         or give a model without that mode (kind = \"rigid_axis\"), whose friction, delay or backlash slower samples tell",
+        quell_recording::plain(round(*.rate_hz)),
+        quell_recording::plain(round(*.mode_hz)),
+        quell_recording::plain(round(alias(*.mode_hz, *.rate_hz))),
+        quell_recording::plain(round(2.0 * .mode_hz)),
+    )]
+    TooSlow {
+        /// Name of the recording.
+        recording: String,
+        /// Which channel.
+        channel: Role,
+        /// Its samples a second.
+        rate_hz: f64,
+        /// The mode's natural frequency, Hz.
+        mode_hz: f64,
+    },
     /// One recording of several in which nothing varies.
     #[error("nothing moves in \"{recording}\": {words} throughout; leave it out")]
     Still {
@@ -111,4 +130,14 @@ pub enum DiagnosisError {
         /// Name of the recording.
         recording: String,
     },
+}
+
+/// Where a frequency shows in samples of a rate.
+fn alias(hertz: f64, rate: f64) -> f64 {
+    (hertz - rate * (hertz / rate).round()).abs()
+}
+
+/// Three digits of a frequency.
+fn round(hertz: f64) -> f64 {
+    format!("{hertz:.2e}").parse().unwrap_or(hertz)
 }

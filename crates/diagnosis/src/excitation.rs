@@ -7,6 +7,7 @@
 mod at_rest;
 mod carried;
 mod mute;
+mod sampled;
 mod silent;
 mod untold;
 mod words;
@@ -14,6 +15,7 @@ mod words;
 pub use at_rest::at_rest;
 pub use carried::{Carried, carried};
 pub use mute::mute;
+pub use sampled::sampled;
 pub use silent::silent;
 pub use untold::Untold;
 pub use words::figure;

@@ -4,7 +4,7 @@
 use super::candidate::Known;
 use super::document::{Scored, Verdict};
 use super::error::DiagnosisError;
-use super::excitation::{Carried, carried, mute, silent};
+use super::excitation::{Carried, carried, mute, sampled, silent};
 use super::experiments::{coupled, experiments};
 use super::input_hold::{Held, held_input};
 use super::outcome::{Options, Outcome, Progress};
@@ -44,6 +44,7 @@ pub fn diagnose(
     }
     let (known, apart) = (stretches(train), stretches(held_out));
     let usual = experiments(model, &known)?;
+    sampled(model, &usual, train)?;
     let mut outcome = match held_input(model, &known, &usual)? {
         None => look(model, usual, (&known, &apart), options, progress)?,
         Some(held) => look_held(held, (&known, &apart), options, progress)?,

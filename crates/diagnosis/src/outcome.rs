@@ -3,7 +3,7 @@
 use super::document::Diagnosis;
 use super::stop::Stop;
 use super::traces::Traces;
-use quell_model::effects::Catalogue;
+use quell_model::effects::{Catalogue, Units};
 use quell_model::{Model, Term};
 
 /// What the caller may choose.
@@ -41,6 +41,18 @@ pub struct Outcome {
     pub happened: Vec<Term>,
     /// What a report draws.
     pub traces: Traces,
+    /// Units of the model's forces and positions; none where nothing was fitted.
+    pub units: Option<Units>,
+}
+
+impl Outcome {
+    /// The text of the model's file, with the recording's units in its comments.
+    pub fn to_toml(&self) -> String {
+        match &self.units {
+            Some(units) => self.model.to_toml_in(units),
+            None => self.model.to_toml(),
+        }
+    }
 }
 
 /// How told: the share of the work that is done, and what is being done.

@@ -22,6 +22,7 @@ use super::scores::Recordings;
 use super::settled::{search, settled};
 use super::start::ringing;
 use super::thresholds::LONG;
+use super::units::units;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
@@ -126,6 +127,7 @@ fn investigate(
         model: better,
         diagnosis,
         traces,
+        units: Some(units(&problem, point)),
     };
     Ok(Looked {
         outcome,

@@ -6,7 +6,9 @@ mod nominal_model;
 pub mod output_only;
 mod prepare;
 pub mod printer;
+mod recommended;
 mod run;
+pub mod stop;
 mod stretches;
 mod whole_fit;
 
@@ -14,11 +16,13 @@ pub use amplitude::{AmplitudeDependence, CycleDamping};
 pub use nominal_model::NominalModel;
 pub use prepare::{IdentificationError, Series, prepare};
 pub use quell_model::ModelError;
+pub use recommended::{Recommended, Why};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
 
 use evidence::Evidence;
 use run::Input;
+use stop::{Stop, check};
 use stretches::FreeDecay;
 
 use core::f64::consts::TAU;
@@ -108,6 +112,18 @@ impl Identification {
 /// # Errors
 /// [`IdentificationError`] where there are fewer than 32 samples, nothing varies, or no mode stands out of the noise.
 pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, IdentificationError> {
+    identify_until(samples, prior, &stop::never)
+}
+
+/// [`identify`], unless it is stopped.
+///
+/// # Errors
+/// As [`identify`], and [`IdentificationError::Stopped`].
+pub fn identify_until(
+    samples: &[Sample],
+    prior: Prior,
+    stop: Stop,
+) -> Result<Identification, IdentificationError> {
     if samples.len() < 32 {
         return Err(IdentificationError::TooFew {
             found: samples.len(),
@@ -115,16 +131,23 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
         });
     }
     let part = telling(samples);
+    check(stop)?;
     let settings = settings(samples, part, prior)?;
     let rests = stretches::rests(samples, &settings);
     let looked_at = stretches::evenly(samples, &rests);
     let decays: Vec<FreeDecay> = looked_at
         .iter()
+        .take_while(|_| !stop())
         .filter_map(|rest| stretches::free_decay(samples, *rest, &settings))
         .collect();
+    check(stop)?;
     let (settings, fit) = whole_fit::trusted_memory(part, settings);
+    check(stop)?;
     let (fitted, fit) = whole_fit::follow(samples, part, &settings, fit);
-    let (free_decays, known_input_holds) = free_decays(samples, &decays, &settings, fit.as_ref());
+    check(stop)?;
+    let (free_decays, known_input_holds) =
+        free_decays(samples, &decays, (&settings, stop), fit.as_ref());
+    check(stop)?;
     let best_decay = strongest(&free_decays);
     if best_decay.is_none() {
         Evidence::of_all(fitted, fit.as_ref()).strong()?;
@@ -152,7 +175,7 @@ pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, Iden
 fn free_decays(
     samples: &[Sample],
     decays: &[FreeDecay],
-    settings: &Settings,
+    (settings, stop): (&Settings, Stop),
     whole: Option<&BatchFit>,
 ) -> (Vec<Run>, Option<bool>) {
     let fits = |input: Input| -> Vec<Option<BatchFit>> {
@@ -160,7 +183,7 @@ fn free_decays(
             Evidence::of_decay(decay.stretch.of(samples), fit).tells()
         };
         let fit = |decay| run::fit(samples, decay, settings, input).filter(|fit| tells(decay, fit));
-        decays.iter().map(fit).collect()
+        decays.iter().take_while(|_| !stop()).map(fit).collect()
     };
     let energy = |k: usize, fit| run::energy(decays[k].stretch.of(samples), Some(fit));
     let mut found = fits(Input::Still);
@@ -183,6 +206,7 @@ fn free_decays(
             (input, Some(fit.as_ref()?)),
         ))
     };
+    let pairs = pairs.take_while(|_| !stop());
     (pairs.filter_map(run).collect(), known_input_holds)
 }
 

@@ -4,6 +4,7 @@ use core::f64::consts::{PI, TAU};
 
 use super::nominal_model::NominalModel;
 use quell_control::estimators::Sample;
+use quell_model::unify_gain;
 use quell_recording::{Recording, Role, plain};
 use quell_signal::{ArcRegistration, JointArc, SignalError, TipRegistration, recorded_deformation};
 
@@ -67,6 +68,9 @@ pub enum IdentificationError {
          that turns; record the decay after a tap, or a longer time"
     )]
     OnlyLines,
+    /// It was stopped before its time.
+    #[error("the identification was stopped before its time")]
+    Stopped,
     /// The deformation does not vary.
     #[error("the deformation does not vary: nothing vibrates in this recording")]
     Still,
@@ -103,6 +107,8 @@ pub fn prepare(
         }
     }
     carries(&recording)?;
+    // What is left of a gain between raw counts is the static gain of the methods.
+    let _ = unify_gain(&mut recording);
     let lever_arm = model.and_then(|model| model.lever_arm);
     let arc = match (lever_arm, model) {
         (Some(lever_arm), Some(model)) => {

@@ -75,6 +75,9 @@ pub struct Experiment {
     pub position_unit: String,
     /// Unit of the input.
     pub input_unit: String,
+    /// Unit of the model's forces: of the drive's input where no key says what force it makes, else N, N.m or that of a
+    /// measured force.
+    pub force_unit: String,
     /// The payload of the axis, as the recording calls it.
     pub payload: Option<String>,
     /// The recording of a set that it is, or is a part of: what happened in one did not happen in another.

@@ -24,7 +24,7 @@ pub struct Gain {
 
 /// Brings the link of a recording to the unit of its motor side, where the gain between them is unknown. The gain, and
 /// what an error of it adds: the motor side at the link's stamps.
-pub(super) fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
+pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
     let of = |roles: &[Role]| {
         let mut channels = recording.channels.iter();
         channels.position(|channel| roles.contains(&channel.role))

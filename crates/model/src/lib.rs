@@ -40,7 +40,7 @@ pub use coupling::Coupling;
 pub use departure::{Departure, StartComponent};
 pub use experiment::{Experiment, Output, Window};
 pub use file::ModelError;
-pub use gain::Gain;
+pub use gain::{Gain, unify as unify_gain};
 pub use integrate::{Kick, Restart, Timed, integrate};
 pub use kind::{Key, Kind};
 pub use kinds::KINDS;

@@ -58,6 +58,7 @@ impl Experiment {
             position_unit: &position_unit,
         };
         let known = Known::of(model, &recording, &equation)?;
+        let force_unit = equation.force(model, &recording);
         let mut input = motor_side(recording.channels.remove(input))?;
         let hold = model.hold.unwrap_or((model.kind.hold)(input.role));
         let step = RADIANS_A_STEP / (model.fastest() * hastened(model, input.role, &known));
@@ -74,6 +75,7 @@ impl Experiment {
             known,
             position_unit,
             input_unit: input.unit,
+            force_unit,
             payload: recording.payload,
             recording: 0,
         };

@@ -41,7 +41,7 @@ pub const RIGID_AXIS: Kind = Kind {
         Key {
             // Force for one unit of the input.
             name: "force_gain",
-            quantity: Quantity::NUMBER,
+            quantity: Quantity::GAIN,
             default: Some(1.0),
             range: (1e-9, 1e9),
             // With the mass free, the motion shows only gain / mass.

@@ -55,7 +55,7 @@ pub const TWO_MASS: Kind = Kind {
         Key {
             // Torque for one unit of the current.
             name: "torque_constant",
-            quantity: Quantity::FORCE,
+            quantity: Quantity::GAIN,
             default: Some(1.0),
             range: (1e-12, 1e9),
             // Magnets and gear efficiency: within some percent of the catalogue.

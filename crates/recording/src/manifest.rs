@@ -142,7 +142,8 @@ pub(super) fn read_joints(path: &Path) -> Result<Vec<(String, Recording)>, Recor
 
 /// The text of a manifest, or of that which a CSV file alone means.
 fn text(path: &Path) -> Result<String, RecordingError> {
-    if propose::is_csv(path) {
+    let is_manifest = path.extension().is_some_and(|ending| ending == "toml");
+    if propose::is_csv(path) || !(is_manifest || path.is_dir()) {
         return propose::certain(path);
     }
     std::fs::read_to_string(path).map_err(|error| match error.kind() {

@@ -13,7 +13,7 @@ use content::Content;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that are read as text with columns.
-const ENDINGS: &[&str] = &["csv", "tsv", "txt", "dat", "asc", "log", "gz"];
+const ENDINGS: &[&str] = &["csv", "tsv", "txt", "dat", "asc", "log", "lvm", "prn", "gz"];
 
 /// A manifest that is proposed.
 #[derive(Clone, Debug, PartialEq)]

@@ -137,7 +137,11 @@ pub fn recorded_deformation(
     if let Some(channel) = recording.channel(Role::Deformation) {
         let scale = match (channel.unit.as_str(), arc) {
             ("m", Some(arc)) => 1.0 / arc.radius(),
-            ("m", None) => return Err(missing("deformation in rad, or a lever arm")),
+            ("m", None) => {
+                return Err(missing(
+                    "deformation in rad; one in m takes a model with lever_arm_m (--model FILE)",
+                ));
+            }
             _ => 1.0,
         };
         let values = scalar(channel, &missing)?;

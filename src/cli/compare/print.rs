@@ -2,7 +2,7 @@
 
 use super::candidate::Candidate;
 use super::{Comparison, ERRORS, NO_CHOICE, errors};
-use crate::page::columns;
+use crate::page::{columns, number};
 use quell_shapers::Mode;
 use serde_json::{Value, json};
 
@@ -81,8 +81,8 @@ pub fn percent_label(error: f64) -> String {
 pub fn describe(mode: &Mode) -> String {
     format!(
         "{} Hz with a damping ratio of {}",
-        mode.hertz(),
-        mode.damping_ratio()
+        number(mode.hertz()),
+        number(mode.damping_ratio())
     )
 }
 

@@ -1,6 +1,6 @@
 //! Each recording by itself: in this process, or into a queue for others.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::thread::available_parallelism;
 
@@ -9,12 +9,15 @@ use serde_json::json;
 
 use super::Args;
 use crate::batch::{
-    Batch, BatchError, Folder, InProcess, Submission, Submitted, Work, connect, find, work,
+    Batch, BatchError, Folder, InProcess, REPORT, Submission, Submitted, Work, connect, find, work,
 };
-use crate::cli::answers::{self, Row, told};
-use crate::cli::{CliError, output};
+use crate::cli::answers::{self, told};
+use crate::cli::out::Out;
+use crate::cli::overview::Overview;
+use crate::cli::{CliError, next, output};
 use crate::diagnosis::Verdict;
 use crate::model::Model;
+use crate::page::Page;
 
 /// The word behind the address of a queue.
 const SUBMIT: &str = "submit";
@@ -24,6 +27,8 @@ const SUBMIT: &str = "submit";
 /// # Errors
 /// [`CliError::Input`] where the model is refused, or a recording was set aside or says nothing of it.
 pub fn run(args: &Args) -> Result<(), CliError> {
+    let verb = ("diagnose --batch", args.force);
+    let out = Out::open(&args.out, verb, &[args.model()], [report(args)])?;
     let batch = batch(args, &args.recordings)?;
     let bar = bar(batch.recordings.len())?;
     let cores = available_parallelism().map_or(1, usize::from);
@@ -36,7 +41,15 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     };
     let submission = here(&queue, &batch, settings, &bar).map_err(told)?;
     drop(bar);
-    shown(args, &queue, submission)
+    shown(args, &out, &queue, submission)
+}
+
+/// The file of the page over all recordings; a share has its own, beside those of the others.
+fn report(args: &Args) -> String {
+    match args.shard {
+        Some(shard) => format!("report {shard}.html").replace(' ', "-"),
+        None => REPORT.into(),
+    }
 }
 
 /// Puts every recording into a queue.
@@ -126,21 +139,62 @@ fn here(
     })
 }
 
-fn shown(args: &Args, queue: &InProcess, submission: Submission) -> Result<(), CliError> {
-    let mut answers = Vec::new();
+fn shown(
+    args: &Args,
+    out: &Out,
+    queue: &InProcess,
+    submission: Submission,
+) -> Result<(), CliError> {
+    let folder = queue.folder();
+    let (mut answers, mut lines) = (Vec::new(), Vec::new());
     for key in &submission.keys {
-        answers.extend(queue.folder().answer(key).map_err(told)?);
+        if let Some(answer) = folder.answer(key).map_err(told)? {
+            lines.push(answers::line(&answer, folder.of(key).as_deref()));
+            answers.push(answer);
+        }
     }
-    let rows: Vec<_> = answers.iter().map(Row::of).collect();
+    let (set_aside, silent) = (answers::set_aside(&lines), answers::silent(&lines));
+    let overview = Overview::new("recording", lines);
+    let stage = out.stage()?;
+    stage.file(report(args), page(args, &overview).render())?;
+    stage.put()?;
     match args.json {
         true => output::json(&answers)?,
-        false => output::text(&answers::table(&rows))?,
+        false => output::text(&text(args, &overview))?,
     }
-    complete(
-        &submission,
-        answers::set_aside(&rows),
-        answers::silent(&rows),
+    complete(&submission, set_aside, silent)
+}
+
+/// The answer for all, the table, and the command for the worst.
+fn text(args: &Args, overview: &Overview) -> String {
+    let page = args.out.join(report(args));
+    let worst = overview.lines.first();
+    let model =
+        worst.and_then(|line| Some(Path::new(line.report.as_ref()?).with_file_name("model.toml")));
+    let next = model.map(|model| {
+        let model = args.out.join(model);
+        next::command([
+            "score".as_ref(),
+            model.as_path(),
+            "ANOTHER_RECORDING".as_ref(),
+        ])
+    });
+    format!(
+        "{}\n\n{}\nMisfits are times the noise. Written: {}\n{}",
+        overview.sentence().1,
+        overview.text(),
+        page.display(),
+        next.unwrap_or_default()
     )
+}
+
+/// The page over all recordings, with a link to the report of each.
+fn page(args: &Args, overview: &Overview) -> Page {
+    let (verdict, sentence) = overview.sentence();
+    Page::new("Recordings of a batch")
+        .subtitle(format!("model {}", args.model().display()))
+        .verdict(verdict, sentence)
+        .table(overview.table())
 }
 
 /// Whether nothing was left out, and every recording said something.

@@ -6,7 +6,7 @@ mod prepared;
 use super::{Args, on_threads};
 use crate::cli::out::{Out, Stage};
 use crate::cli::progress::Progress;
-use crate::cli::{CliError, output};
+use crate::cli::{CliError, next, output};
 use crate::diagnosis::{Outcome, Verdict, diagnose};
 use crate::model::{Model, Value};
 use crate::recording::Recording;
@@ -179,9 +179,22 @@ fn shown(
     stage.put()?;
     match args.json {
         true => output::json(&overview.document())?,
-        false => output::text(&overview.text(&args.out.join(FILES[0])))?,
+        false => {
+            let overview = overview.text(&args.out.join(FILES[0]));
+            output::text(&format!("{overview}{}", next_command(args, &told)))?;
+        }
     }
     complete(&told)
+}
+
+/// The next command: to judge a joint's model by another recording.
+fn next_command(args: &Args, told: &[Told]) -> String {
+    let Some(one) = told.iter().find(|own| own.outcome.is_ok()) else {
+        return String::new();
+    };
+    let model = args.out.join(&one.folder).join(super::FILES[2]);
+    let recording = format!("ANOTHER_RECORDING#{}", one.joint);
+    next::command(["score".as_ref(), model.as_os_str(), recording.as_ref()])
 }
 
 /// Report, diagnosis and model of a joint.
@@ -203,7 +216,7 @@ fn write(args: &Args, stage: &Stage, told: &Told, outcome: &Outcome) -> Result<(
         &told.joint,
         &recordings,
     );
-    let contents = [page.render(), document, outcome.model.to_toml()];
+    let contents = [page.render(), document, outcome.to_toml()];
     for (name, content) in super::FILES.iter().zip(contents) {
         stage.file(folder.join(name), content)?;
     }

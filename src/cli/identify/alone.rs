@@ -4,8 +4,9 @@ use super::axis::{self, Printer};
 use super::words;
 use crate::cli::CliError;
 use crate::identification::output_only::{
-    Excitation, FoundMode, OutputOnly, Vibration, output_only, vibration,
+    Excitation, FoundMode, OutputOnly, Vibration, output_only_until, vibration,
 };
+use crate::identification::stop::Stop;
 use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::{Recording, Role};
 use quell_shapers::{
@@ -55,14 +56,21 @@ pub fn is_alone(recording: &Recording) -> bool {
     vibrates && !driven
 }
 
+/// Whether there is something in the recording that `quell identify` can look at.
+pub fn can(recording: &Recording) -> bool {
+    let has = |role: Role| recording.channel(role).is_some();
+    let told = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
+    is_alone(recording) || (has(Role::MotorPosition) && told.into_iter().any(has))
+}
+
 impl Alone {
     /// Identifies a recording of this file.
     ///
     /// # Errors
     /// [`CliError::Input`] where nothing vibrates, or no mode stands out.
-    pub fn of(path: &Path, recording: &Recording) -> Result<Self, CliError> {
+    pub fn of(path: &Path, recording: &Recording, stop: Stop) -> Result<Self, CliError> {
         let vibration = vibration(recording)?;
-        let found = output_only(&vibration)?;
+        let found = output_only_until(&vibration, stop)?;
         let advice = advice(&found.modes)?;
         let printer = axis::of(path, &vibration);
         Ok(Self {

@@ -3,6 +3,7 @@
 use super::{Findings, registrations, words};
 use crate::estimators::ESTIMATORS;
 use crate::identification::{OnLine, Run};
+use quell_shapers::UncertainMode;
 use serde_json::{Value, json};
 
 const TAU: f64 = core::f64::consts::TAU;
@@ -12,8 +13,24 @@ pub fn document(findings: &Findings) -> Value {
     let found = &findings.found;
     let estimates = ESTIMATORS.iter().enumerate().map(|(index, line)| {
         let run = found.quoted(index);
-        estimate(line.name, run, run.and_then(|run| run.estimator(line.name)))
+        let result = run.and_then(|run| run.estimator(line.name));
+        let mut told = estimate(line.name, run, result);
+        if let Some(one) = result.and_then(|result| result.estimate) {
+            let [frequency, damping] = found.deviations(&one, line.states_error);
+            told["frequency_std_hz"] = json!(frequency / TAU);
+            told["damping_std"] = json!(damping);
+        }
+        told
     });
+    let mode = |known: UncertainMode| {
+        json!({
+            "frequency_hz": known.mode.hertz(),
+            "frequency_std_hz": known.natural_frequency_std / TAU,
+            "damping_ratio": known.mode.damping_ratio(),
+            "damping_std": known.damping_ratio_std,
+        })
+    };
+    let best = found.recommended();
     let dependence = found.amplitude_dependence.as_ref().map(|dependence| {
         let cycles = dependence.cycles.iter().map(|cycle| {
             json!({
@@ -30,11 +47,12 @@ pub fn document(findings: &Findings) -> Value {
     });
     json!({
         "name": findings.recording,
-        "mode": words::known(findings).map(|known| json!({
-            "frequency_hz": known.mode.hertz(),
-            "frequency_std_hz": known.natural_frequency_std / TAU,
-            "damping_ratio": known.mode.damping_ratio(),
-            "damping_std": known.damping_ratio_std,
+        "mode": best.map(|best| mode(best.mode)),
+        "recommended": best.map(|best| json!({
+            "method": best.method,
+            "modes": best.modes().map(mode).collect::<Vec<_>>(),
+            "between_stretches": {"frequency_hz": best.between[0] / TAU, "damping_ratio": best.between[1]},
+            "reason": words::recommended(findings, &best),
         })),
         "estimates": estimates.collect::<Vec<_>>(),
         "offline": off_line(found.reference()),

@@ -2,12 +2,14 @@
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
-use super::{Findings, alone_page, document, model, page, several, tables, words};
+use super::{Findings, alone_page, document, model, page, several, tables};
 use crate::cli::CliError;
 use crate::identification::NominalModel;
+use crate::identification::stop::Stop;
 use crate::page::Page;
 use crate::recording::Recording;
 use crate::signal::TipRegistration;
+use quell_shapers::UncertainMode;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +24,7 @@ enum Kind {
 }
 
 impl Identified {
-    /// Identifies recordings, each of the file beside it (empty where it has none).
+    /// Identifies recordings, each of the file beside it (empty where it has none), until it is stopped.
     ///
     /// # Errors
     /// [`CliError::Input`] where a recording is refused, nothing vibrates, or one of several has a known input.
@@ -30,6 +32,7 @@ impl Identified {
         mut recordings: Vec<(PathBuf, Recording)>,
         model: Option<&NominalModel>,
         registration: TipRegistration,
+        stop: Stop,
     ) -> Result<Self, CliError> {
         let driven = match recordings.as_slice() {
             [] => return Err(CliError::input("no recording was given")),
@@ -37,10 +40,10 @@ impl Identified {
             _ => false,
         };
         if let Some((_, recording)) = recordings.pop_if(|_| driven) {
-            let findings = Findings::of(recording, model, registration)?;
+            let findings = Findings::of(recording, model, registration, stop)?;
             return Ok(Self(Kind::Driven(Box::new(findings))));
         }
-        let all = several::identified(&recordings)?;
+        let all = several::identified(&recordings, stop)?;
         let tuned = printer::tune(&all)?;
         Ok(Self(Kind::Alone(all, tuned)))
     }
@@ -69,10 +72,25 @@ impl Identified {
         }
     }
 
+    /// The modes that a shaper is for: those that are recommended, or of what vibrates alone those of the first recording
+    /// that are large enough to matter.
+    pub fn modes(&self) -> Vec<UncertainMode> {
+        match &self.0 {
+            Kind::Driven(findings) => {
+                let best = findings.found.recommended();
+                best.map_or(Vec::new(), |best| best.modes().collect())
+            }
+            Kind::Alone(all, _) => all.first().map(Alone::shaped_for).unwrap_or_default(),
+        }
+    }
+
     /// The text of `model.toml`; none where no mode is known.
     pub fn model(&self) -> Option<String> {
         match &self.0 {
-            Kind::Driven(findings) => words::known(findings).map(|known| model::text(&[known])),
+            Kind::Driven(_) => {
+                let modes = self.modes();
+                (!modes.is_empty()).then(|| model::text(&modes))
+            }
             Kind::Alone(all, _) => {
                 let modes = &all.first()?.found.modes;
                 let known: Vec<_> = modes.iter().map(|mode| mode.known).collect();
@@ -83,9 +101,6 @@ impl Identified {
 
     /// The next command, with the model in this file.
     pub(super) fn next(&self, file: &Path) -> String {
-        match &self.0 {
-            Kind::Driven(_) => model::next(file),
-            Kind::Alone(all, _) => several::next(all, file),
-        }
+        model::next(&self.modes(), file)
     }
 }

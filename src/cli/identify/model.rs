@@ -1,5 +1,6 @@
 //! `model.toml` of what was identified.
 
+use crate::cli::next;
 use quell_shapers::UncertainMode;
 use std::fmt::Write;
 use std::path::Path;
@@ -40,10 +41,14 @@ pub fn text(modes: &[UncertainMode]) -> String {
     text
 }
 
-/// The next command.
-pub fn next(model: &Path) -> String {
-    format!(
-        "Next: quell compare --model {} --rate 1000\n",
-        model.display()
-    )
+/// The next command: of one mode with the model in this file, of several with all of them.
+pub fn next(modes: &[UncertainMode], file: &Path) -> String {
+    let modes: Vec<_> = modes.iter().map(|known| known.mode).collect();
+    let mut words: Vec<String> = vec!["compare".into()];
+    match modes.len() {
+        0 | 1 => words.extend(["--model".into(), file.display().to_string()]),
+        _ => words.extend(next::modes(&modes)),
+    }
+    words.extend(["--rate".into(), "1000".into()]);
+    next::command(words)
 }

@@ -3,20 +3,18 @@
 use super::{Findings, registrations, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
-use crate::identification::{OffLine, OnLine, Run};
+use crate::identification::{OffLine, Recommended, Run};
 use crate::page::{Chart, Figure, Page, Table, Verdict, fixed, number};
+use quell_shapers::UncertainMode;
 
 const TAU: f64 = core::f64::consts::TAU;
 
 /// The whole page.
 pub fn page(findings: &Findings) -> Page {
     let found = &findings.found;
-    let best = found
-        .quoted(0)
-        .and_then(|run| run.estimator(ESTIMATORS[0].name));
     let mut page = Page::new(format!("Vibratory mode of {}", findings.recording));
-    page = match best.and_then(|result| result.estimate) {
-        Some(estimate) => headline(page, findings, &estimate, best),
+    page = match found.recommended() {
+        Some(best) => headline(page, findings, &best),
         None => page.verdict(
             Verdict::Bad,
             "No vibratory mode was found in this recording.",
@@ -50,34 +48,29 @@ pub fn page(findings: &Findings) -> Page {
     page
 }
 
-fn headline(page: Page, findings: &Findings, e: &Estimate, result: Option<&OnLine>) -> Page {
-    let frequency_std = two_digits(e.natural_frequency_std / TAU);
-    let damping_std = two_digits(e.damping_ratio_std);
-    let sentence = format!(
-        "{:.3} Hz (± {frequency_std}) with a damping ratio of {:.4} (± {damping_std}), by maximum \
-         likelihood.",
-        e.mode.hertz(),
-        e.mode.damping_ratio(),
-    );
-    let verdict = if e.converged {
-        Verdict::Good
-    } else {
-        Verdict::Bad
-    };
-    let frequency = Figure::new("natural frequency", e.mode.hertz(), "Hz");
-    let damping = Figure::new("damping ratio", e.mode.damping_ratio(), "");
+fn headline(page: Page, findings: &Findings, best: &Recommended) -> Page {
+    let UncertainMode {
+        mode,
+        natural_frequency_std,
+        damping_ratio_std,
+    } = best.mode;
+    let frequency = Figure::new("natural frequency", mode.hertz(), "Hz");
+    let damping = Figure::new("damping ratio", mode.damping_ratio(), "");
     let mut page = page
-        .verdict(verdict, sentence)
-        .figure(frequency.note(format!("± {frequency_std}")))
-        .figure(damping.note(format!("± {damping_std}")));
+        .verdict(Verdict::Good, words::recommended(findings, best))
+        .figure(frequency.note(format!("± {}", two_digits(natural_frequency_std / TAU))))
+        .figure(damping.note(format!("± {}", two_digits(damping_ratio_std))));
+    let line = ESTIMATORS.iter().position(|line| line.name == best.method);
+    let run = line.and_then(|line| findings.found.quoted(line));
+    let result = run.and_then(|run| run.estimator(best.method));
     if let Some(periods) = result.and_then(|result| result.periods) {
         page = page.figure(Figure::new("to converge", periods, "periods"));
     }
     if let Some(fit) = findings.found.reference().batch() {
-        let off = 100.0 * (e.mode.hertz() / fit.mode.hertz() - 1.0);
+        let off = 100.0 * (mode.hertz() / fit.mode.hertz() - 1.0);
         let figure = Figure::new("off-line fit", fit.mode.hertz(), "Hz");
         let sign = if off > 0.0 { "+" } else { "" };
-        page = page.figure(figure.note(format!("on-line {sign}{} %", fixed(off, 2))));
+        page = page.figure(figure.note(format!("recommended {sign}{} %", fixed(off, 2))));
     }
     page
 }
@@ -98,18 +91,22 @@ fn on_line(findings: &Findings) -> Table {
         .column("converged at", "s")
         .column("after", "periods")
         .text_column("over")
-        .note("Periods count from the start of the motion, or of the free decay.");
+        .note(
+            "Periods count from the start of the motion, or of the free decay. A method that does not know its error has its \
+             distance from the recommended one in its deviation.",
+        );
     for (index, line) in ESTIMATORS.iter().enumerate() {
         let run = findings.found.quoted(index);
         let result = run.and_then(|run| run.estimator(line.name));
         let e = result.and_then(|result| result.estimate);
+        let std = e.map(|e| findings.found.deviations(&e, line.states_error));
         let number = |value: Option<f64>| value.unwrap_or(f64::NAN).into();
         table = table.row([
             line.name.into(),
             number(e.map(|e| e.mode.hertz())),
-            number(e.map(|e| e.natural_frequency_std / TAU)),
+            number(std.map(|std| std[0] / TAU)),
             number(e.map(|e| e.mode.damping_ratio())),
-            number(e.map(|e| e.damping_ratio_std)),
+            number(std.map(|std| std[1])),
             number(e.map(|e| e.gain)),
             number(result.and_then(|r| r.converged_at)),
             number(result.and_then(|r| r.periods)),

@@ -1,14 +1,13 @@
 //! `quell identify` of recordings of what vibrates alone: text, JSON and page.
 
 use super::alone::{self, Alone};
-use super::model;
 use super::printer::{self, Tuned};
 use crate::cli::CliError;
 use crate::identification::output_only::{Excitation, FoundMode};
+use crate::identification::stop::Stop;
 use crate::recording::Recording;
-use quell_shapers::UncertainMode;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const TAU: f64 = core::f64::consts::TAU;
 
@@ -16,7 +15,7 @@ const TAU: f64 = core::f64::consts::TAU;
 ///
 /// # Errors
 /// [`CliError::Input`] where one of several has a known input, or one has no mode.
-pub fn identified(recordings: &[(PathBuf, Recording)]) -> Result<Vec<Alone>, CliError> {
+pub fn identified(recordings: &[(PathBuf, Recording)], stop: Stop) -> Result<Vec<Alone>, CliError> {
     let mut all = Vec::new();
     for (path, recording) in recordings {
         if !alone::is_alone(recording) && recordings.len() > 1 {
@@ -27,7 +26,7 @@ pub fn identified(recordings: &[(PathBuf, Recording)]) -> Result<Vec<Alone>, Cli
             let text = format!("{called}: it has a known input: identify it by itself");
             return Err(CliError::input(text));
         }
-        all.push(Alone::of(path, recording)?);
+        all.push(Alone::of(path, recording, stop)?);
     }
     Ok(all)
 }
@@ -41,23 +40,6 @@ pub fn text(all: &[Alone], tuned: &[Tuned]) -> String {
         tables.push(lines.trim_end_matches('\n').to_string() + "\n");
     }
     tables.join("\n")
-}
-
-/// The next command; of several modes it names them all.
-pub fn next(all: &[Alone], file: &Path) -> String {
-    let modes = all.first().map(Alone::shaped_for).unwrap_or_default();
-    if modes.len() < 2 {
-        return model::next(file);
-    }
-    let flag = |mode: &UncertainMode| {
-        format!(
-            " --mode {:.4},{:.5}",
-            mode.mode.hertz(),
-            mode.mode.damping_ratio()
-        )
-    };
-    let flags: String = modes.iter().map(flag).collect();
-    format!("Next: quell compare{flags} --rate 1000\n")
 }
 
 /// The JSON document.

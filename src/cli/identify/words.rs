@@ -1,8 +1,7 @@
 //! The findings in sentences.
 
 use super::{Findings, registrations};
-use crate::estimators::ESTIMATORS;
-use crate::identification::{Identification, Run, Stretch};
+use crate::identification::{Identification, Recommended, Run, Stretch, Why};
 use crate::page::{decimals_beside, fixed};
 use quell_shapers::UncertainMode;
 
@@ -26,26 +25,42 @@ fn seconds(run: &Run, Stretch { from, until }: Stretch) -> String {
     format!("{kind} {}-{}s", fixed(from, 2), fixed(until, 2))
 }
 
-/// The mode that is quoted, with its standard deviations: of the default estimator, else of the batch fit.
-pub fn known(findings: &Findings) -> Option<UncertainMode> {
+/// The line to take, its mode, and why, in a sentence.
+pub fn recommended(findings: &Findings, best: &Recommended) -> String {
+    let modes: Vec<String> = best.modes().map(quoted).collect();
     let found = &findings.found;
-    let quoted = found
-        .quoted(0)
-        .and_then(|run| run.estimator(ESTIMATORS[0].name)?.estimate)
-        .map(|e| UncertainMode {
-            mode: e.mode,
-            natural_frequency_std: e.natural_frequency_std,
-            damping_ratio_std: e.damping_ratio_std,
-        });
-    let fitted = || {
-        let fit = found.reference().batch()?;
-        Some(UncertainMode {
-            mode: fit.mode,
-            natural_frequency_std: fit.natural_frequency_std.unwrap_or(0.0),
-            damping_ratio_std: fit.damping_ratio_std.unwrap_or(0.0),
-        })
+    let why = match best.why {
+        Why::Motion if found.known_input_holds.is_none() => format!(
+            "no method without bias has a smaller deviation, and with the motion as known input it explains {:.1} % of the \
+             deformation",
+            100.0 * found.explained
+        ),
+        Why::Motion => "no method without bias has a smaller deviation, and the motion as known input agrees with the free \
+                        decay"
+            .into(),
+        Why::Decay => "the motor side's motion does not explain the deformation, so only the free decay counts; no method \
+                       without bias has a smaller deviation there"
+            .into(),
+        Why::TwoModes => "the likelihood ratio excludes one mode".into(),
+        Why::OffLine => "no estimator told a mode sample by sample".into(),
     };
-    quoted.or_else(fitted)
+    format!("{}, {}: {why}.", best.method, modes.join(" and "))
+}
+
+/// A mode with its standard deviations.
+fn quoted(known: UncertainMode) -> String {
+    let UncertainMode {
+        mode,
+        natural_frequency_std,
+        damping_ratio_std: damping_std,
+    } = known;
+    let std = natural_frequency_std / core::f64::consts::TAU;
+    let [hertz, damping] = [decimals_beside(std, 3), decimals_beside(damping_std, 4)];
+    format!(
+        "{:.hertz$} Hz (± {std:.hertz$}) with a damping ratio of {:.damping$} (± {damping_std:.damping$})",
+        mode.hertz(),
+        mode.damping_ratio(),
+    )
 }
 
 /// A warning where a mode is slower than any joint's: the stamps may be in another unit.
@@ -83,9 +98,11 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
             found.memory
         ));
     }
-    remarks.extend(known(findings).and_then(|known| slow(known.mode.hertz())));
+    let best = found.recommended();
+    remarks.extend(best.and_then(|best| slow(best.mode.mode.hertz())));
+    remarks.extend(best.as_ref().and_then(contradictions));
+    remarks.extend(best.and_then(|best| best.doubted).map(doubted));
     remarks.extend(long(found));
-    remarks.extend(two_modes(findings));
     remarks.extend(damping(findings));
     if let Some(registration) = &findings.series.registration {
         remarks.push(format!(
@@ -125,26 +142,32 @@ fn long(found: &Identification) -> Option<String> {
     Some(words)
 }
 
-/// A sentence on a second mode, and what to do about it.
-fn two_modes(findings: &Findings) -> Option<String> {
-    let (first, second) = findings.found.two_modes()?;
-    let [one, other] = [first, second].map(|e| {
-        let (std, damping_std) = (e.natural_frequency_std / core::f64::consts::TAU, e.damping_ratio_std);
-        let [hertz, damping] = [decimals_beside(std, 3), decimals_beside(damping_std, 4)];
+/// A sentence on a second mode that does not ring.
+fn doubted(second: UncertainMode) -> String {
+    format!(
+        "With the motion as known input a second mode, {}, explains more than noise. The free decay does not show it: it is \
+         more likely an error of clocks or of the motor side's sensor, and is not in what is recommended.",
+        quoted(second)
+    )
+}
+
+/// A sentence where the stretches contradict each other.
+fn contradictions(best: &Recommended) -> Option<String> {
+    let [frequency, damping] = best.between;
+    (frequency > 0.0 || damping > 0.0).then(|| {
         format!(
-            "{:.hertz$} Hz (± {std:.hertz$}) with a damping ratio of {:.damping$} (± {damping_std:.damping$})",
-            e.mode.hertz(),
-            e.mode.damping_ratio(),
+            "The stretches of the recording differ by more than their deviations: by {} Hz and {} of the damping ratio, which \
+             are in the deviations that are told. The mode is not the same throughout, or the sensors' clocks are not.",
+            figure(frequency / core::f64::consts::TAU),
+            figure(damping),
         )
-    });
-    Some(format!(
-        "There are two modes: {one}, and {other}. One is excluded by the likelihood ratio. `quell shape` \
-         shapes for both: `--mode {:.3},{:.4} --mode {:.3},{:.4}`.",
-        first.mode.hertz(),
-        first.mode.damping_ratio(),
-        second.mode.hertz(),
-        second.mode.damping_ratio(),
-    ))
+    })
+}
+
+/// Two digits of a deviation.
+fn figure(value: f64) -> String {
+    let digits = decimals_beside(value, 1);
+    format!("{value:.digits$}")
 }
 
 /// A sentence on damping against amplitude.

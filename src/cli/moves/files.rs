@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::page;
-use crate::cli::CliError;
 use crate::cli::out::{Force, Out, recording_files};
+use crate::cli::{CliError, next};
 use crate::closed_loop::{Comparison, MoveKind, Scenario};
 use crate::model::believed;
 
@@ -22,6 +22,18 @@ pub fn open(folder: &Path, force: Force, reads: &[&Path]) -> Result<Out, CliErro
     let names = [REPORT, MODEL].map(PathBuf::from).into_iter();
     let names = names.chain(recordings.into_iter().flatten());
     Out::open(folder, ("move", force), reads, names)
+}
+
+/// The next command: to identify the unshaped move, which rings most, from the believed model.
+pub fn next_command(folder: &Path) -> String {
+    let recording = folder.join(MoveKind::Unshaped.name());
+    let words = [
+        Path::new("identify"),
+        &recording,
+        Path::new("--model"),
+        &folder.join(MODEL),
+    ];
+    next::command(words.into_iter().chain([Path::new("--out"), folder]))
 }
 
 /// Writes `report.html`, `model.toml` with the belief, and one recording a move.

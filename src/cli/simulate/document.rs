@@ -1,5 +1,6 @@
 //! The results of a simulation, as JSON and as text.
 
+use crate::cli::next;
 use crate::page::columns;
 use std::path::PathBuf;
 
@@ -80,11 +81,29 @@ pub fn text(run: &Run) -> String {
     let remarks: String = remarks.map(|remark| format!("Note: {remark}.\n")).collect();
     let files = run.files.iter().map(|file| file.display().to_string());
     format!(
-        "{robot}, joint {joint}: {modes}; {command}, {:.3} s.\n\n{}\n{remarks}Wrote {}\n",
+        "{robot}, joint {joint}: {modes}; {command}, {:.3} s.\n\n{}\n{remarks}Wrote {}\n{}",
         run.arm.time(),
         table(run),
         files.collect::<Vec<_>>().join(" and "),
+        next_command(run),
     )
+}
+
+/// The next command: to identify what was written, with the believed model where there is one; of a stiff joint to look at
+/// it.
+fn next_command(run: &Run) -> String {
+    match run.files {
+        [manifest, model, ..] => next::command([
+            "identify".as_ref(),
+            manifest.as_path(),
+            "--model".as_ref(),
+            model.as_path(),
+            "--out".as_ref(),
+            run.args.out.as_path(),
+        ]),
+        [manifest] => next::command(["inspect".as_ref(), manifest.as_path()]),
+        [] => String::new(),
+    }
 }
 
 fn describe(mode: Mode) -> String {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::Args;
 use crate::cli::out::Out;
-use crate::cli::{CliError, output};
+use crate::cli::{CliError, next, output};
 use crate::diagnosis::{Predicted, predict};
 use crate::model::Model;
 use crate::recording::{Recording, plain};
@@ -19,6 +19,7 @@ pub fn run(model: &Path, recording: &Path, args: &Args) -> Result<(), CliError> 
     let (folder, first) = split(&args.out);
     let verb = ("simulate", args.force);
     let out = Out::open(&folder, verb, &[model, recording], [&first])?;
+    let next = next::command(["diagnose".as_ref(), "--model".as_ref(), model, recording]);
     let model = Model::from_path(model).map_err(CliError::input)?;
     let recording = Recording::from_path(recording)?;
     let (outputs, score) = predict(&model, recording).map_err(CliError::input)?;
@@ -36,9 +37,10 @@ pub fn run(model: &Path, recording: &Path, args: &Args) -> Result<(), CliError> 
     match args.json {
         true => output::json(&serde_json::json!({ "files": files, "score": score })),
         false => output::text(&format!(
-            "{}\nWritten: {}\n",
+            "{}\nWritten: {}\n{}",
             score_line(&score),
-            files.join(", ")
+            files.join(", "),
+            next
         )),
     }
 }

@@ -72,7 +72,7 @@ fn keys(kind: &Kind, equation: &str) -> String {
     let units = Units {
         force: "N".into(),
         position: "m".into(),
-        input: "N".into(),
+        input: "input".into(),
     };
     let rows = kind.keys.iter().map(|key| {
         let default = key

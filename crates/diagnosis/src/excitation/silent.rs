@@ -49,5 +49,6 @@ pub fn silent(
         model: model.clone(),
         happened: Vec::new(),
         traces: Traces::default(),
+        units: None,
     })
 }

@@ -97,6 +97,7 @@ fn replaced(
         input_values: values,
         position_unit: base.position_unit.clone(),
         input_unit: base.input_unit.clone(),
+        force_unit: base.force_unit.clone(),
         payload: base.payload.clone(),
         // What is known of the recorded motion is not known of this one.
         known: Known::default(),

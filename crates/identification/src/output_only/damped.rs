@@ -7,6 +7,7 @@
 //! Source: G. H. Golub and V. Pereyra, SIAM J. Numerical Analysis 10 (1973).
 
 use super::least_squares::{Minimum, minimise};
+use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 
 /// Differences for the Jacobian: of logarithms, and of shifts as shares.
@@ -91,11 +92,11 @@ fn modes_at(modes: &[Damped], at: &[f64]) -> Vec<Damped> {
 }
 
 /// Fits the modes from a start.
-pub fn fit(segments: &[Segment], start: &[Damped]) -> Option<Fit> {
+pub fn fit(segments: &[Segment], start: &[Damped], stop: Stop) -> Option<Fit> {
     let at = unknowns(start);
     let steps = vec![STEP; at.len()];
     let residual = |at: &[f64]| residual(segments, &modes_at(start, at));
-    let minimum = minimise(residual, &at, &steps)?;
+    let minimum = minimise(residual, &at, &steps, stop)?;
     Some(Fit {
         modes: modes_at(start, &minimum.at),
         minimum,

@@ -2,6 +2,7 @@
 
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
+use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 use quell_shapers::{Mode, UncertainMode};
 use std::f64::consts::TAU;
@@ -31,8 +32,8 @@ const DRIFT: f64 = 0.5;
 const PERIODS: f64 = 2.0;
 
 /// The modes of some stretches; none where these are no free decays.
-pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]]) -> Option<OutputOnly> {
-    let begun = stretches.iter().filter_map(|s| begun(vibration, *s));
+pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Option<OutputOnly> {
+    let begun = stretches.iter().filter_map(|s| begun(vibration, *s, stop));
     let stretches: Vec<[usize; 2]> = begun.collect();
     let segments: Vec<Segment> = stretches
         .iter()
@@ -40,7 +41,7 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]]) -> Option<OutputOn
         .collect();
     let first = segments.first()?;
     let total: f64 = residual(&segments, &[])?.norm_squared();
-    let models = grow(&segments)?;
+    let models = grow(&segments, stop)?;
     let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
     let last = models.last()?;
@@ -78,7 +79,7 @@ fn unknowns(model: &Fit, axes: usize) -> f64 {
 
 /// Models, each with one thing more than the one before: a mode, or a dependence on amplitude. What lowers the cost more
 /// for each of its unknowns is taken.
-fn grow(segments: &[Segment]) -> Option<Vec<Fit>> {
+fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
     let mut models: Vec<Fit> = Vec::new();
     for _ in 0..STEPS {
@@ -87,8 +88,9 @@ fn grow(segments: &[Segment]) -> Option<Vec<Fit>> {
         let worth = |fit: &Fit, unknowns: usize| {
             (left.norm_squared() / fit.minimum.cost).ln() / unknowns as f64
         };
-        let further = further(segments, modes, &left).map(|fit| (worth(&fit, 2 + 2 * axes), fit));
-        let bent = bent(segments, modes).map(|fit| (worth(&fit, 2), fit));
+        let further =
+            further(segments, modes, &left, stop).map(|fit| (worth(&fit, 2 + 2 * axes), fit));
+        let bent = bent(segments, modes, stop).map(|fit| (worth(&fit, 2), fit));
         let better = further
             .into_iter()
             .chain(bent)
@@ -106,7 +108,7 @@ fn grow(segments: &[Segment]) -> Option<Vec<Fit>> {
 }
 
 /// One mode more, where what is left has its strongest line.
-fn further(segments: &[Segment], modes: &[Damped], left: &DVector<f64>) -> Option<Fit> {
+fn further(segments: &[Segment], modes: &[Damped], left: &DVector<f64>, stop: Stop) -> Option<Fit> {
     let frequency = strongest(segments, left)?;
     let with = |ratio: f64| {
         let mode = Damped {
@@ -122,11 +124,11 @@ fn further(segments: &[Segment], modes: &[Damped], left: &DVector<f64>) -> Optio
         .iter()
         .map(|ratio| with(*ratio))
         .min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
-    fit(segments, &start)
+    fit(segments, &start, stop)
 }
 
 /// The strongest mode that is linear yet, with a dependence on its amplitude.
-fn bent(segments: &[Segment], modes: &[Damped]) -> Option<Fit> {
+fn bent(segments: &[Segment], modes: &[Damped], stop: Stop) -> Option<Fit> {
     let shares = amplitudes(segments, modes)?;
     let linear = (0..modes.len()).filter(|k| modes[*k].bend.is_none());
     let which = linear.max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
@@ -137,7 +139,7 @@ fn bent(segments: &[Segment], modes: &[Damped]) -> Option<Fit> {
             rate: 0.0,
             law,
         });
-        fit(segments, &modes)
+        fit(segments, &modes, stop)
     };
     let fits = LAWS.into_iter().filter_map(with);
     fits.min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost))
@@ -248,7 +250,7 @@ fn found(best: &Fit, k: usize, covariance: Option<&DMatrix<f64>>, share: f64) ->
 
 /// A stretch from where its decay is free: the earliest place from which two modes leave no more of it than from later ones;
 /// none where they leave too much from everywhere.
-fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> Option<[usize; 2]> {
+fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option<[usize; 2]> {
     let places: Vec<usize> = (0..BEGINS)
         .map(|k| from + k * (until - from) / 20)
         .collect();
@@ -257,9 +259,9 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2]) -> Option<[usize; 2]>
         let Some(all) = residual(&segment, &[]) else {
             return 1.0;
         };
-        let one = further(&segment, &[], &all);
+        let one = further(&segment, &[], &all, stop);
         let modes = one.as_ref().map_or(&[][..], |fit| &fit.modes);
-        let two = residual(&segment, modes).and_then(|left| further(&segment, modes, &left));
+        let two = residual(&segment, modes).and_then(|left| further(&segment, modes, &left, stop));
         two.or(one)
             .map_or(1.0, |fit| fit.minimum.cost / all.norm_squared())
     };

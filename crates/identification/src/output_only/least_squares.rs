@@ -1,5 +1,6 @@
 //! Nonlinear least squares of a few unknowns by Levenberg and Marquardt's method.
 
+use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 
 /// Iterations at most; the fits here end after ten to thirty.
@@ -22,17 +23,22 @@ pub struct Minimum {
     pub inverse: Option<DMatrix<f64>>,
 }
 
-/// Descends from a start. The Jacobian is by differences of `steps`; none where a residual is not finite at the start.
+/// Descends from a start. The Jacobian is by differences of `steps`; none where a residual is not finite at the start, or
+/// it is stopped.
 pub fn minimise(
     residual: impl Fn(&[f64]) -> Option<DVector<f64>>,
     start: &[f64],
     steps: &[f64],
+    stop: Stop,
 ) -> Option<Minimum> {
     let mut at = start.to_vec();
     let mut now = residual(&at)?;
     let mut cost = now.norm_squared();
     let mut damping = 1e-3;
     for _ in 0..ITERATIONS {
+        if stop() {
+            return None;
+        }
         let (normal, gradient) = normal(&residual, &at, steps, &now)?;
         let mut better = None;
         while damping < 1e12 {

@@ -16,6 +16,7 @@ pub use density::{Density, density};
 pub use even::{Vibration, vibration};
 
 use super::IdentificationError;
+use super::stop::{Stop, check, never};
 use quell_shapers::UncertainMode;
 
 /// How the modes were excited, and so how they were fitted.
@@ -69,6 +70,23 @@ pub struct OutputOnly {
 /// # Errors
 /// [`IdentificationError`] where there are too few samples, nothing varies, or no mode stands out of the noise.
 pub fn output_only(vibration: &Vibration) -> Result<OutputOnly, IdentificationError> {
+    output_only_until(vibration, &never)
+}
+
+/// [`output_only`], unless it is stopped.
+///
+/// # Errors
+/// As [`output_only`], and [`IdentificationError::Stopped`].
+pub fn output_only_until(
+    vibration: &Vibration,
+    stop: Stop,
+) -> Result<OutputOnly, IdentificationError> {
+    let found = look(vibration, stop);
+    // What was left out is no answer.
+    check(stop).and(found)
+}
+
+fn look(vibration: &Vibration, stop: Stop) -> Result<OutputOnly, IdentificationError> {
     let samples = vibration.axes.first().map_or(0, Vec::len);
     if samples < 32 {
         return Err(IdentificationError::TooFew {
@@ -81,11 +99,11 @@ pub fn output_only(vibration: &Vibration) -> Result<OutputOnly, IdentificationEr
     }
     let sweep = events::sweep(vibration);
     if sweep.is_none()
-        && let Some(found) = decay::modes(vibration, &events::decays(vibration))
+        && let Some(found) = decay::modes(vibration, &events::decays(vibration), stop)
     {
         return Ok(found);
     }
-    let found = resonances::modes(vibration, sweep)?;
+    let found = resonances::modes(vibration, sweep, stop)?;
     match found.modes.is_empty() {
         false => Ok(found),
         true if found.evidence[0] >= found.evidence[1] => Err(IdentificationError::OnlyLines),

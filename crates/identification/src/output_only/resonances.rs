@@ -8,6 +8,7 @@
 //!
 //! Source: P. Whittle, Arkiv for Matematik 2 (1953); P. McCullagh and J. A. Nelder, Generalized Linear Models (1989), ch. 8.
 
+use super::super::stop::Stop;
 use super::density::{Density, density};
 use super::least_squares::{Minimum, minimise};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
@@ -48,6 +49,7 @@ const LEAST: f64 = 0.02;
 pub fn modes(
     vibration: &Vibration,
     sweep: Option<[f64; 2]>,
+    stop: Stop,
 ) -> Result<OutputOnly, IdentificationError> {
     let seconds = vibration.axes[0].len() as f64 / vibration.rate;
     let band = match sweep {
@@ -65,10 +67,7 @@ pub fn modes(
         }
         .into());
     }
-    let problem = Problem {
-        density: &density,
-        is_sweep: sweep.is_some(),
-    };
+    let problem = Problem::new(&density, sweep.is_some(), stop);
     let models = problem.grow();
     let (best, found, needed) = problem.best(&models);
     let excitation = sweep.map_or(Excitation::Work, |[from, to]| Excitation::Sweep {
@@ -88,9 +87,25 @@ pub fn modes(
 struct Problem<'a> {
     density: &'a Density,
     is_sweep: bool,
+    /// Logarithm of each band's frequency over the middle: an exponential is had for a third of a power.
+    logarithms: Vec<f64>,
+    stop: Stop<'a>,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    fn new(density: &'a Density, is_sweep: bool, stop: Stop<'a>) -> Self {
+        let mut problem = Self {
+            density,
+            is_sweep,
+            logarithms: Vec::new(),
+            stop,
+        };
+        let middle = problem.middle();
+        let logarithms = density.frequency.iter().map(|own| (own / middle).ln());
+        problem.logarithms = logarithms.collect();
+        problem
+    }
+
     /// The frequency at which the excitation's power is 1, Hz: the geometric middle.
     fn middle(&self) -> f64 {
         let [first, last] =
@@ -109,8 +124,8 @@ impl Problem<'_> {
             true => at[2].clamp(POWERS[0], POWERS[1]),
             false => 0.0,
         };
-        let (noise, middle) = (at[1].exp(), self.middle());
-        let of = |frequency: &f64| {
+        let noise = at[1].exp();
+        let of = |(frequency, logarithm): (&f64, &f64)| {
             let mut response = Complex::new(at[0], 0.0);
             for [own, ratio, straight, turned] in &modes {
                 let r = frequency / own;
@@ -120,11 +135,12 @@ impl Problem<'_> {
             let excited = if power == 0.0 {
                 1.0
             } else {
-                (frequency / middle).powf(power)
+                (power * logarithm).exp()
             };
             excited * response.norm_sqr() + noise
         };
-        self.density.frequency.iter().map(of).collect()
+        let bands = self.density.frequency.iter().zip(&self.logarithms);
+        bands.map(of).collect()
     }
 
     /// Frequency, Hz, damping ratio and amplitudes of a mode from its unknowns.
@@ -167,7 +183,7 @@ impl Problem<'_> {
             _ => 1e-7 * size,
         };
         let steps: Vec<f64> = (0..start.len()).map(step).collect();
-        minimise(|at| self.residual(at), start, &steps)
+        minimise(|at| self.residual(at), start, &steps, self.stop)
     }
 
     /// Models of no mode, of one, of two, under the power of the excitation from which they end best.

@@ -42,6 +42,13 @@ impl Quantity {
     pub const TIME: Self = Self::new(0, 0, 1);
     /// A frequency or an angular frequency.
     pub const FREQUENCY: Self = Self::new(0, 0, -1);
+    /// The force that a unit of the input makes.
+    pub const GAIN: Self = Self {
+        force: 1,
+        position: 0,
+        time: 0,
+        input: -1,
+    };
     /// The drive's input.
     pub const INPUT: Self = Self::driven(1, 0);
 

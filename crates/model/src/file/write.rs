@@ -11,6 +11,20 @@ impl Model {
     ///
     /// A key that has its default is left out unless the model's own file gave it.
     pub fn to_toml(&self) -> String {
+        let force = if self.kind.normalised {
+            "position"
+        } else {
+            "force"
+        };
+        self.to_toml_in(&Units {
+            force: force.into(),
+            position: "position".into(),
+            input: "input".into(),
+        })
+    }
+
+    /// The same with the units of a recording in its comments.
+    pub fn to_toml_in(&self, units: &Units) -> String {
         let mut text = format!("kind = \"{}\"\n", self.kind.name);
         if let Some((_, name)) = HOLDS.iter().find(|entry| Some(entry.0) == self.hold) {
             line(&mut text, "input_hold", &format!("\"{name}\""), None);
@@ -22,7 +36,7 @@ impl Model {
                 let told = ["_hz", "_m", "_s"]
                     .iter()
                     .any(|unit| key.name.ends_with(unit));
-                let unit = self.unit(key.quantity).filter(|_| !told);
+                let unit = unit(key.quantity, units).filter(|_| !told);
                 line(&mut text, key.name, &inline(value), unit);
             }
         }
@@ -42,51 +56,46 @@ impl Model {
             );
             text.push_str("[effect.parameters]\n");
             if effect.effect.is_learned() {
-                self.write_learned(&mut text, effect);
+                write_learned(&mut text, effect, units);
                 continue;
             }
             for (parameter, value) in effect.effect.parameters.iter().zip(&effect.parameters) {
-                let unit = self.unit(parameter.quantity);
+                let unit = unit(parameter.quantity, units);
                 line(&mut text, parameter.name, &inline(value), unit);
             }
         }
         text
     }
+}
 
-    /// A learned law: its range, and its values at the knots as one list.
-    fn write_learned(&self, text: &mut String, effect: &ModelEffect) {
-        let (mut values, mut unit) = (Vec::new(), None);
-        for (parameter, value) in effect.effect.parameters.iter().zip(&effect.parameters) {
-            if parameter.role != ParameterRole::Range {
-                values.push(inline(value));
-                unit = self.unit(parameter.quantity);
-                continue;
-            }
-            // The end of a range is never fitted: it need not be said.
-            let value = Value {
-                fixed: false,
-                ..*value
-            };
-            let unit = self.unit(parameter.quantity);
-            line(text, parameter.name, &inline(&value), unit);
+/// The unit of a quantity; none of a number.
+fn unit(quantity: Quantity, units: &Units) -> Option<String> {
+    let unit = quantity.unit(units);
+    (unit != "1").then_some(unit)
+}
+
+/// A learned law: its range, and its values at the knots as one list.
+fn write_learned(text: &mut String, effect: &ModelEffect, units: &Units) {
+    let (mut values, mut of_values) = (Vec::new(), None);
+    for (parameter, value) in effect.effect.parameters.iter().zip(&effect.parameters) {
+        if parameter.role != ParameterRole::Range {
+            values.push(inline(value));
+            of_values = unit(parameter.quantity, units);
+            continue;
         }
-        line(text, VALUES, &format!("[{}]", values.join(", ")), unit);
-    }
-
-    /// A unit in terms of the recording's; forces divided by a stiffness are positions.
-    fn unit(&self, quantity: Quantity) -> Option<String> {
-        let force = if self.kind.normalised {
-            "position"
-        } else {
-            "force"
+        // The end of a range is never fitted: it need not be said.
+        let value = Value {
+            fixed: false,
+            ..*value
         };
-        let unit = quantity.unit(&Units {
-            force: force.into(),
-            position: "position".into(),
-            input: "input".into(),
-        });
-        (unit != "1").then_some(unit)
+        line(
+            text,
+            parameter.name,
+            &inline(&value),
+            unit(parameter.quantity, units),
+        );
     }
+    line(text, VALUES, &format!("[{}]", values.join(", ")), of_values);
 }
 
 fn line(text: &mut String, key: &str, value: &str, unit: Option<String>) {

@@ -15,7 +15,7 @@ pub struct Equation<'a> {
 
 impl Equation<'_> {
     /// The unit of the equation's forces, where it is one in which something is measured.
-    fn force(&self, model: &Model, recording: &Recording) -> String {
+    pub fn force(&self, model: &Model, recording: &Recording) -> String {
         let given = |name: &str| model.kind.key(name).is_some_and(|key| model.given[key]);
         let says_constant = given("force_gain") || given("torque_constant");
         let measured = recording.channel(Role::Force);

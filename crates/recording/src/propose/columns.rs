@@ -16,6 +16,8 @@ const OFFSET: f64 = 0.05;
 pub struct Channel {
     /// Its role.
     pub role: Guess<Role>,
+    /// Its joint, where the file has lists with an element for each joint.
+    pub joint: Option<String>,
     /// Its columns, by their place in the file.
     pub columns: Vec<usize>,
     /// Its unit.
@@ -76,10 +78,12 @@ impl Channels {
     /// Adds a column, to the channel whose other axes are there already.
     fn take(&mut self, content: &Content, index: usize, (role, certain): (Role, bool)) {
         let column = &content.columns[index];
+        let joint = name::index_of(&column.title);
+        let joint = joint.map(|at| column.title[at..].trim_matches(['[', ']']).to_string());
         let same = self
             .found
             .iter_mut()
-            .find(|channel| channel.role.value == role);
+            .find(|channel| channel.role.value == role && channel.joint == joint);
         let is_vector = role.entry().columns.contains(&3);
         match same {
             Some(channel)
@@ -98,6 +102,7 @@ impl Channels {
                 let unit = Guess::known(unit);
                 self.found.push(Channel {
                     role,
+                    joint,
                     columns: vec![index],
                     unit,
                 });
@@ -134,8 +139,13 @@ impl Channels {
             .found
             .iter()
             .filter(|channel| channel.role.why.is_some());
-        let words = guessed.map(|channel| format!("whether it is a {}", channel.role.value));
-        self.open.extend(words.collect::<Vec<_>>());
+        let mut words: Vec<_> = guessed
+            .map(|channel| format!("whether it is a {}", channel.role.value))
+            .collect();
+        // Of several joints the roles are the same.
+        words.sort();
+        words.dedup();
+        self.open.extend(words);
     }
 }
 

@@ -47,7 +47,12 @@ pub fn of(text: &str) -> Option<Form> {
     let cells = |line: &str| split(line, delimiter).len();
     let count = usual(rows.iter().map(|line| cells(line)));
     let is_row = |line: &str| cells(line) == count && numbers(line, delimiter, decimal) > 0;
-    let first = lines.iter().position(|line| is_row(line))?;
+    // A line above the table may have a number as well, `Writer_Version 2`; no table has one row before other lines.
+    let goes_on = |&line: &usize| {
+        let below = lines[line + 1..].iter().find(plain);
+        is_row(lines[line]) && below.is_none_or(|below| is_row(below))
+    };
+    let first = (0..lines.len()).find(goes_on)?;
     let marked = |line: &&str| line.trim_start().starts_with(MARKS);
     let mut names = None;
     let mut above = (0..first)

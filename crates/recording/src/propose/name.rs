@@ -31,6 +31,7 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "acceleration",
             "accelerometer",
             "adxl",
+            "beschleunigung",
             "vibration",
         ],
         true,
@@ -43,10 +44,20 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         &["strain", "flex", "bending"],
         false,
     ),
-    (Role::MotorCurrent, &[], &["current", "amps"], true),
-    (Role::MotorVoltage, &[], &["voltage", "volts"], true),
-    (Role::Torque, &[], &["torque", "tau", "effort"], true),
-    (Role::Force, &[], &["force"], true),
+    (Role::MotorCurrent, &[], &["current", "amps", "strom"], true),
+    (
+        Role::MotorVoltage,
+        &[],
+        &["voltage", "volts", "spannung"],
+        true,
+    ),
+    (
+        Role::Torque,
+        &[],
+        &["torque", "tau", "effort", "drehmoment"],
+        true,
+    ),
+    (Role::Force, &[], &["force", "kraft"], true),
     (
         Role::CommandPosition,
         &[],
@@ -59,6 +70,13 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "reference",
             "ref",
             "desired",
+            "demand",
+            "demanded",
+            "soll",
+            "sollwert",
+            "sollposition",
+            // As data sets for learning call it.
+            "action",
         ],
         false,
     ),
@@ -97,7 +115,20 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         Role::MotorPosition,
         &[],
         &[
-            "motor", "encoder", "enc", "joint", "theta", "q", "position", "pos", "angle",
+            "motor",
+            "encoder",
+            "enc",
+            "joint",
+            "theta",
+            "q",
+            "position",
+            "pos",
+            "angle",
+            "state",
+            "actual",
+            "ist",
+            "istposition",
+            "winkel",
         ],
         false,
     ),
@@ -121,6 +152,11 @@ const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "count
 /// A name, taken apart: `accel_x [mm/s^2]`, `tipY_mm`, `motor_speed_rad_s`.
 pub fn parse(name: &str) -> Name {
     let name = name.trim();
+    if let Some(at) = index_of(name) {
+        let mut list = parse(&name[..at]);
+        list.words.push(name[at..].trim_matches(['[', ']']).into());
+        return list;
+    }
     let bracket = name.find(['[', '(']).filter(|at| *at > 0);
     if let Some(at) = bracket {
         let unit = name[at + 1..].trim_end_matches([')', ']']).trim();
@@ -154,6 +190,13 @@ pub fn parse(name: &str) -> Name {
     }
     let words = parts.iter().map(|word| word.to_lowercase()).collect();
     Name { words, unit: None }
+}
+
+/// Where the index of an element of a list begins: `state[3]`.
+pub fn index_of(name: &str) -> Option<usize> {
+    let at = name.rfind('[').filter(|at| *at > 0)?;
+    let index = name[at + 1..].strip_suffix(']')?;
+    (!index.is_empty() && index.chars().all(|digit| digit.is_ascii_digit())).then_some(at)
 }
 
 /// The words of a name: parted by what is no letter or digit, and where a small letter meets a capital one.

@@ -84,7 +84,7 @@ fn read(content: &Content) -> Read<'_> {
 fn are_one_run(files: &[Read]) -> bool {
     let mut roles = BTreeSet::new();
     let mut found = files.iter().flat_map(|file| &file.channels.found);
-    found.all(|channel| roles.insert(channel.role.value.name()))
+    found.all(|channel| roles.insert((channel.role.value.name(), &channel.joint)))
         && files.iter().all(|file| file.tests.is_none())
 }
 
@@ -207,6 +207,9 @@ fn channel(file: &Read, channel: &Channel) -> String {
         .collect();
     let mut text = String::from("\n[[channel]]\n");
     text += &key("role", &quoted(channel.role.value.name()), &channel.role);
+    if let Some(joint) = &channel.joint {
+        let _ = writeln!(text, "joint = {}", quoted(joint));
+    }
     let _ = writeln!(text, "file = {}", quoted(&name(file.content)));
     match &file.clock {
         Clock::Stamps { column, unit, .. } => {

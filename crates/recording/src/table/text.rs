@@ -52,14 +52,23 @@ pub fn text(path: &Path) -> Result<String, RecordingError> {
     if let Some(format) = crate::foreign::of(path, &bytes) {
         return Err(Problem::Foreign(format).in_file(path));
     }
-    let mut text = String::from_utf8(bytes).map_err(|error| {
+    let mut text = String::from_utf8(bytes).or_else(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        Problem::NotUtf8.at_line(path, 1 + count_line_ends(valid))
+        let refused = Problem::NotUtf8.at_line(path, 1 + count_line_ends(valid));
+        latin_1(error.as_bytes()).ok_or(refused)
     })?;
     if let Some(marked) = text.strip_prefix('\u{feff}') {
         text.drain(..text.len() - marked.len());
     }
     Ok(text)
+}
+
+/// The text of bytes in ISO 8859-1, as older tools write umlauts and signs; none where there are bytes that no text in it
+/// has.
+fn latin_1(bytes: &[u8]) -> Option<String> {
+    let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0xa0..=0xff);
+    let all = bytes.iter().all(is_text);
+    all.then(|| bytes.iter().map(|byte| char::from(*byte)).collect())
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {

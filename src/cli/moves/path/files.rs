@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::page;
-use crate::cli::CliError;
 use crate::cli::out::{Force, Out, recording_files};
+use crate::cli::{CliError, next};
 use crate::closed_loop::{PathComparison, PathKind, PathScenario};
 use crate::model::believed;
 
@@ -39,6 +39,22 @@ fn recording(kind: PathKind, joint: usize) -> String {
 /// The file of what is believed of a joint.
 fn model(joint: usize) -> String {
     format!("model_joint_{}.toml", joint + 1)
+}
+
+/// The next command: to identify the first joint that rings, in the unshaped move.
+pub fn next_command(folder: &Path, scenario: &PathScenario) -> String {
+    let Some(first) = scenario.joints.iter().find(|joint| joint.belief.is_some()) else {
+        return String::new();
+    };
+    let recording = folder.join(recording(PathKind::Unshaped, first.joint));
+    let model = folder.join(model(first.joint));
+    let words = [
+        Path::new("identify"),
+        &recording,
+        Path::new("--model"),
+        &model,
+    ];
+    next::command(words.into_iter().chain([Path::new("--out"), folder]))
 }
 
 /// Writes `report.html`, a model of each joint that rings, and a recording of each joint in each move.

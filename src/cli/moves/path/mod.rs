@@ -30,7 +30,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     output::text(&document::text(&scenario, &comparison))?;
     let report = args.out.join(files::REPORT);
-    output::text(&format!("\nReport: {}\n", report.display()))
+    let next = files::next_command(&args.out, &scenario);
+    output::text(&format!("\nReport: {}\n{next}", report.display()))
 }
 
 /// The scenario of the arguments.

@@ -1,0 +1,54 @@
+//! The last line of a verb: the command to run next, as it is typed.
+
+use quell_shapers::Mode;
+use std::ffi::OsStr;
+use std::fmt::Write;
+
+/// `Next: quell ...` and a line end. What a shell would take apart is quoted.
+pub fn command<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> String {
+    line("Next", words)
+}
+
+/// The same after something else that is to be done first: `Then: quell ...`.
+pub fn then<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> String {
+    line("Then", words)
+}
+
+/// Modes as the options of a command.
+pub fn modes(modes: &[Mode]) -> impl Iterator<Item = String> {
+    let value = |mode: &Mode| format!("{:.4},{:.5}", mode.hertz(), mode.damping_ratio());
+    modes
+        .iter()
+        .flat_map(move |mode| ["--mode".into(), value(mode)])
+}
+
+fn line<W: AsRef<OsStr>>(word: &str, words: impl IntoIterator<Item = W>) -> String {
+    let mut line = format!("{word}: quell");
+    for word in words {
+        let _ = write!(line, " {}", quoted(&word.as_ref().to_string_lossy()));
+    }
+    line + "\n"
+}
+
+/// The word, between quotes where a shell would not take it as it is.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "_-./,:=+@%".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.into(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_takes_each_word_as_one() {
+        let line = command(["identify", "my run.csv", "it's", "arm#2", "8.1,0.02"]);
+        assert_eq!(
+            line,
+            "Next: quell identify 'my run.csv' 'it'\\''s' 'arm#2' 8.1,0.02\n"
+        );
+    }
+}

@@ -1,0 +1,243 @@
+//! One table over several diagnoses, of the joints of a robot or of the recordings of a batch: the worst first.
+
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::effects::Catalogue;
+use crate::page::{self, Cell, Table, columns, number};
+
+/// One diagnosis of several, or why there is none.
+pub struct Line {
+    /// The joint or the recording.
+    pub name: String,
+    /// Its report, from the page; none where it has none.
+    pub report: Option<String>,
+    /// What was found; in words why there is no diagnosis.
+    pub told: Result<Told, String>,
+}
+
+/// What a diagnosis says, in short.
+pub struct Told {
+    /// Its verdict.
+    pub verdict: Verdict,
+    /// Its answer in a sentence.
+    pub summary: String,
+    /// Titles of the physics that is missing.
+    pub missing: Vec<String>,
+    /// The misfit of the model as it was believed, its parameters refitted, over the noise; NaN where it is not known.
+    pub before: f64,
+    /// The same with what was found.
+    pub after: f64,
+}
+
+impl Told {
+    /// Of a diagnosis.
+    pub fn of(diagnosis: &Diagnosis) -> Self {
+        let titles = diagnosis
+            .findings
+            .iter()
+            .map(|own| own.title(Catalogue::default()));
+        Self {
+            verdict: diagnosis.verdict,
+            summary: diagnosis.summary.clone(),
+            missing: titles.collect(),
+            before: diagnosis.fit.before.held_out_over_noise,
+            after: diagnosis.fit.after.held_out_over_noise,
+        }
+    }
+
+    /// Whether it says nothing of the model: its misfit is none.
+    fn is_silent(&self) -> bool {
+        self.verdict == Verdict::NotExcited
+    }
+
+    fn lacks(&self) -> bool {
+        !matches!(self.verdict, Verdict::NoMismatch | Verdict::NotExcited)
+    }
+}
+
+/// Several diagnoses.
+pub struct Overview {
+    /// What each is of: `joint`, `recording`.
+    noun: &'static str,
+    /// The largest misfit first, then those that say nothing, and those without a diagnosis last.
+    pub lines: Vec<Line>,
+}
+
+impl Overview {
+    /// Puts the worst first.
+    pub fn new(noun: &'static str, mut lines: Vec<Line>) -> Self {
+        let misfit = |line: &Line| match &line.told {
+            Ok(told) if told.is_silent() => -1.0,
+            Ok(told) if told.before.is_nan() => 0.0,
+            Ok(told) => told.before,
+            Err(_) => -2.0,
+        };
+        lines.sort_by(|a, b| misfit(b).total_cmp(&misfit(a)));
+        Self { noun, lines }
+    }
+
+    /// The answer for all.
+    pub fn sentence(&self) -> (page::Verdict, String) {
+        let count = |is: &dyn Fn(&Line) -> bool| self.lines.iter().filter(|line| is(line)).count();
+        let lacking = |line: &Line| line.told.as_ref().is_ok_and(Told::lacks);
+        let lines = self.lines.iter().filter(|line| lacking(line));
+        let names: Vec<&str> = lines.map(|line| &*line.name).take(LISTED).collect();
+        let (noun, of, some) = (self.noun, self.lines.len(), count(&lacking));
+        let silent = count(&|line| line.told.as_ref().is_ok_and(Told::is_silent));
+        let aside = count(&|line| line.told.is_err());
+        let (verdict, mut sentence) = match some {
+            0 if silent + aside == of => (
+                page::Verdict::Bad,
+                format!("Nothing can be said of any of {of} {noun}s."),
+            ),
+            0 => (
+                page::Verdict::Good,
+                format!(
+                    "Nothing is missing at {} of {of} {noun}s.",
+                    of - silent - aside
+                ),
+            ),
+            _ => {
+                let more = if some > LISTED { ", ..." } else { "" };
+                let names = names.join(", ");
+                (
+                    page::Verdict::Bad,
+                    format!(
+                        "Physics is missing at {some} of {of} {noun}s, the worst first: {names}{more}."
+                    ),
+                )
+            }
+        };
+        if silent > 0 {
+            sentence += &format!(" {silent} say nothing of the model.");
+        }
+        if aside > 0 {
+            sentence += &format!(" {aside} could not be diagnosed.");
+        }
+        (verdict, sentence)
+    }
+
+    /// The table for a terminal, and below it why what has no diagnosis has none.
+    pub fn text(&self) -> String {
+        let header = [self.noun, "verdict", "missing", "misfit", "with it"];
+        let dash = || "-".to_string();
+        let rows = self.lines.iter().map(|line| match &line.told {
+            Ok(told) => {
+                let quiet = told.is_silent();
+                let figure = |value: f64| {
+                    if quiet || value.is_nan() {
+                        dash()
+                    } else {
+                        number(value)
+                    }
+                };
+                let missing = told.missing.join(" + ");
+                [
+                    line.name.clone(),
+                    told.verdict.name().into(),
+                    if missing.is_empty() { dash() } else { missing },
+                    figure(told.before),
+                    figure(told.after),
+                ]
+            }
+            Err(_) => [
+                line.name.clone(),
+                "set aside".into(),
+                dash(),
+                dash(),
+                dash(),
+            ],
+        });
+        let table = columns(header, rows);
+        let aside = self.lines.iter().filter_map(|line| {
+            let why = line.told.as_ref().err()?;
+            Some(format!("{}: {why}\n", line.name))
+        });
+        let aside: String = aside.collect();
+        let gap = if aside.is_empty() { "" } else { "\n" };
+        format!("{table}{gap}{aside}")
+    }
+
+    /// The table of a page, with a link to each report.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new(format!("{}s", capital(self.noun)))
+            .text_column(self.noun)
+            .text_column("verdict")
+            .text_column("what was found")
+            .column("misfit", "noise")
+            .column("with it", "noise");
+        for line in &self.lines {
+            let name = match &line.report {
+                Some(file) => Cell::Link {
+                    text: line.name.clone(),
+                    file: file.clone(),
+                },
+                None => line.name.clone().into(),
+            };
+            table = match &line.told {
+                Ok(told) => table.row([
+                    name,
+                    told.verdict.name().into(),
+                    told.summary.clone().into(),
+                    told.before.into(),
+                    told.after.into(),
+                ]),
+                Err(why) => table.row([name, "set aside".into(), why.clone().into()]),
+            };
+        }
+        table
+    }
+}
+
+/// Names in the answer for all; the table has the rest.
+const LISTED: usize = 5;
+
+/// The word with a capital.
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(name: &str, verdict: Verdict, before: f64) -> Line {
+        Line {
+            name: name.into(),
+            report: None,
+            told: Ok(Told {
+                verdict,
+                summary: String::new(),
+                missing: Vec::new(),
+                before,
+                after: 1.0,
+            }),
+        }
+    }
+
+    #[test]
+    fn the_worst_is_first_and_what_says_nothing_last() {
+        let aside = Line {
+            name: "broken".into(),
+            report: None,
+            told: Err("no file".into()),
+        };
+        let lines = vec![
+            aside,
+            line("still", Verdict::NotExcited, 50.0),
+            line("fine", Verdict::NoMismatch, 1.0),
+            line("worst", Verdict::Named, 9.0),
+            line("bad", Verdict::Unexplained, 3.0),
+        ];
+        let overview = Overview::new("recording", lines);
+        let names: Vec<&str> = overview.lines.iter().map(|line| &*line.name).collect();
+        assert_eq!(names, ["worst", "bad", "fine", "still", "broken"]);
+        assert_eq!(
+            overview.sentence().1,
+            "Physics is missing at 2 of 5 recordings, the worst first: worst, bad. 1 say nothing of the model. 1 could not be \
+             diagnosed."
+        );
+    }
+}
