@@ -17,7 +17,7 @@ use quell_recording::Recording;
 
 /// What is said of a diagnosis that was made coupled.
 const COUPLED: &str = "The motor side was simulated coupled to its measured motion by a spring and a damper, which forget \
-    within four samples: errors of a force that drives an axis freely add up without bound. Its residual is that of this \
+    before the motion turns: errors of a force that drives an axis freely add up without bound. Its residual is that of this \
     simulation.";
 
 /// Says what physics a model lacks, from recordings of the machine.
