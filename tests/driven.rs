@@ -171,7 +171,6 @@ fn a_driven_motor_shows_its_friction_and_its_cogging() {
         "friction",
         friction,
     );
-    let told = told.diagnosis;
     check(&told, "cogging", "drive", "amplitude", cogging);
     check(&told, "cogging", "drive", "order", 12.0);
 }
@@ -211,6 +210,7 @@ fn a_heavy_axis_shows_its_friction_and_its_cogging_through_noise() {
         ],
         1.0 / (fine * every as f64),
     );
+    let told = told.diagnosis;
     check(&told, "cogging", "drive", "amplitude", cogging);
     check(&told, "cogging", "drive", "order", order);
     // At rest the coupling forgets what a breakaway force would tell: any law of dry friction may be told.
