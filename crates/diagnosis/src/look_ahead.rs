@@ -51,7 +51,7 @@ fn score(own: &Explanation) -> f64 {
 }
 
 /// The most likely structures of a number of effects, were only noise left in the end.
-fn most_likely(pool: &Pool, count: usize) -> Vec<Explanation> {
+pub fn most_likely(pool: &Pool, count: usize) -> Vec<Explanation> {
     let ranked = pool.ranked(CALIBRATED).into_iter().map(|own| own.0);
     let named = ranked.filter(|own| own.terms() == count && !own.is_learned());
     named.take(BEAM).cloned().collect()

@@ -4,6 +4,7 @@
 use super::candidate::Known;
 use super::explanation::Explanation;
 use super::judge::Judge;
+use super::look_ahead::most_likely;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
@@ -151,7 +152,8 @@ impl Search<'_> {
         }
     }
 
-    /// Chooses each effect of the best explanation anew beside the others. Whether there is a better one.
+    /// Chooses each effect of the best explanation anew beside the others, and two laws of the catalogue in the place of
+    /// a learned one, which may stand for both where they move together. Whether there is a better one.
     fn exchange(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
         let point = &best.fitted.point;
@@ -164,6 +166,13 @@ impl Search<'_> {
             let kept = kept.filter(|kept| !pool.is_extended(kept, Table::Named));
             if let Some(kept) = kept.filter(|_| !self.is_over()) {
                 self.extend_by(pool, &kept, Table::Named);
+            }
+        }
+        if best.is_learned() {
+            for own in most_likely(pool, best.terms()) {
+                if !pool.is_extended(&own, Table::Named) && !self.is_over() {
+                    self.extend_by(pool, &own, Table::Named);
+                }
             }
         }
         !pool.best(self.judge).is_like(&best)
