@@ -265,6 +265,7 @@ fn made(
         asked: None,
         jog: None,
         ordered: Vec::new(),
+        change: None,
         standstill: Default::default(),
         learning: Learning::default(),
         motor: None,

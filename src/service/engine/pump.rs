@@ -33,6 +33,7 @@ impl Engine {
             (0..self.joints.len()).for_each(|index| self.order_train(index));
             self.publish();
         }
+        self.follow_feed();
         self.end_holds(now);
         self.retry(now);
         if now - self.batch_since >= BATCH {

@@ -7,7 +7,7 @@ use super::following::Following;
 use super::gate::{Admission, Cause, Gate};
 use super::hearing::{Change, Hearing, Watchdog};
 use super::messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, RetuneOrder, Taken, Together, TrainOrder,
+    AxisReport, Event, JointReport, NotTaken, Plan, RetuneOrder, Start, Taken, Together, TrainOrder,
 };
 use super::pace::Stride;
 use super::taking::{put_in_force, ready, retune};
@@ -233,7 +233,9 @@ impl JointTick {
         let Some(controller) = self.controller.as_deref_mut().filter(|_| admitted) else {
             return false;
         };
-        ready(plan, controller, tick) == Ok(true)
+        // A correction under way may refuse a plan in motion when it is loaded: too late for the others.
+        let corrects = matches!(plan.start, Start::Tick(_)) && controller.is_correcting();
+        !corrects && ready(plan, controller, tick) == Ok(true)
     }
 
     /// Lets the plan that waits begin, if it is one of these.
