@@ -99,6 +99,7 @@ impl Engine {
             Event::Lost(index) => self.lost(index),
             Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),
+            Event::Lent(order) => self.foresee(order),
             Event::Retuned(order, outcome) => self.retuned(&order, &outcome),
             // Dropped here, off the tick.
             Event::Controller(_) | Event::Sensor(_) => {}

@@ -86,6 +86,12 @@ impl Running {
         self.first.saturating_add(passed)
     }
 
+    /// The plan at a sample.
+    pub fn planned_at(&self, sample: usize) -> Setpoint {
+        let end = AxisState::at_rest(self.target());
+        setpoint(self.plan.state(0, sample).unwrap_or(end))
+    }
+
     /// Whether the plan has not arrived by the tick before `tick`.
     pub fn goes_on(&self, tick: u64) -> bool {
         self.settled.is_none() && self.sample_before(tick) + 1 < self.plan.samples()
@@ -216,12 +222,14 @@ impl Running {
 /// Whether a plan from rest, shaped by a train, keeps limits.
 fn keeps_shaped(plan: &SampledTrajectory, train: &GridTrain, limits: Limits) -> bool {
     let states = (0..plan.samples()).filter_map(|tick| plan.state(0, tick));
-    let planned: Vec<_> = states
-        .map(|state| Setpoint {
-            position: state.position,
-            velocity: state.velocity,
-            acceleration: state.acceleration,
-        })
-        .collect();
+    let planned: Vec<_> = states.map(setpoint).collect();
     shaped_peak_ratios(train, &planned, &motion_limits(limits)).worst() <= 1.0 + ROUNDING
+}
+
+fn setpoint(state: AxisState) -> Setpoint {
+    Setpoint {
+        position: state.position,
+        velocity: state.velocity,
+        acceleration: state.acceleration,
+    }
 }
