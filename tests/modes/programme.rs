@@ -4,7 +4,7 @@ use super::plant::{Faults, Plant, PlantMode};
 use quell::adaptation::AdaptationSettings;
 use quell::controller::{AxisSettings, Controller, RetunePolicy};
 use quell::estimators::{Settings, estimator};
-use quell::learning::{Learner, LearnerSettings, ModeOnWay, Prescription, Surroundings};
+use quell::learning::{Inertia, Learner, LearnerSettings, ModeOnWay, Prescription, Surroundings};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
 use quell_shapers::{CORRECTED_MODES, Mode, Shaper, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
@@ -35,6 +35,8 @@ pub struct Programme {
     pub moves: Vec<(f64, f64)>,
     /// A payload of 1 as the controller is told it, kg; 0 where it is not told.
     pub declared: f64,
+    /// What a description of the arm says.
+    pub inertia: Option<Inertia>,
     pub seed: u64,
 }
 
@@ -97,6 +99,7 @@ impl Programme {
             dead_band: settings.adaptation.dead_band,
             longest_train: settings.longest_train,
             base: controller.axis().next_train().clone(),
+            inertia: self.inertia.clone(),
         })
     }
 
