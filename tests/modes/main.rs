@@ -7,7 +7,7 @@ mod random;
 
 use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
-use quell::learning::Inertia;
+use quell::learning::{Inertia, Learner, Surroundings};
 use rayon::prelude::*;
 
 fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
@@ -194,4 +194,34 @@ fn a_description_says_what_no_move_has_shown() {
         median(&wrong[2..]) <= 1.0 && worst(&wrong[2..]) <= 3.0,
         "{wrong:?}"
     );
+}
+
+/// What is kept is what moves have said, whatever the description says by now: where they were, the frequencies stay.
+#[test]
+fn what_moves_have_said_outlives_the_description() {
+    let heavy = |factor: f64, slope: f64| {
+        Inertia::new(move |position, _: &[f64], payload| {
+            factor * (1.0 + slope * position) + payload
+        })
+    };
+    let positions = [0.0, 15.0, 30.0, 45.0].map(f64::to_radians);
+    let curve = |learner: &Learner| {
+        let charts = learner.chart(&positions, &Surroundings::default());
+        let curve = charts[0].curve.iter().map(|at| at.natural_frequency);
+        curve.collect::<Vec<_>>()
+    };
+    for before in [None, Some(heavy(1.0, -0.3))] {
+        let mut programme = arm(&[posed()], 9.0, &[45.0, 0.0, 30.0, 0.0]);
+        programme.inertia = before;
+        let (_, taught) = programme.run_and_learn(Policy::Learned);
+        for now in [None, Some(heavy(100.0, -0.3)), Some(heavy(0.5, 0.4))] {
+            programme.inertia = now;
+            let mut other = programme.untaught();
+            assert!(other.remember(&taught.memory()));
+            let pairs = curve(&taught).into_iter().zip(curve(&other));
+            for (one, two) in pairs {
+                assert!((one / two - 1.0).abs() < 2e-3, "{one} {two}");
+            }
+        }
+    }
 }

@@ -105,6 +105,17 @@ impl Programme {
 
     /// What each move leaves.
     pub fn run(&self, policy: Policy) -> Vec<Left> {
+        self.run_and_learn(policy).0
+    }
+
+    /// A learner that has heard nothing.
+    pub fn untaught(&self) -> Learner {
+        let settings = self.settings(Policy::Learned);
+        self.learner(&Controller::new(settings, self.start).expect("a controller"))
+    }
+
+    /// What each move leaves, and who has learned from them.
+    pub fn run_and_learn(&self, policy: Policy) -> (Vec<Left>, Learner) {
         let settings = self.settings(policy);
         let mut controller = Controller::new(settings, self.start).expect("a controller");
         let mut plant = Plant::new(&self.modes, self.faults, PERIOD, self.start, self.seed);
@@ -112,7 +123,7 @@ impl Programme {
         controller.keep_samples(20_000);
         let mut learner = self.learner(&controller);
         let moves = self.moves.iter();
-        moves
+        let left = moves
             .map(|&(target, payload)| {
                 plant.payload = payload;
                 let around = Surroundings::carrying(self.declared * payload);
@@ -163,7 +174,8 @@ impl Programme {
                     said,
                 }
             })
-            .collect()
+            .collect();
+        (left, learner)
     }
 
     /// Runs a move to its end and until the arm has been left alone: the peak of the deformation once command and
