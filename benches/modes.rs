@@ -30,6 +30,7 @@ fn arm(name: &str, modes: &[PlantMode], belief_hz: f64) -> Programme {
             .map(|degrees| (f64::to_radians(degrees), 0.0))
             .to_vec(),
         declared: 1.0,
+        inertia: None,
         seed: 1,
     }
 }

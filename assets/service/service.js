@@ -268,7 +268,7 @@ $("feed").onchange = () => {
   asked = Date.now();
   const percent = Number($("feed").value);
   $("feed-value").textContent = `${percent} % of full speed`;
-  command("/api/v1/feed", { percent }, () => (percent ? "In force with the next move." : "Everything stops."));
+  command("/api/v1/feed", { percent }, () => (percent ? "In force." : "Everything stops."));
 };
 $("demo").onclick = () => command("/api/v1/demo", {}, () => "Unshaped, wrong belief, adapted: some ten seconds.");
 jogs(() => state?.joints[joint]);

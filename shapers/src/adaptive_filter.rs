@@ -121,6 +121,24 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
     }
 
+    /// Becomes a copy of another filter with buffers of the same lengths, as its clone is. No allocation; of the past as much is copied
+    /// as there is.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.tick = other.tick;
+        self.line.copy_from(&other.line);
+        self.fade.clone_from(&other.fade);
+        self.pending.clone_from(&other.pending);
+        self.pending_from = other.pending_from;
+        self.schedule.clone_from(&other.schedule);
+        self.history.copy_from(&other.history);
+        self.sent = other.sent;
+    }
+
+    /// Ticks up to now.
+    pub fn ticks(&self) -> u64 {
+        self.tick
+    }
+
     /// One tick: takes the planned setpoint, returns the shaped one, with what a retune added.
     ///
     /// Never allocates, blocks or fails; cost proportional to the number of taps of the trains at

@@ -201,6 +201,12 @@ impl<S: Buffer<Setpoint>> DelayLine<S> {
         self.length - 1
     }
 
+    /// Becomes a copy of another one of the same length.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.ring.copy_from_slice(&other.ring);
+        (self.newest, self.unchanged) = (other.newest, other.unchanged);
+    }
+
     pub fn fill(&mut self, setpoint: Setpoint) {
         self.ring.fill(setpoint);
         self.unchanged = usize::MAX;

@@ -92,6 +92,16 @@ impl<E: Buffer<Entry>> History<E> {
         self.push(position, position, true);
     }
 
+    /// Becomes a copy of another one with a ring of the same length.
+    pub fn copy_from(&mut self, other: &Self) {
+        let used = match other.overwritten {
+            true => other.ring.len(),
+            false => other.count,
+        };
+        self.ring[..used].copy_from_slice(&other.ring[..used]);
+        (self.next, self.count, self.overwritten) = (other.next, other.count, other.overwritten);
+    }
+
     pub fn push(&mut self, planned: f64, sent: f64, settled: bool) {
         let newest = match self.next {
             0 => self.ring.len() - 1,

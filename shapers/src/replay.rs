@@ -4,7 +4,7 @@ use crate::ahead::Ahead;
 use crate::correction::{CORRECTED_MODES, CORRECTION_STEPS, Comb, Order, Schedule, sum};
 use crate::cross_fade::Trains;
 use crate::modal_state::ModalState;
-use crate::vibration::{BINS, Meter, Profile, Sent, energy, stays_below};
+use crate::vibration::{BINS, Meter, Profile, Sent, energy, quarter, stays_below};
 use crate::{Buffer, MotionLimits, PeakRatios, Setpoint};
 use arrayvec::ArrayVec;
 use core::ops::Range;
@@ -149,12 +149,14 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         let mut possible = false;
         let after = self.profiles(Some(wanted));
         let orders = [Order::Value, Order::Slope];
-        for (order, (count, width)) in orders
+        let spacings = self.spacings();
+        let combs = orders
             .iter()
             .flat_map(|order| COMBS.map(|comb| (order, comb)))
-        {
+            .flat_map(|comb| spacings.iter().map(move |spacing| (comb, *spacing)));
+        for ((order, (count, width)), spacing) in combs {
             let most = best.map_or(f64::INFINITY, |best| best.energy);
-            let comb = self.comb(count, width);
+            let comb = self.comb(count, width, spacing);
             if self.energy_after(&comb, &after) >= most {
                 continue;
             }
@@ -177,14 +179,25 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         possible
     }
 
+    /// Quarter periods of the modes, ticks: a comb whose steps are a period of a mode apart cannot take that mode away.
+    fn spacings(&self) -> Each<usize> {
+        let mut spacings: Each<usize> = Each::new();
+        for meter in self.meters {
+            let spacing = quarter(meter.pole);
+            if !spacings.contains(&spacing) {
+                spacings.push(spacing);
+            }
+        }
+        spacings
+    }
+
     /// A comb that begins now.
-    fn comb(&self, count: usize, width: usize) -> Comb {
-        let quarter = self.meters[0].quarter;
+    fn comb(&self, count: usize, width: usize, spacing: usize) -> Comb {
         Comb {
             start: self.ahead.tick,
             count,
-            spacing: quarter,
-            ticks: width * quarter,
+            spacing,
+            ticks: width * spacing,
         }
     }
 

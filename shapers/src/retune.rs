@@ -16,7 +16,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// stays where it is. The output is simulated ahead with a cross-fade to the new train. What everything
     /// sent and to be sent will leave, `phi = sum du_k exp(-lambda t_k)`, `lambda = -xi omega + j omega_d`, differs by
     /// `d` from what is wanted: what the new train leaves of everything planned up to now, or nothing at all.
-    /// `N` smooth steps that begin at once, a quarter period apart, take the difference away; their amplitudes are
+    /// `N` smooth steps that begin at once, a quarter period of one of the modes apart, take the difference away; their amplitudes are
     /// the smallest (least norm) with
     ///
     /// ```text
@@ -42,7 +42,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// added to). After the end of the command it cancels what still rings.
     ///
     /// No allocation. Cost: the horizon, 6 times the remaining ticks times the taps, and up to 60 corrections
-    /// of at most 7 periods; most are discarded early.
+    /// a mode, of at most 7 periods; most are discarded early.
     pub fn retune(
         &mut self,
         request: &Retune<'_>,

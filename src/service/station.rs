@@ -27,7 +27,7 @@ use super::state::State;
 use super::tick::{JointTick, Pulse, Tick, Watchdog};
 use crate::adaptation::AdaptationSettings;
 use crate::closed_loop::{ClosedLoopError, commission};
-use crate::learning::LearnerSettings;
+use crate::learning::{Inertia, LearnerSettings};
 use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
 use crate::signal::{Clock, DeformationSensor};
 
@@ -265,6 +265,7 @@ fn made(
         asked: None,
         jog: None,
         ordered: Vec::new(),
+        change: None,
         standstill: Default::default(),
         learning: Learning::default(),
         motor: None,
@@ -289,12 +290,35 @@ fn pupil(joint: &JointConfig, config: &Config, state: &State) -> Result<Pupil, S
                 joint: joint.name.clone(),
                 reason,
             })?,
+            inertia: inertia(joint, config),
         },
         range: joint.range,
         memory: state
             .joints
             .get(&joint.name)
             .and_then(|state| state.map.clone()),
+    })
+}
+
+/// The inertia of all that a joint carries, where the robot's description has it.
+fn inertia(joint: &JointConfig, config: &Config) -> Option<Inertia> {
+    let robot = config.describes.then(|| config.description.clone())?;
+    let others = config
+        .joints
+        .iter()
+        .filter(|other| other.name != joint.name);
+    let others: Vec<usize> = others.map(|other| other.index).collect();
+    let (index, home) = (joint.index, robot.home());
+    (!robot.bodies.is_empty()).then(|| {
+        Inertia::new(move |position, positions, payload| {
+            let mut pose = home.clone();
+            for (at, position) in others.iter().zip(positions).chain([(&index, &position)]) {
+                if let Some(slot) = pose.get_mut(*at) {
+                    *slot = *position;
+                }
+            }
+            robot.inertia(&pose, payload, index).unwrap_or(0.0)
+        })
     })
 }
 

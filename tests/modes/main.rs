@@ -7,6 +7,7 @@ mod random;
 
 use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
+use quell::learning::{Inertia, Learner, Surroundings};
 use rayon::prelude::*;
 
 fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
@@ -20,6 +21,7 @@ fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
         start: 0.0,
         moves: moves.collect(),
         declared: 1.0,
+        inertia: None,
         seed: 1,
     }
 }
@@ -166,4 +168,60 @@ fn adaptation_hardly_ever_leaves_more_than_none() {
     // The aim is 1.05 in 99 of 100: of these four and 120 others one, that with backlash here, is above, at 1.15.
     assert!(worst(&ratios) <= 1.25, "{ratios:?}");
     assert!(median(&ratios) < 1.0, "{ratios:?}");
+}
+
+/// One move over a third of the range, then to its other end: the map alone knows nothing of that pose, the description of the arm does, though
+/// its bodies are not quite what it says.
+#[test]
+fn a_description_says_what_no_move_has_shown() {
+    let pose = |position: f64| 1.0 + posed().slope * position;
+    let described = Inertia::new(move |position, _: &[f64], _| {
+        // A hundredth of the inertia that somebody believes, and a tenth more where the arm is stretched.
+        0.01 * (1.0 + 0.1 * position) / pose(position).powi(2)
+    });
+    let mut programme = arm(&[posed()], 9.0, &[20.0, 0.0, 60.0, 20.0]);
+    let without = left(&programme);
+    programme.inertia = Some(described);
+    let with = left(&programme);
+    assert!(with[2] <= 1.0, "{without:?} {with:?}");
+    assert!(with[2] <= without[2], "{without:?} {with:?}");
+    // One that is wrong costs little: moves say what the inertia is.
+    let wrong = move |position: f64, _: &[f64], _: f64| 5.0 * pose(position);
+    programme.inertia = Some(Inertia::new(wrong));
+    programme.moves = arm(&[posed()], 9.0, &TARGETS).moves;
+    let wrong = left(&programme);
+    assert!(
+        median(&wrong[2..]) <= 1.0 && worst(&wrong[2..]) <= 3.0,
+        "{wrong:?}"
+    );
+}
+
+/// What is kept is what moves have said, whatever the description says by now: where they were, the frequencies stay.
+#[test]
+fn what_moves_have_said_outlives_the_description() {
+    let heavy = |factor: f64, slope: f64| {
+        Inertia::new(move |position, _: &[f64], payload| {
+            factor * (1.0 + slope * position) + payload
+        })
+    };
+    let positions = [0.0, 15.0, 30.0, 45.0].map(f64::to_radians);
+    let curve = |learner: &Learner| {
+        let charts = learner.chart(&positions, &Surroundings::default());
+        let curve = charts[0].curve.iter().map(|at| at.natural_frequency);
+        curve.collect::<Vec<_>>()
+    };
+    for before in [None, Some(heavy(1.0, -0.3))] {
+        let mut programme = arm(&[posed()], 9.0, &[45.0, 0.0, 30.0, 0.0]);
+        programme.inertia = before;
+        let (_, taught) = programme.run_and_learn(Policy::Learned);
+        for now in [None, Some(heavy(100.0, -0.3)), Some(heavy(0.5, 0.4))] {
+            programme.inertia = now;
+            let mut other = programme.untaught();
+            assert!(other.remember(&taught.memory()));
+            let pairs = curve(&taught).into_iter().zip(curve(&other));
+            for (one, two) in pairs {
+                assert!((one / two - 1.0).abs() < 2e-3, "{one} {two}");
+            }
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::plant::{Faults, Plant, PlantMode};
 use quell::adaptation::AdaptationSettings;
 use quell::controller::{AxisSettings, Controller, RetunePolicy};
 use quell::estimators::{Settings, estimator};
-use quell::learning::{Learner, LearnerSettings, ModeOnWay, Prescription, Surroundings};
+use quell::learning::{Inertia, Learner, LearnerSettings, ModeOnWay, Prescription, Surroundings};
 use quell::signal::{Clock, DeformationSensor, Measurement, RestRule};
 use quell_shapers::{CORRECTED_MODES, Mode, Shaper, shaper_by_name};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
@@ -35,6 +35,8 @@ pub struct Programme {
     pub moves: Vec<(f64, f64)>,
     /// A payload of 1 as the controller is told it, kg; 0 where it is not told.
     pub declared: f64,
+    /// What a description of the arm says.
+    pub inertia: Option<Inertia>,
     pub seed: u64,
 }
 
@@ -97,11 +99,23 @@ impl Programme {
             dead_band: settings.adaptation.dead_band,
             longest_train: settings.longest_train,
             base: controller.axis().next_train().clone(),
+            inertia: self.inertia.clone(),
         })
     }
 
     /// What each move leaves.
     pub fn run(&self, policy: Policy) -> Vec<Left> {
+        self.run_and_learn(policy).0
+    }
+
+    /// A learner that has heard nothing.
+    pub fn untaught(&self) -> Learner {
+        let settings = self.settings(Policy::Learned);
+        self.learner(&Controller::new(settings, self.start).expect("a controller"))
+    }
+
+    /// What each move leaves, and who has learned from them.
+    pub fn run_and_learn(&self, policy: Policy) -> (Vec<Left>, Learner) {
         let settings = self.settings(policy);
         let mut controller = Controller::new(settings, self.start).expect("a controller");
         let mut plant = Plant::new(&self.modes, self.faults, PERIOD, self.start, self.seed);
@@ -109,7 +123,7 @@ impl Programme {
         controller.keep_samples(20_000);
         let mut learner = self.learner(&controller);
         let moves = self.moves.iter();
-        moves
+        let left = moves
             .map(|&(target, payload)| {
                 plant.payload = payload;
                 let around = Surroundings::carrying(self.declared * payload);
@@ -160,7 +174,8 @@ impl Programme {
                     said,
                 }
             })
-            .collect()
+            .collect();
+        (left, learner)
     }
 
     /// Runs a move to its end and until the arm has been left alone: the peak of the deformation once command and

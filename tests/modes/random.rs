@@ -77,6 +77,7 @@ pub fn programme(seed: u64) -> Programme {
         start: 0.0,
         moves,
         declared: f64::from(declared),
+        inertia: None,
         seed,
     }
 }

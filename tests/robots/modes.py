@@ -6,8 +6,8 @@
 Each arm makes the same moves twice, from 0 degrees: unshaped, and as the service does them. It prints what each move leaves of
 the unshaped vibration, as the engine has it, and ends with 1 where more is left than is aimed at: two modes from the third move on 1 % in
 the median and 2 % at most, the pose 1 % and 3 % from the fifth. By chance some moves leave little unshaped, so that the worst is a
-share of what the moves leave in the mean square. It needs the Python package `mujoco`. A move in which ticks were skipped, as on a
-busy machine, is marked, and neither counted nor judged.
+share of what the moves leave in the mean square. It needs the Python package `mujoco`. The arm's time is that of the setpoints, so that
+a machine that is busy makes it late and not wrong. A move in which the service skipped ticks is marked.
 """
 
 import argparse
@@ -59,7 +59,7 @@ def run(options, arm, belief, shaper):
         folder = pathlib.Path(name)
         service = Service(options.quell, folder, belief, options)
         arguments = ["--arm", arm, "--seed", options.seed, "--loss", options.loss]
-        arguments += ["--sensor", "deformation"]
+        arguments += ["--sensor", "deformation", "--lockstep"]
         robot = campaign.Robot(service, folder, arguments, ARM)
         try:
             left, skipped = [], 0
@@ -89,15 +89,10 @@ def judge(verdict, options, arm, belief, from_, median, most):
     if options.verbose:
         for one in shaped:
             print("   ", one[2])
-    # A move in which ticks were skipped teaches something else.
-    judged = [share for share, good in zip(shares, calm) if good][from_:]
-    if not judged:
-        verdict.says(False, "no move without skipped ticks", timed=True)
-        return
+    judged = shares[from_:]
     middle = statistics.median(judged)
     usual = statistics.fmean(one[0] ** 2 for one in plain) ** 0.5
-    late = [now for now, good in zip(shaped, calm) if good][from_:]
-    worst = max(100.0 * now[0] / usual for now in late)
+    worst = max(100.0 * now[0] / usual for now in shaped[from_:])
     text = f"{arm}, belief {belief} Hz: {middle:.2f} % in the median of {len(judged)} moves, {worst:.2f} % at most of what"
     text += f" the moves leave unshaped in the mean square ({max(judged):.2f} % of the same move)"
     verdict.says(middle <= median and worst <= most, text)

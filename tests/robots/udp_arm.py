@@ -6,7 +6,8 @@ It shares nothing with Quell but the datagrams. It plays setpoints back by their
 milliseconds late, as a robot controller with a jitter buffer does. Where in motion the next setpoint is missing
 its time stands still for a while, so that it does not depend on who of the two is late. Its servo is of second order, its
 link a mode that it knows. A machine that is busy makes it late and not wrong: it catches up step by
-step, each datagram with the stamp of its own step.
+step, each datagram with the stamp of its own step. With --lockstep its time is that of the newest setpoint, so that what it does depends
+on the setpoints alone, and on nobody's being late.
 
 Orders come on stdin, one JSON object a line: {"frequency": 9.6}, {"silent": true},
 {"fault": "stuck" | "jump" | "dead" | null}. After each move a line goes to stdout:
@@ -236,6 +237,8 @@ class Robot:
         self.socket.setblocking(False)
         self.log = array.array("d")
         self.held, self.silent = [], False
+        # Newest stamp of a setpoint, and its own time then.
+        self.newest, self.offset = None, 0.0
 
     def hear(self, clock):
         while True:
@@ -248,6 +251,11 @@ class Robot:
             if self.options.log:
                 number = int(said["joint"].rsplit("_", 1)[1])
                 self.log.extend([number, said["seq"], said["t"], *point])
+            if self.options.lockstep:
+                if self.newest is None:
+                    self.newest, self.offset = said["t"], clock - said["t"]
+                self.newest = max(self.newest, said["t"])
+                clock = said["t"] + self.offset
             if self.chance.random() >= self.options.loss:
                 self.joints[said["joint"]].playback.take(clock, said["t"], *point)
 
@@ -290,7 +298,9 @@ class Robot:
         os.set_blocking(sys.stdin.fileno(), False)
         rest, count, started = b"", 0, time.monotonic()
         # Its clock was started another day.
-        clock = lambda: 86_412.5 + (time.monotonic() - started) * (1 + self.options.skew)
+        own = lambda: 86_412.5 + (time.monotonic() - started) * (1 + self.options.skew)
+        stepped = lambda: self.options.lockstep and self.newest is not None
+        clock = lambda: self.newest + self.offset if stepped() else own()
         next_step = fed = clock()
         while True:
             self.hear(clock())
@@ -303,7 +313,8 @@ class Robot:
                 count, next_step = count + 1, next_step + STEP
                 if count % 16 == 0:
                     break
-            if count % 16 == 0:
+            # Where its time stands still its orders come nevertheless.
+            if count % 16 == 0 or stepped():
                 try:
                     read = os.read(sys.stdin.fileno(), 4096)
                 except BlockingIOError:
@@ -315,7 +326,7 @@ class Robot:
                     self.obey(line)
             wait = next_step - clock() + self.chance.uniform(0.0, self.options.jitter)
             # Where it starves the next step is over due.
-            time.sleep(max(wait, 2e-4))
+            time.sleep(max(0.0 if stepped() else wait, 2e-4))
 
 
 def options():
@@ -332,6 +343,7 @@ def options():
     parser.add_argument("--loss", type=float, default=0.02, help="share, each way")
     parser.add_argument("--jitter", type=float, default=5e-4, help="s, of when it wakes up")
     parser.add_argument("--skew", type=float, default=5e-5, help="of its clock")
+    parser.add_argument("--lockstep", action="store_true", help="its time is that of the setpoints")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--change-after", type=int, default=0, help="moves")
     parser.add_argument("--change-by", type=float, default=1.2)

@@ -4,6 +4,7 @@
 mod faults;
 #[path = "../service_disk/faulty.rs"]
 mod faulty;
+mod feed;
 mod heard;
 mod jog;
 mod learning;

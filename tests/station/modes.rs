@@ -85,12 +85,19 @@ pub fn of_together(world: &mut World, target: f64) -> (MoveResult, f64) {
 /// The same of a request that moves to a target.
 pub fn run(world: &mut World, request: Request, target: f64) -> (MoveResult, f64) {
     let (done, trace) = watch(world, request);
+    (done, peak(&trace, target))
+}
+
+/// Peak of the true deformation once the motor side of the move that runs stands at its target, rad.
+pub fn rest_of(world: &mut World, target: f64) -> f64 {
+    peak(&traced(world), target)
+}
+
+fn peak(trace: &[Traced], target: f64) -> f64 {
     let away = |(_, motor, ..): &Traced| (motor - target).abs() > 1e-6;
     let end = trace.iter().rposition(away).map_or(0, |last| last + 1);
-    let peak = trace[end..]
-        .iter()
-        .fold(0.0, |peak: f64, one| peak.max(one.2.abs()));
-    (done, peak)
+    let after = trace[end..].iter();
+    after.fold(0.0, |peak: f64, one| peak.max(one.2.abs()))
 }
 
 /// The result of a move, and the true deformation once the motor side stands, rad.
@@ -108,6 +115,18 @@ fn watch(world: &mut World, request: Request) -> (MoveResult, Vec<Traced>) {
         Ok(Accepted::Together { moves, .. }) => moves[0].id,
         other => panic!("{other:?}"),
     };
+    let trace = traced(world);
+    let done = world
+        .snapshot()
+        .moves
+        .iter()
+        .find(|done| done.id == id)
+        .cloned();
+    (done.expect("a result"), trace)
+}
+
+/// The motion until it has rung out.
+fn traced(world: &mut World) -> Vec<Traced> {
     let (mut trace, mut quiet) = (Vec::new(), 0);
     while quiet < WATCHED {
         world.step();
@@ -122,13 +141,7 @@ fn watch(world: &mut World, request: Request) -> (MoveResult, Vec<Traced>) {
         };
         assert!(trace.len() < PATIENCE, "the move does not end");
     }
-    let done = world
-        .snapshot()
-        .moves
-        .iter()
-        .find(|done| done.id == id)
-        .cloned();
-    (done.expect("a result"), trace)
+    trace
 }
 
 /// Each move's share of what it leaves unshaped, %, and what the service said of it.

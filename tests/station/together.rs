@@ -254,6 +254,27 @@ fn they_begin_and_end_together_whatever_their_trains() {
     }
 }
 
+/// A change of the feed on the way is that of all: they end with one tick still.
+#[test]
+fn they_follow_the_feed_together() {
+    let mut bench = Bench::new();
+    let targets = [1.5, 0.4, -0.7];
+    bench.go(&targets).expect("a move");
+    for share in [0.3, 0.8] {
+        bench.steps(40);
+        bench.ask(Request::Feed { share }).expect("a feed");
+    }
+    bench.steps(800);
+    let spans: Vec<_> = (0..JOINTS).filter_map(|joint| bench.span(joint)).collect();
+    for (span, share) in &spans {
+        let apart = [0, 1].map(|end| span[end] - spans[0].0[end]);
+        // The last changes of a slow plan are below what a number shows for longer.
+        assert!(apart.iter().all(|by| by.abs() < 4.5 * PERIOD), "{spans:?}");
+        assert!(*share <= 1.0 + 1e-9, "{spans:?}");
+    }
+    assert_eq!(bench.arm.lock().expect("no panic").positions, targets);
+}
+
 #[test]
 fn none_moves_where_one_cannot() {
     let mut bench = Bench::new();

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod axis;
+mod between;
 mod check;
 mod closed_form;
 mod cruise;
@@ -12,6 +13,7 @@ mod planner;
 mod problem;
 mod profile;
 mod ramp;
+mod rate;
 mod read_back;
 mod sampled;
 mod solver;
@@ -22,5 +24,6 @@ pub use axis::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM};
 pub use error::PlanError;
 pub use planner::Planner;
 pub use profile::{AxisProfile, Phase};
+pub use rate::{Progress, RateRamp};
 pub use sampled::{MAX_SAMPLES, SampledTrajectory};
 pub use trajectory::Trajectory;

@@ -61,6 +61,31 @@ impl SampledTrajectory {
         Ok(sampled)
     }
 
+    /// The states of the axes at the period (s), axis after axis, each with as many, at least one.
+    pub(crate) fn of_states(period: f64, degrees_of_freedom: usize, states: &[AxisState]) -> Self {
+        let each = |of: fn(&AxisState) -> f64| states.iter().map(of).collect();
+        Self {
+            period,
+            degrees_of_freedom,
+            samples: states.len() / degrees_of_freedom,
+            positions: each(|state| state.position),
+            velocities: each(|state| state.velocity),
+            accelerations: each(|state| state.acceleration),
+        }
+    }
+
+    /// The first samples of this move, up to and with a tick, and then another one, whose first sample that tick is. Both have the
+    /// same axes and period.
+    pub fn then(&self, tick: usize, next: &Self) -> Self {
+        let axes = 0..self.degrees_of_freedom;
+        let states = axes.flat_map(|axis| {
+            let before = (0..=tick).filter_map(move |k| self.state(axis, k));
+            before.chain((1..next.samples).filter_map(move |k| next.state(axis, k)))
+        });
+        let states: Vec<_> = states.collect();
+        Self::of_states(self.period, self.degrees_of_freedom, &states)
+    }
+
     fn push(&mut self, state: AxisState) {
         self.positions.push(state.position);
         self.velocities.push(state.velocity);

@@ -116,6 +116,8 @@ pub struct Config {
     pub robot: RobotKind,
     /// Its description.
     pub description: Robot,
+    /// Whether that is the description of the robot that is commanded.
+    pub describes: bool,
     /// Folder of state and recordings.
     pub data: PathBuf,
     /// Control period, s.
@@ -242,6 +244,7 @@ fn checked(
         data,
         joints,
         description,
+        describes,
     })
 }
 

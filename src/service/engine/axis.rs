@@ -47,6 +47,7 @@ pub fn controller(
     let mut controller = Controller::new(settings, position)?;
     // Those of a tick: it hands them on.
     controller.keep_samples(INBOX);
+    controller.keep_spare();
     Ok(controller)
 }
 

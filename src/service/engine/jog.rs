@@ -4,8 +4,6 @@
 //! stopped as by a stop, jerk-limited. A hold that has ended, for whatever reason, moves nothing any more: who
 //! pressed before a stop has to let go and press again.
 
-use quell_trajectories::Limits;
-
 use super::Engine;
 use super::hold::Jog;
 use super::joint::{Reply, What};
@@ -108,31 +106,5 @@ impl Engine {
                 self.stop(index, ServiceError::Stopped);
             }
         }
-    }
-
-    /// Changes the share of full speed (0 to 1). At none all that moves is stopped.
-    pub(super) fn change_feed(&mut self, share: f64) -> Result<Accepted, ServiceError> {
-        if !(0.0..=1.0).contains(&share) {
-            return Err(ServiceError::Value {
-                what: "the feed as a share",
-                value: share,
-                rule: "from 0 to 1",
-            });
-        }
-        self.feed = share;
-        if share == 0.0 {
-            self.stop_all(&ServiceError::Stopped);
-        }
-        self.publish();
-        Ok(Accepted::Changed)
-    }
-
-    /// The limits of a move of a joint, whose own limits are these, at the present feed.
-    ///
-    /// With `v f`, `a f^2` and `j f^3` the plan from rest to rest is the same one, `1 / f` as long: the path stays.
-    /// The train acts on that plan in its own time, which does not change, so that what it cancels it cancels still.
-    pub(super) fn fed(&self, limits: Limits, speed: f64) -> Limits {
-        let velocity = limits.velocity.min(speed);
-        Limits { velocity, ..limits }.slowed(self.feed)
     }
 }

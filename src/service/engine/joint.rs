@@ -6,6 +6,7 @@ use tokio::sync::oneshot;
 
 use super::hold::Jog;
 use super::learned::Learning;
+use super::pacing::Change;
 use super::registration::Registrar;
 use super::running::Running;
 use super::standstill::Standstill;
@@ -61,6 +62,8 @@ pub struct Joint {
     pub jog: Option<Jog>,
     /// Plans that the tick was given and has not answered. It may have begun any of them.
     pub ordered: Vec<Ordered>,
+    /// A change of its move's rate that the tick has not answered.
+    pub change: Option<Change>,
     /// Whether the motor side stands still, while the joint is not commanded.
     pub standstill: Standstill,
     /// Last measured motor position, rad.
@@ -116,6 +119,8 @@ pub struct Ordered {
     pub samples: SampledTrajectory,
     /// Speed to which it was slowed, 1 for full speed.
     pub speed: f64,
+    /// The feed at which it was made, 0 to 1.
+    pub feed: f64,
     /// The rule of its train.
     pub shaper: Option<&'static dyn Shaper>,
     /// The plans of other joints that it begins with.

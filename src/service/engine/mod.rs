@@ -7,12 +7,14 @@ mod axis;
 mod commanding;
 mod cruise;
 mod enabling;
+mod feed;
 mod hold;
 mod jog;
 mod joint;
 mod learned;
 mod learning;
 mod orders;
+mod pacing;
 mod planning;
 mod publish;
 mod pump;
@@ -92,7 +94,7 @@ pub struct Engine {
     groups: Vec<Group>,
     /// Moves of several joints that wait for their trains.
     waiting: Vec<Waiting>,
-    /// Share of full speed at which moves are planned, 0 to 1.
+    /// Share of full speed at which everything moves, 0 to 1.
     feed: f64,
     lessons: Lessons,
     /// Moves that have ended and are being judged.

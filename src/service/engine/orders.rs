@@ -8,6 +8,7 @@ use super::Engine;
 use super::cruise::Cruise;
 use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
 use super::learned::WITHIN;
+use super::pacing::Pacing;
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
@@ -15,7 +16,7 @@ use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
 
 /// How far ahead a plan in motion begins, s: planning takes a few ms, and the tick takes orders at its
 /// next beginning.
-const AHEAD: f64 = 0.02;
+pub(super) const AHEAD: f64 = 0.02;
 /// The furthest ahead, s.
 const FURTHEST: f64 = 0.32;
 /// Least share of the limits of acceleration and jerk with which a plan in motion is tried: a stop then
@@ -174,6 +175,7 @@ impl Engine {
             id: asked.id,
             samples: planned.samples.clone(),
             speed: planned.speed,
+            feed: self.feed,
             shaper: planned.shaper,
             together: asked.together,
             withdrawn: None,
@@ -244,6 +246,9 @@ impl Engine {
 
     /// A plan was not taken: it is made anew, or given up.
     pub(super) fn not_taken(&mut self, plan: &Plan, why: NotTaken) {
+        if self.change_not_taken(plan, &why) {
+            return;
+        }
         let Some(ordered) = self.answered(plan.joint, plan.ticket) else {
             return;
         };
@@ -283,6 +288,9 @@ impl Engine {
 
     /// A plan runs.
     pub(super) fn taken(&mut self, taken: &Taken) {
+        if self.change_taken(taken) {
+            return;
+        }
         let index = taken.plan.joint;
         let Some(ordered) = self.answered(index, taken.plan.ticket) else {
             return;
@@ -357,10 +365,10 @@ impl Engine {
             recording,
         };
         self.batch.events.push(Told::MoveStarted(start.clone()));
-        let longest = match &taken.plan.start {
-            Start::Rest(train) => train.train.duration(),
-            // Of the train in force in motion it is only known that no shaper is longer than two periods.
-            Start::Tick(_) => 2.0 * joint.mode.damped_period(),
+        let (train, gain, longest) = match &taken.plan.start {
+            Start::Rest(train) => (Some(train.train.clone()), 1.0, train.train.duration()),
+            // Of the train in force in motion it is only known that no shaper is longer than two periods. The plan was made for its gain.
+            Start::Tick(_) => (None, 1.0 / asked.speed, 2.0 * joint.mode.damped_period()),
         };
         joint.running = Some(Running {
             start,
@@ -369,6 +377,10 @@ impl Engine {
             ticket: asked.ticket,
             tick: taken.tick,
             first: taken.first,
+            pacing: Pacing::new(asked.samples.clone(), asked.feed),
+            together: asked.together.map(|together| together.id),
+            train,
+            gain,
             shaped: asked.shaper.is_some(),
             adaptive: joint.adaptation && asked.shaper.is_some(),
             payload: self.payload,

@@ -5,12 +5,10 @@ use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
 
 use super::axis::train;
 use super::joint::{Joint, What};
+use super::running::ROUNDING;
 use crate::controller::plan_shaped;
 use crate::service::contract::ServiceError;
 use crate::service::tick::{Start, Train};
-
-/// Rounding of velocities and accelerations by the planner and of differences over one tick.
-const ROUNDING: f64 = 1e-9;
 
 /// A plan, and how it begins.
 pub struct Planned {

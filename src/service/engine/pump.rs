@@ -33,6 +33,7 @@ impl Engine {
             (0..self.joints.len()).for_each(|index| self.order_train(index));
             self.publish();
         }
+        self.follow_feed();
         self.end_holds(now);
         self.retry(now);
         if now - self.batch_since >= BATCH {
@@ -98,6 +99,7 @@ impl Engine {
             Event::Lost(index) => self.lost(index),
             Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),
+            Event::Lent(order) => self.foresee(order),
             Event::Retuned(order, outcome) => self.retuned(&order, &outcome),
             // Dropped here, off the tick.
             Event::Controller(_) | Event::Sensor(_) => {}

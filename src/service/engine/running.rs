@@ -1,10 +1,12 @@
 //! A move from its first tick until it has rung out.
 
-use quell_shapers::Mode;
-use quell_trajectories::{AxisState, SampledTrajectory};
+use quell_shapers::{GridTrain, Mode, Setpoint, shaped_peak_ratios};
+use quell_trajectories::{AxisState, Limits, SampledTrajectory};
 
 use super::cruise::Cruise;
 use super::learned::WITHIN;
+use super::pacing::Pacing;
+use crate::controller::motion_limits;
 use crate::estimators::Sample;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
@@ -13,6 +15,8 @@ use crate::service::ringing;
 /// Periods for which a joint is watched after its command has ended: the amplitude is taken over two,
 /// after the motor side has followed.
 const WATCHED: f64 = 3.0;
+/// Rounding of velocities and accelerations by the planner and of differences over one tick.
+pub const ROUNDING: f64 = 1e-9;
 /// Planned positions of a move that are kept for what it would have left unshaped; at 4 kHz a minute.
 const LONGEST: usize = 240_000;
 
@@ -30,6 +34,14 @@ pub struct Running {
     pub tick: u64,
     /// The plan's sample that was sent then.
     pub first: usize,
+    /// How it is run through.
+    pub pacing: Pacing,
+    /// Number of the move of several joints that it is part of.
+    pub together: Option<u64>,
+    /// The train with which it began from rest.
+    pub train: Option<GridTrain>,
+    /// Most by which the command may exceed the limits of the plan.
+    pub gain: f64,
     /// Whether a train other than the identity was in force.
     pub shaped: bool,
     /// Whether the train followed the estimate.
@@ -64,10 +76,41 @@ const MOST_HEARD: usize = 65_536;
 impl Running {
     /// Where the plan is at the tick before `tick`, at which another one begins.
     pub fn state_before(&self, tick: u64) -> AxisState {
-        let passed = tick.saturating_sub(1).saturating_sub(self.tick) as usize;
-        let index = self.first.saturating_add(passed);
         let end = AxisState::at_rest(self.target());
-        self.plan.state(0, index).unwrap_or(end)
+        self.plan.state(0, self.sample_before(tick)).unwrap_or(end)
+    }
+
+    /// The sample of the plan that is sent at the tick before `tick`.
+    pub fn sample_before(&self, tick: u64) -> usize {
+        let passed = tick.saturating_sub(1).saturating_sub(self.tick) as usize;
+        self.first.saturating_add(passed)
+    }
+
+    /// The plan at a sample.
+    pub fn planned_at(&self, sample: usize) -> Setpoint {
+        let end = AxisState::at_rest(self.target());
+        setpoint(self.plan.state(0, sample).unwrap_or(end))
+    }
+
+    /// Whether the plan has not arrived by the tick before `tick`.
+    pub fn goes_on(&self, tick: u64) -> bool {
+        self.settled.is_none() && self.sample_before(tick) + 1 < self.plan.samples()
+    }
+
+    /// From a tick on, at which this sample of it is sent, the plan has another rest.
+    pub fn go_on(&mut self, rest: &SampledTrajectory, (tick, first): (u64, usize)) {
+        let sample = self.sample_before(tick);
+        self.plan = self.plan.then(sample, rest);
+        (self.tick, self.first) = (tick, sample + first);
+    }
+
+    /// Whether the command keeps limits, where the plan has another rest after a sample. Positive amplitudes keep what the plan keeps.
+    pub fn keeps_shaped(&self, sample: usize, rest: &SampledTrajectory, limits: Limits) -> bool {
+        let train = self
+            .train
+            .as_ref()
+            .filter(|train| train.gain() > 1.0 + ROUNDING);
+        train.is_none_or(|train| keeps_shaped(&self.plan.then(sample, rest), train, limits))
     }
 
     /// Where the present plan ends, rad.
@@ -173,5 +216,20 @@ impl Running {
             modes: Vec::new(),
             recording: self.recording.clone(),
         }
+    }
+}
+
+/// Whether a plan from rest, shaped by a train, keeps limits.
+fn keeps_shaped(plan: &SampledTrajectory, train: &GridTrain, limits: Limits) -> bool {
+    let states = (0..plan.samples()).filter_map(|tick| plan.state(0, tick));
+    let planned: Vec<_> = states.map(setpoint).collect();
+    shaped_peak_ratios(train, &planned, &motion_limits(limits)).worst() <= 1.0 + ROUNDING
+}
+
+fn setpoint(state: AxisState) -> Setpoint {
+    Setpoint {
+        position: state.position,
+        velocity: state.velocity,
+        acceleration: state.acceleration,
     }
 }

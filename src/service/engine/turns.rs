@@ -2,7 +2,10 @@
 //! once the train for that is solved. Of a new target the map says the modes; where nothing is known yet, as in a first move, its
 //! samples up to then do.
 //!
-//! The tick retunes as it does for an estimate: the vibration of everything sent is replayed, for up to three modes, the end is exact,
+//! The correction is searched for here, in a copy of the tick's filter that runs ahead of it: that takes longer than a short control
+//! period. The tick goes on with the copy when it has come to where it was left.
+//!
+//! It is retuned as for an estimate: the vibration of everything sent is replayed, for up to three modes, the end is exact,
 //! the limits hold, and nothing changes where that leaves no less. A plan that has ended or has given way to another one, as to a
 //! stop, is not retuned.
 
@@ -11,21 +14,16 @@ use quell_shapers::{CORRECTED_MODES, RetuneOutcome};
 use super::Engine;
 use super::joint::{Ordered, name_of};
 use super::learned::Turn;
+use super::orders::AHEAD;
 use super::planning::standing_train;
+use super::running::ROUNDING;
 use crate::learning::{ModeOnWay, Prescription};
 use crate::service::learners::{Along, Job, Wanted};
 use crate::service::tick::{RetuneOrder, ToTick};
 
-/// Shortest control period at which a plan in motion is retuned, s: the search for three modes takes up to 1.6 ms there
-/// (`cargo bench --bench tick`), and must end within a tick.
-const SHORTEST: f64 = 0.002;
-
 impl Engine {
     /// Has the train for a plan solved that has begun in motion.
     pub(super) fn have_turned(&mut self, index: usize, ordered: &Ordered) {
-        if self.config.period < SHORTEST {
-            return;
-        }
         let what = ordered.what;
         let Some(wanted) = self.wanted(index, what, &ordered.samples, ordered.shaper) else {
             return;
@@ -60,7 +58,7 @@ impl Engine {
         }) else {
             return;
         };
-        if !is_due || self.config.period < SHORTEST || joint.asked.is_some() {
+        if !is_due || joint.asked.is_some() {
             return;
         }
         let Ok(standing) = standing_train(joint, joint.standing_shaper(), self.config.period)
@@ -117,9 +115,35 @@ impl Engine {
                 ticket: turn.plan,
                 train,
                 modes,
+                lent: None,
+                tick: 0,
             };
             self.rings.orders.push(ToTick::Retune(Box::new(order)));
         }
+    }
+
+    /// The tick has lent a copy of its filter, as it was before a tick. The correction is searched for in it, so far ahead of the tick
+    /// that it is there in time.
+    pub(super) fn foresee(&mut self, mut order: Box<RetuneOrder>) {
+        let joint = &self.joints[order.joint];
+        let running = joint.running.as_ref();
+        let running = running.filter(|running| running.ticket == order.ticket);
+        let Some(lent) = order.lent.as_deref_mut() else {
+            return;
+        };
+        if let Some(running) = running {
+            let last = running.sample_before(order.tick);
+            let planned = |tick: usize| running.planned_at(last + tick);
+            // Where it is not there another plan runs already: the tick refuses it.
+            if (planned(0).position - lent.planned().position).abs() <= ROUNDING {
+                let late = self.next_tick().saturating_sub(order.tick) as usize;
+                let ahead = late + (AHEAD / self.config.period).ceil() as usize;
+                let remaining = running.plan.samples().saturating_sub(last + 1);
+                let what = (&order.train.train, order.modes.as_slice());
+                lent.retune(what, ahead, remaining, planned);
+            }
+        }
+        self.rings.orders.push(ToTick::Retune(order));
     }
 
     /// The tick has retuned, or not.

@@ -125,7 +125,7 @@ pub const ROUTES: &[Route] = &[
     ),
     command(
         "/feed",
-        "Plans moves from now on at a share of full speed, on the same path. At 0 all stops.",
+        "Moves go on, and begin, at a share of full speed, on the same path. At 0 all stops.",
         Some(shape::<Feed>),
         ACCEPTED,
         || post(commands::feed),

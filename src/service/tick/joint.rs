@@ -7,10 +7,10 @@ use super::following::Following;
 use super::gate::{Admission, Cause, Gate};
 use super::hearing::{Change, Hearing, Watchdog};
 use super::messages::{
-    AxisReport, Event, JointReport, NotTaken, Plan, RetuneOrder, Taken, Together, TrainOrder,
+    AxisReport, Event, JointReport, NotTaken, Plan, RetuneOrder, Start, Taken, Together, TrainOrder,
 };
 use super::pace::Stride;
-use super::taking::{put_in_force, ready, retune};
+use super::taking::{adopt, put_in_force, ready};
 use crate::controller::{AxisStatus, Controller, ringing_time};
 use crate::estimators::{Estimate, Sample};
 use crate::service::between::within_limits;
@@ -30,6 +30,8 @@ pub struct JointTick {
     waiting: Option<Box<Plan>>,
     /// Whether the plan that waits may begin without waiting for those of other joints.
     released: bool,
+    /// The order to retune that waits for its tick.
+    retuning: Option<Box<RetuneOrder>>,
     /// The command at the last two control periods.
     command: [Setpoint; 2],
     sent: Setpoint,
@@ -70,6 +72,7 @@ impl JointTick {
             inbox: Vec::with_capacity(INBOX),
             waiting: None,
             released: false,
+            retuning: None,
             command: [Setpoint::default(); 2],
             sent: Setpoint::default(),
             motion: CommandedMotion::default(),
@@ -143,15 +146,46 @@ impl JointTick {
         Event::Train(order, taken)
     }
 
-    /// Goes over to the train for the plan that runs, where it is the one that it was solved for, and the train is followed.
-    pub fn retune(&mut self, order: Box<RetuneOrder>) -> Event {
-        let follows = self.adaptive && !self.frozen && self.runs && self.ticket == order.ticket;
-        let controller = self.controller.as_deref_mut().filter(|_| follows);
-        let outcome = match controller {
-            Some(controller) => retune(&order, controller),
-            None => RetuneOutcome::Refused(Refusal::NotWorth(0.0)),
+    /// Lends a copy of the filter for an order to retune the plan that runs, `tick` being the next; with the copy, it waits for its tick.
+    pub fn retune(&mut self, mut order: Box<RetuneOrder>, tick: u64) -> Option<Event> {
+        if order.lent.is_some() {
+            let replaced = self.retuning.replace(order)?;
+            return Some(Event::Retuned(
+                replaced,
+                RetuneOutcome::Refused(Refusal::Busy),
+            ));
+        }
+        let follows = self.follows(&order);
+        let controller = self.controller.as_deref_mut().filter(|controller| {
+            follows && controller.axis().status().retunes == order.train.retunes
+        });
+        (order.lent, order.tick) = (controller.and_then(Controller::lend), tick);
+        Some(Event::Lent(order))
+    }
+
+    /// Whether the train is followed, in the plan of an order to retune.
+    fn follows(&self, order: &RetuneOrder) -> bool {
+        self.adaptive && !self.frozen && self.runs && self.ticket == order.ticket
+    }
+
+    /// Retunes, once the command is where the order's copy of the filter was left.
+    pub fn take_retune(&mut self) -> Option<Event> {
+        let controller = self.controller.as_deref_mut()?;
+        let due = |order: &mut Box<RetuneOrder>| {
+            let lent = order.lent.as_deref();
+            lent.is_none_or(|lent| controller.due_in(lent) <= 0)
         };
-        Event::Retuned(order, outcome)
+        let mut order = self.retuning.take_if(due)?;
+        let follows = self.follows(&order);
+        let controller = self.controller.as_deref_mut()?;
+        let outcome = match follows {
+            true => adopt(&mut order, controller),
+            false => {
+                controller.give_back(&mut order.lent);
+                RetuneOutcome::Refused(Refusal::Busy)
+            }
+        };
+        Some(Event::Retuned(order, outcome))
     }
 
     /// Takes a measurement; marks it where it is refused.
@@ -233,7 +267,9 @@ impl JointTick {
         let Some(controller) = self.controller.as_deref_mut().filter(|_| admitted) else {
             return false;
         };
-        ready(plan, controller, tick) == Ok(true)
+        // A correction under way may refuse a plan in motion when it is loaded: too late for the others.
+        let corrects = matches!(plan.start, Start::Tick(_)) && controller.is_correcting();
+        !corrects && ready(plan, controller, tick) == Ok(true)
     }
 
     /// Lets the plan that waits begin, if it is one of these.

@@ -6,7 +6,7 @@ use quell_shapers::{
 use quell_trajectories::SampledTrajectory;
 
 use super::gate::Trip;
-use crate::controller::{AxisStatus, Controller, LoadError};
+use crate::controller::{AxisStatus, Controller, Lent, LoadError};
 use crate::estimators::Sample;
 use crate::learning::Hold;
 use crate::plant::Load;
@@ -39,7 +39,7 @@ pub enum ToTick {
     Forget,
     /// Take a train, once the joint rests.
     Train(Box<TrainOrder>),
-    /// Go over to another train in motion.
+    /// Go over to another train in motion: first lend a copy of the filter, then go on with it.
     Retune(Box<RetuneOrder>),
     /// Whether the train of a joint follows the estimate.
     Adaptive(usize, bool),
@@ -67,6 +67,10 @@ pub struct RetuneOrder {
     pub train: Train,
     /// The modes on that way, 1 to 3, as well as they are known.
     pub modes: Vec<UncertainMode>,
+    /// The copy of the filter, in which the engine searches for the correction.
+    pub lent: Option<Box<Lent>>,
+    /// Number of the tick that came next when it was lent.
+    pub tick: u64,
 }
 
 /// A plan and when it begins. Once it is taken it carries the one before it back.
@@ -165,6 +169,8 @@ pub enum Event {
     Lost(usize),
     /// A joint that was lost says again where its motor side stands, rad.
     Back(usize, f64),
+    /// The copy of a filter for an order to retune; without one the order is over.
+    Lent(Box<RetuneOrder>),
     /// A plan in motion was retuned, or not; nothing has changed then.
     Retuned(Box<RetuneOrder>, RetuneOutcome),
     /// A train was taken, or was out of date.

@@ -218,7 +218,10 @@ impl Tick {
                 None
             }
             ToTick::Train(order) => Some(self.joints.get_mut(order.joint)?.take_train(order)),
-            ToTick::Retune(order) => Some(self.joints.get_mut(order.joint)?.retune(order)),
+            ToTick::Retune(order) => {
+                let tick = self.count;
+                self.joints.get_mut(order.joint)?.retune(order, tick)
+            }
             ToTick::Adaptive(joint, adaptive) => {
                 self.joints.get_mut(joint)?.set_adaptive(adaptive);
                 None
@@ -333,6 +336,9 @@ impl Tick {
             let time = now - left as f64 * self.period;
             let tick = self.count + period - 1;
             if let Some(event) = self.joints[index].take_plan(tick, time, &self.gate) {
+                self.tell(event);
+            }
+            if let Some(event) = self.joints[index].take_retune() {
                 self.tell(event);
             }
             self.joints[index].step();

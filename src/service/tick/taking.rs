@@ -1,6 +1,6 @@
 //! When a plan or a train is taken, and why not.
 
-use quell_shapers::{Refusal, RetuneOutcome};
+use quell_shapers::RetuneOutcome;
 
 use super::messages::{NotTaken, Plan, RetuneOrder, Start, Train};
 use crate::controller::Controller;
@@ -34,13 +34,11 @@ pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), No
     set.map_err(NotTaken::Train)
 }
 
-/// Has a train take over in motion; where it is out of date or leaves no less, nothing changes.
-pub fn retune(order: &RetuneOrder, controller: &mut Controller) -> RetuneOutcome {
-    let RetuneOrder { train, modes, .. } = order;
-    if controller.axis().status().retunes != train.retunes {
-        return RetuneOutcome::Refused(Refusal::NotWorth(0.0));
-    }
-    let outcome = controller.retune(&train.train, &train.known, modes);
+/// Goes on with the copy of the filter in which a train takes over; where the command has changed since, or it leaves no less, nothing
+/// changes.
+pub fn adopt(order: &mut RetuneOrder, controller: &mut Controller) -> RetuneOutcome {
+    let (train, modes) = (&order.train, &order.modes);
+    let outcome = controller.adopt(&mut order.lent, &train.known, modes);
     if !matches!(outcome, RetuneOutcome::Refused(_)) {
         controller.hold(train.hold);
     }

@@ -157,6 +157,7 @@ impl Axis {
                 return None;
             }
             RetuneOutcome::Corrected(correction) => {
+                self.changes += 1;
                 self.status.correction = Some(correction);
                 self.status.corrections += 1;
                 self.corrected = Corrected::of(&[*known]);
@@ -184,8 +185,21 @@ impl Axis {
         let request = self.request(train, modes);
         let planned = |k: usize| ahead.setpoint(k - 1);
         let outcome = self.filter.retune(&request, ahead.remaining(), planned);
+        self.retuned(outcome, known, modes);
+        outcome
+    }
+
+    /// The filter has gone over to a train for a mode and corrects for modes, or not.
+    pub(super) fn retuned(
+        &mut self,
+        outcome: RetuneOutcome,
+        known: &UncertainMode,
+        modes: &[UncertainMode],
+    ) {
+        self.changes += 1;
         match outcome {
-            RetuneOutcome::Refused(Refusal::NotWorth(_)) => {}
+            // It would leave no less, or something else came before it.
+            RetuneOutcome::Refused(Refusal::NotWorth(_) | Refusal::Busy) => {}
             RetuneOutcome::Refused(_) => self.status.refused += 1,
             RetuneOutcome::Installed => self.status.shaped_for = *known,
             RetuneOutcome::Corrected(correction) => {
@@ -195,7 +209,6 @@ impl Axis {
                 self.corrected = Corrected::of(modes);
             }
         }
-        outcome
     }
 
     fn request<'a>(&self, train: &'a GridTrain, modes: &'a [UncertainMode]) -> Retune<'a> {
@@ -204,9 +217,13 @@ impl Axis {
             modes,
             limits: motion_limits(self.settings.limits),
             dead_band: self.settings.adaptation.dead_band,
-            // Rounding of the encoder: a vibration below it cannot be told from none.
-            resolution: self.settings.rest.quantisation / 12f64.sqrt(),
+            resolution: self.resolution(),
         }
+    }
+
+    /// Rounding of the encoder, rad: a vibration below it cannot be told from none.
+    pub(super) fn resolution(&self) -> f64 {
+        self.settings.rest.quantisation / 12f64.sqrt()
     }
 
     /// A move from rest begins: the mode may have changed since the last one, as by a payload.
@@ -252,6 +269,7 @@ impl Axis {
             None => self.filter.install(train).is_ok(),
         };
         if taken {
+            self.changes += 1;
             self.changed(known);
         }
         taken

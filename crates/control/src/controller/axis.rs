@@ -59,6 +59,8 @@ pub struct Axis {
     /// The largest vibration that the planned input of the move would have left unshaped, rad.
     pub(super) unshaped: f64,
     fresh: bool,
+    /// Changes of the command other than by the tick: of plan, train, corrections.
+    pub(super) changes: u64,
 }
 
 impl Axis {
@@ -99,6 +101,7 @@ impl Axis {
             hold: None,
             unshaped: 0.0,
             fresh: false,
+            changes: 0,
             settings,
         })
     }
@@ -147,6 +150,7 @@ impl Axis {
             }
             None => self.filter.install(train)?,
         }
+        self.changes += 1;
         self.settings.shaper = shaper;
         self.status.shaped_for = *known;
         Ok(())

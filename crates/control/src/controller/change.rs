@@ -66,6 +66,11 @@ impl Controller {
         self.axis.is_train_waiting()
     }
 
+    /// Whether a correction in motion is under way.
+    pub fn is_correcting(&self) -> bool {
+        self.axis.filter.is_correcting()
+    }
+
     /// Forgets what the estimator has seen, as after a fault of the sensor. No allocation.
     pub fn restart_estimation(&mut self) {
         self.axis.restart_estimation();

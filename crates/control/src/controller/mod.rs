@@ -9,12 +9,14 @@ mod ahead;
 mod axis;
 mod change;
 mod corrected;
+mod foresight;
 mod path;
 mod settings;
 mod slow_down;
 
 pub use adapting::ringing_time;
 pub use axis::{Axis, AxisStatus};
+pub use foresight::Lent;
 pub use path::KeptPath;
 pub use quell_shapers::{RetuneOutcome, Setpoint};
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
@@ -70,6 +72,8 @@ pub struct Controller {
     planned: Setpoint,
     plan: Option<SampledTrajectory>,
     cursor: usize,
+    /// Room for a search beside the tick; none while it is lent.
+    spare: Option<Box<Lent>>,
 }
 
 impl Controller {
@@ -83,6 +87,7 @@ impl Controller {
             planned: Setpoint::at_rest(position),
             plan: None,
             cursor: 0,
+            spare: None,
         })
     }
 
@@ -112,6 +117,7 @@ impl Controller {
             self.axis.begin_from_rest();
         }
         self.cursor = cursor;
+        self.axis.changes += 1;
         Ok(self.plan.replace(plan))
     }
 

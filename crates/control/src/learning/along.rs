@@ -26,7 +26,8 @@ impl Learner {
         if samples.len() < FEWEST {
             return None;
         }
-        let (fit, _) = self.explain(&samples, way, &surroundings.places(&way))?;
+        let places = surroundings.places(&way, self.settings.inertia.as_ref());
+        let (fit, _) = self.explain(&samples, way, &places)?;
         let expected: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
         let modes = self.modes_on_way(plan, way, &expected);
         if self.hold(&modes) != Some(Hold::SeveralModes) {

@@ -47,11 +47,8 @@ impl Learner {
             .iter()
             .map(|way| way.nodes()[NODES - 1])
             .collect();
-        let place = |position| Place {
-            position,
-            others: others.clone(),
-            payload: surroundings.payload,
-        };
+        let inertia = self.settings.inertia.as_ref();
+        let place = |position| Place::new(position, others.clone(), surroundings.payload, inertia);
         self.modes
             .iter()
             .map(|mode| chart(mode, positions, place))
@@ -106,7 +103,8 @@ fn spoken(mode: &ModeMap, block: &Block) -> Option<Spoken> {
         .map(|(weight, x)| weight * x)
         .sum::<f64>()
         / all;
-    let natural_frequency = (mode.reference - 0.5 * c.ln()).exp();
+    let described = weights.dot(&mode.described_at(&block.places)) / all;
+    let natural_frequency = (mode.reference - 0.5 * (c.ln() + described)).exp();
     let average = Charted {
         position: position.clamp(
             nodes[0].min(nodes[NODES - 1]),

@@ -35,7 +35,7 @@ impl Learner {
         if samples.len() < FEWEST {
             return None;
         }
-        let places = surroundings.places(&way);
+        let places = surroundings.places(&way, self.settings.inertia.as_ref());
         let Some((fit, are_theirs)) = self.explain(&samples, way, &places) else {
             self.modes.clear();
             self.unexplained = 1.0;
@@ -47,7 +47,14 @@ impl Learner {
         }
         for (k, fitted) in fit.modes.iter().enumerate() {
             if k == self.modes.len() {
-                self.modes.push(ModeMap::new(fitted.point.log_w[1]));
+                // The spring of the lowest mode is the joint's; how others follow the inertia no description says.
+                let log_w = fitted.point.log_w[1];
+                let lowest = fit.modes.iter().all(|other| other.point.log_w[1] >= log_w);
+                self.modes
+                    .push(match lowest && self.settings.inertia.is_some() {
+                        true => ModeMap::described(log_w, &places[1]),
+                        false => ModeMap::new(log_w),
+                    });
             }
             self.modes[k].learn(fitted, &places);
         }

@@ -15,6 +15,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
+use super::described::Inertia;
 use super::path::NODES;
 
 /// Moves that are remembered; the oldest goes.
@@ -31,6 +32,20 @@ pub struct Place {
     pub others: Vec<f64>,
     /// Payload as it was declared, kg.
     pub payload: f64,
+    /// `ln J` of a robot's description; 0 without one.
+    pub described: f64,
+}
+
+impl Place {
+    /// A place, with what a description says of it.
+    pub fn new(position: f64, others: Vec<f64>, payload: f64, inertia: Option<&Inertia>) -> Self {
+        Self {
+            described: inertia.map_or(0.0, |inertia| inertia.log(position, &others, payload)),
+            position,
+            others,
+            payload,
+        }
+    }
 }
 
 /// Standard deviations of a quantity before any move.

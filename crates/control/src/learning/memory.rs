@@ -34,6 +34,9 @@ pub struct ModeMemory {
     pub natural_frequency: f64,
     /// Its share of the deformation: precision, and precision times mean.
     pub share: [f64; 2],
+    /// Whether the inertia is that over a description's.
+    #[serde(default)]
+    pub described: bool,
     /// What moves said of it, the oldest first.
     pub moves: Vec<MoveMemory>,
 }
@@ -51,6 +54,9 @@ pub struct MoveMemory {
     /// The same over [`OLDER`], as older files have it.
     #[serde(default, rename = "payload", skip_serializing)]
     pub older_payload: f64,
+    /// `ln J` of a description at the nodes; 0 without one.
+    #[serde(default)]
+    pub described: [f64; NODES],
     /// Precision of the inertia at the nodes of the way, its upper triangle row by row.
     pub precision: Vec<f64>,
     /// Precision times inertia at the nodes.
@@ -86,7 +92,16 @@ impl Learner {
             return false;
         };
         self.forget();
-        self.modes = modes;
+        let inertia = self.settings.inertia.as_ref();
+        // Before there was a description none was followed.
+        let new = inertia.is_some() && !modes.iter().any(|mode| mode.is_described);
+        let lowest = modes.iter().map(|mode| mode.reference);
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        let each = modes.into_iter().map(|mode| {
+            let follows = mode.is_described || (new && mode.reference == lowest);
+            if follows { mode.under(inertia) } else { mode }
+        });
+        self.modes = each.collect();
         let [base, adapted, weight] = memory.outcomes;
         self.monitor = Monitor {
             base,
@@ -105,6 +120,7 @@ impl ModeMemory {
         Self {
             natural_frequency: mode.reference.exp(),
             share: mode.share,
+            described: mode.is_described,
             moves: pairs
                 .map(|(inertia, damping)| MoveMemory::of(inertia, damping))
                 .collect(),
@@ -114,6 +130,9 @@ impl ModeMemory {
     fn map(&self) -> Option<ModeMap> {
         let sound = self.natural_frequency > 0.0 && self.share.iter().all(|x| x.is_finite());
         let mut map = sound.then(|| ModeMap::new(self.natural_frequency.ln()))?;
+        if self.described {
+            map = ModeMap::of_described(map.reference);
+        }
         map.share = self.share;
         for said in &self.moves {
             let (inertia, damping) = said.blocks()?;
@@ -134,6 +153,7 @@ impl MoveMemory {
             others: others.map(|(from, to)| [*from, *to]).collect(),
             payload_kg: first.payload,
             older_payload: 0.0,
+            described: inertia.places.each_ref().map(|place| place.described),
             precision: upper.map(|at| inertia.precision[at]).collect(),
             vector: inertia.vector.into(),
             damping: [damping.precision[(1, 1)], damping.vector[1]],
@@ -150,6 +170,7 @@ impl MoveMemory {
         let positions = self.others.iter().flatten().chain(&self.way);
         let finite = numbers
             .chain(positions)
+            .chain(&self.described)
             .chain([&self.payload_kg, &self.older_payload])
             .all(|x| x.is_finite());
         let carries = self.payload_kg.min(self.older_payload) >= 0.0;
@@ -166,6 +187,7 @@ impl MoveMemory {
         }
         let nodes = |way: [f64; 2]| Way::new(way[0], way[1]).nodes();
         let places = core::array::from_fn(|n| Place {
+            described: self.described[n],
             position: nodes(self.way)[n],
             others: self.others.iter().map(|way| nodes(*way)[n]).collect(),
             payload: self.payload_kg + OLDER * self.older_payload,

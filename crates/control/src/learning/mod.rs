@@ -11,6 +11,7 @@ mod account;
 mod along;
 mod chart;
 mod choice;
+mod described;
 mod fit;
 mod forecast;
 mod listening;
@@ -34,6 +35,7 @@ use quell_shapers::{GridTrain, Mode};
 
 pub use self::account::{Account, Explained, Seen};
 pub use self::chart::{Charted, ModeChart, Spoken};
+pub use self::described::Inertia;
 pub use self::memory::{Memory, ModeMemory, MoveMemory};
 pub use self::order::MOST;
 pub use self::path::Way;
@@ -52,6 +54,8 @@ pub struct LearnerSettings {
     pub longest_train: f64,
     /// The train that is in force without any adaptation.
     pub base: GridTrain,
+    /// What a robot's description says of the joint's inertia; without one, nothing is known of it.
+    pub inertia: Option<Inertia>,
 }
 
 /// The rest of what there is along a way.
@@ -70,12 +74,11 @@ impl Surroundings {
         Self { others, payload }
     }
 
-    fn places(&self, way: &Way) -> [Place; NODES] {
+    fn places(&self, way: &Way, inertia: Option<&Inertia>) -> [Place; NODES] {
         let nodes = way.nodes();
-        core::array::from_fn(|n| Place {
-            position: nodes[n],
-            others: self.others.iter().map(|other| other.nodes()[n]).collect(),
-            payload: self.payload,
+        core::array::from_fn(|n| {
+            let others = self.others.iter().map(|other| other.nodes()[n]);
+            Place::new(nodes[n], others.collect(), self.payload, inertia)
         })
     }
 }

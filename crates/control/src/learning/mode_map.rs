@@ -1,7 +1,9 @@
-//! A mode over pose and payload: its frequency as an inertia, its damping, its share.
+//! A mode over pose and payload: its frequency as an inertia (of the lowest mode over that of a robot's description), its damping, its
+//! share.
 
 use nalgebra::{SMatrix, SVector};
 
+use super::described::Inertia;
 use super::fit::Fitted;
 use super::forecast::Expected;
 use super::map::{Block, Map, Place, Predicted, Spread};
@@ -15,6 +17,11 @@ const INERTIA: Spread = Spread {
     level: 0.5,
     pose: 0.4,
     load: (0.5, 0.25),
+};
+/// The inertia over that of a description: the same, but for what a description does not know, and the payload that it does.
+const DESCRIBED: Spread = Spread {
+    load: (0.0, 0.25),
+    ..INERTIA
 };
 /// Damping ratios: a few hundredths; they follow the frequency, but little.
 const DAMPING: Spread = Spread {
@@ -36,6 +43,8 @@ const SURPRISE: f64 = 18.5;
 pub struct ModeMap {
     /// `ln w` of which the inertia is 1.
     pub(super) reference: f64,
+    /// Whether the inertia is that over a description's.
+    pub(super) is_described: bool,
     pub(super) inertia: Map,
     pub(super) damping: Map,
     /// Its share: precision, and precision times mean.
@@ -47,10 +56,72 @@ impl ModeMap {
     pub fn new(reference: f64) -> Self {
         Self {
             reference,
+            is_described: false,
             inertia: Map::new(INERTIA),
             damping: Map::new(DAMPING),
             share: [0.0; 2],
         }
+    }
+
+    /// Of a mode that was found at this `ln w` at a place, and follows what a description says.
+    pub fn described(log_w: f64, place: &Place) -> Self {
+        Self::of_described(log_w + 0.5 * place.described)
+    }
+
+    /// The same, whose `ln w` at an inertia of 1 over the description's and a description of 1 kg m^2 is this.
+    pub fn of_described(reference: f64) -> Self {
+        Self {
+            is_described: true,
+            inertia: Map::new(DESCRIBED),
+            ..Self::new(reference)
+        }
+    }
+
+    /// What moves have said, over what a description says now: it may be another one than it was then, or none.
+    ///
+    /// `c d` stays what it was, times one factor, with which `c` stays near 1: `c' = c exp(ln d - ln d' + s)`, `s` the mean of
+    /// `ln d' - ln d`, and `ln w_ref' = ln w_ref + s / 2`.
+    pub fn under(self, inertia: Option<&Inertia>) -> Self {
+        let now = |place: &Place| {
+            Place::new(place.position, place.others.clone(), place.payload, inertia)
+        };
+        let blocks = self.inertia.blocks();
+        let known: Vec<[Place; NODES]> = blocks
+            .iter()
+            .map(|b| b.places.each_ref().map(now))
+            .collect();
+        let pairs = blocks
+            .iter()
+            .zip(&known)
+            .flat_map(|(b, now)| b.places.iter().zip(now));
+        let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), (then, now)| {
+            (sum + now.described - then.described, count + 1.0)
+        });
+        let shift = if count > 0.0 { sum / count } else { 0.0 };
+        let mut map = Self::of_described(self.reference + 0.5 * shift);
+        for (block, places) in blocks.iter().zip(known) {
+            let less = SMatrix::from_diagonal(&SVector::<f64, NODES>::from_fn(|n, _| {
+                (places[n].described - block.places[n].described - shift).exp()
+            }));
+            map.inertia.add(Block {
+                places,
+                precision: less * block.precision * less,
+                vector: less * block.vector,
+            });
+        }
+        Self {
+            damping: self.damping,
+            share: self.share,
+            ..map
+        }
+    }
+
+    /// `ln J` of the description, where it counts.
+    pub fn described_at(&self, places: &[Place; NODES]) -> SVector<f64, NODES> {
+        SVector::from_fn(|n, _| match self.is_described {
+            true => places[n].described,
+            false => 0.0,
+        })
     }
 
     /// Moves that tell of it.
@@ -62,7 +133,7 @@ impl ModeMap {
     pub fn prior(&self, places: &[Place; NODES]) -> Prior {
         let damping = self.damping.predict(places);
         Prior {
-            log_w: self.log_w(&self.inertia.predict(places)),
+            log_w: self.log_w(&self.inertia.predict(places), places),
             xi: (
                 damping.mean[1].clamp(1e-3, 0.4),
                 damping.covariance[(1, 1)].max(1e-8),
@@ -70,11 +141,12 @@ impl ModeMap {
         }
     }
 
-    /// Of an inertia `c` of mean `m` and variance `v` the natural frequency, `ln w = ln w_ref - ln(c) / 2`.
+    /// Of an inertia `c` of mean `m` and variance `v`, over that of a description `d`, the natural frequency,
+    /// `ln w = ln w_ref - ln(c d) / 2`.
     ///
     /// An inertia is positive: it is taken for log-normal, `var ln c = ln(1 + v / m^2)`, and its mean for its standard deviation at
     /// least. Where the map goes on towards none, as far from what it has seen, next to nothing is known of the frequency.
-    fn log_w(&self, c: &Predicted) -> Predicted {
+    fn log_w(&self, c: &Predicted, places: &[Place; NODES]) -> Predicted {
         let std = c.covariance.diagonal().map(|v| v.max(0.0).sqrt());
         let mean = c.mean.zip_map(&std, |m, std| m.max(std).max(LEAST));
         let relative = std.component_div(&mean).map(|x| x * x);
@@ -85,7 +157,8 @@ impl ModeMap {
         });
         let scale = SMatrix::from_diagonal(&scale);
         Predicted {
-            mean: mean.zip_map(&variance, |m, v| self.reference - 0.5 * (m.ln() - 0.5 * v)),
+            mean: mean.zip_map(&variance, |m, v| self.reference - 0.5 * (m.ln() - 0.5 * v))
+                - 0.5 * self.described_at(places),
             covariance: scale * c.covariance * scale,
         }
     }
@@ -145,7 +218,10 @@ impl ModeMap {
         pull: &SVector<f64, OF_A_MODE>,
         places: &[Place; NODES],
     ) {
-        let c = SVector::<f64, NODES>::from_fn(|n, _| (-2.0 * (mean[n] - self.reference)).exp());
+        let described = self.described_at(places);
+        let c = SVector::<f64, NODES>::from_fn(|n, _| {
+            (-2.0 * (mean[n] - self.reference) - described[n]).exp()
+        });
         let slope = SMatrix::from_diagonal(&c.map(|c| -0.5 / c));
         let own = slope * precision.fixed_view::<NODES, NODES>(0, 0) * slope;
         let vector = own * c + slope * pull.fixed_rows::<NODES>(0);

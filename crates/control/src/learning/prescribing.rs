@@ -38,7 +38,7 @@ impl Learner {
     }
 
     fn expected(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<Expected> {
-        let places = surroundings.places(&Way::of(plan));
+        let places = surroundings.places(&Way::of(plan), self.settings.inertia.as_ref());
         self.modes.iter().map(|m| m.expected(&places)).collect()
     }
 

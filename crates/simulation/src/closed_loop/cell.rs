@@ -143,6 +143,7 @@ impl Cell {
                 dead_band,
                 longest_train,
                 base: controller.axis().next_train().clone(),
+                inertia: None,
             })
         };
         Ok(Self {

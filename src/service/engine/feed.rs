@@ -1,0 +1,249 @@
+//! The feed: the share of full speed at which everything moves. A change acts on moves that run, too.
+//!
+//! A move that runs goes on along its own plan at another rate (`quell_trajectories::RateRamp`), by the shortest change of the rate that keeps the
+//! limits. The train acts on that motion in its own time, which does not change, so that what it cancels it cancels still. Joints
+//! that began with one tick change with one tick, and end with one tick still. Where the limits do not let the rate change, as while
+//! a move brakes at its limit, it is tried again.
+
+use quell_trajectories::{Limits, RateRamp, SampledTrajectory};
+
+use super::Engine;
+use super::orders::AHEAD;
+use super::pacing::Change;
+use super::running::Running;
+use crate::service::contract::{Accepted, ServiceError};
+use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick, Together};
+
+/// A joint whose rate is to be changed.
+struct Member<'a> {
+    index: usize,
+    running: &'a Running,
+    /// The sample of its plan before the change.
+    sample: usize,
+    /// The rate that it is to reach.
+    rate: f64,
+    /// Length of its train, s.
+    train: f64,
+    /// Limits of its plan.
+    limits: Limits,
+}
+
+impl Engine {
+    /// Changes the share of full speed (0 to 1). At none all that moves is stopped.
+    pub(super) fn change_feed(&mut self, share: f64) -> Result<Accepted, ServiceError> {
+        if !(0.0..=1.0).contains(&share) {
+            return Err(ServiceError::Value {
+                what: "the feed as a share",
+                value: share,
+                rule: "from 0 to 1",
+            });
+        }
+        self.feed = share;
+        if share == 0.0 {
+            self.stop_all(&ServiceError::Stopped);
+        }
+        self.publish();
+        Ok(Accepted::Changed)
+    }
+
+    /// The limits of a move of a joint, whose own limits are these, at the present feed.
+    ///
+    /// With `v f`, `a f^2` and `j f^3` the plan from rest to rest is the same one, `1 / f` as long: the path stays.
+    pub(super) fn fed(&self, limits: Limits, speed: f64) -> Limits {
+        let velocity = limits.velocity.min(speed);
+        Limits { velocity, ..limits }.slowed(self.feed)
+    }
+
+    /// Has moves that run go on at the present feed.
+    pub(super) fn follow_feed(&mut self) {
+        if self.feed == 0.0 {
+            return;
+        }
+        for index in 0..self.joints.len() {
+            let Some(running) = self.runs_at_another_feed(index) else {
+                continue;
+            };
+            let together = running.together;
+            let with = |other: &usize| match together {
+                Some(id) => self.joints[*other]
+                    .running
+                    .as_ref()
+                    .is_some_and(|r| r.together == Some(id)),
+                None => *other == index,
+            };
+            let members: Vec<usize> = (0..self.joints.len()).filter(with).collect();
+            // Several are changed by their first one.
+            if members[0] == index
+                && let Some(changes) = self.changes(&members)
+            {
+                self.order_changes(changes);
+            }
+        }
+    }
+
+    /// The move of a joint, if it runs at another feed than it should, and nothing else is asked of the joint.
+    fn runs_at_another_feed(&self, index: usize) -> Option<&Running> {
+        let joint = &self.joints[index];
+        let free = joint.asked.is_none() && joint.ordered.is_empty() && joint.change.is_none();
+        let running = joint.running.as_ref().filter(|_| free)?;
+        let goes_on = running.settled.is_none() && !running.stopping;
+        (goes_on && running.pacing.feed != self.feed).then_some(running)
+    }
+
+    /// The rest of the plans of joints at the present feed, and where it begins; none where the limits do not let the rate change yet.
+    fn changes(&self, indices: &[usize]) -> Option<(u64, Vec<(usize, Change)>)> {
+        let tick = self.next_tick() + (AHEAD / self.config.period).ceil() as u64;
+        let goes_on = |index: &&usize| {
+            let running = self.joints[**index].running.as_ref();
+            running.is_some_and(|running| running.goes_on(tick))
+        };
+        let members = indices
+            .iter()
+            .filter(goes_on)
+            .map(|&index| self.paced(index, tick));
+        let members: Vec<_> = members.collect::<Option<_>>()?;
+        let longest = members
+            .iter()
+            .max_by_key(|member| member.running.plan.samples())?;
+        let from = longest.running.pacing.changed_at(longest.sample).from;
+        let mut ramps = longest.running.pacing.base.rate_ramps(from, longest.rate);
+        let found = ramps.find_map(|ramp| self.with_ramp(&members, ramp.duration))?;
+        let changes = members.iter().zip(found).map(|(member, (ramp, rest))| {
+            let change = Change {
+                ticket: 0,
+                feed: self.feed,
+                ramp,
+                rest,
+            };
+            (member.index, change)
+        });
+        Some((tick, changes.collect()))
+    }
+
+    fn paced(&self, index: usize, tick: u64) -> Option<Member<'_>> {
+        let running = self.runs_at_another_feed(index)?;
+        let joint = &self.joints[index];
+        let own = joint.config.limits;
+        Some(Member {
+            index,
+            sample: running.sample_before(tick),
+            running,
+            rate: self.feed / running.pacing.made_at,
+            train: joint.axis().map_or(0.0, |axis| axis.train.duration()),
+            limits: Limits {
+                velocity: own.velocity / running.gain,
+                acceleration: own.acceleration / running.gain,
+                jerk: own.jerk / running.gain,
+            },
+        })
+    }
+
+    /// The rest of the plans of joints by ramps of a duration (s), so that all end with the one that ends last at the feed.
+    fn with_ramp(
+        &self,
+        members: &[Member<'_>],
+        duration: f64,
+    ) -> Option<Vec<(RateRamp, SampledTrajectory)>> {
+        let along = |member: &Member<'_>, ramp: RateRamp| {
+            let rest = member
+                .running
+                .pacing
+                .base
+                .at_rate(&ramp, &[member.limits])?;
+            let own = self.joints[member.index].config.limits;
+            member
+                .running
+                .keeps_shaped(member.sample, &rest, own)
+                .then_some((ramp, rest))
+        };
+        let each = members.iter().map(|member| {
+            let ramp = member.running.pacing.changed_at(member.sample);
+            along(
+                member,
+                RateRamp {
+                    to: member.rate,
+                    duration,
+                    ..ramp
+                },
+            )
+        });
+        let mut found: Vec<_> = each.collect::<Option<_>>()?;
+        let ends = members.iter().zip(&found);
+        let ends: Vec<f64> = ends
+            .map(|(member, (_, rest))| rest.duration() + member.train)
+            .collect();
+        let last = ends.iter().copied().fold(0.0, f64::max);
+        for ((member, found), end) in members.iter().zip(&mut found).zip(ends) {
+            if end < last {
+                let ramp = found
+                    .0
+                    .arriving(member.running.pacing.base.duration(), last - member.train);
+                *found = along(member, ramp?)?;
+            }
+        }
+        Some(found)
+    }
+
+    fn order_changes(&mut self, (tick, changes): (u64, Vec<(usize, Change)>)) {
+        self.tickets += 1;
+        let together = Together {
+            id: self.tickets,
+            size: changes.len(),
+        };
+        for (index, mut change) in changes {
+            self.tickets += 1;
+            change.ticket = self.tickets;
+            let plan = Plan {
+                joint: index,
+                id: self.last_move(index),
+                ticket: change.ticket,
+                samples: Some(change.rest.clone()),
+                start: Start::Tick(tick),
+                together: (together.size > 1).then_some(together),
+                permit: Some(self.enabling.permit),
+            };
+            self.rings.orders.push(ToTick::Plan(Box::new(plan)));
+            self.joints[index].change = Some(change);
+        }
+    }
+
+    /// The tick has changed the rate of a joint, if that is what this plan is.
+    pub(super) fn change_taken(&mut self, taken: &Taken) -> bool {
+        let joint = &mut self.joints[taken.plan.joint];
+        let ticket = taken.plan.ticket;
+        let Some(change) = joint.change.take_if(|change| change.ticket == ticket) else {
+            return false;
+        };
+        // What is asked for by now was planned for the motion before.
+        if let Some(asked) = &mut joint.asked {
+            asked.again = true;
+        }
+        let Some(running) = &mut joint.running else {
+            return true;
+        };
+        if let Some(turn) = joint
+            .learning
+            .turn
+            .as_mut()
+            .filter(|turn| turn.plan == running.ticket)
+        {
+            turn.plan = ticket;
+        }
+        running.go_on(&change.rest, (taken.tick, taken.first));
+        running.ticket = ticket;
+        let pacing = &mut running.pacing;
+        (pacing.feed, pacing.ramp) = (change.feed, change.ramp);
+        pacing.since = running.first - taken.first;
+        true
+    }
+
+    /// The tick has not changed the rate of a joint, if that is what this plan is: it is tried again.
+    pub(super) fn change_not_taken(&mut self, plan: &Plan, why: &NotTaken) -> bool {
+        let joint = &mut self.joints[plan.joint];
+        let change = joint.change.take_if(|change| change.ticket == plan.ticket);
+        if change.is_some() {
+            tracing::debug!(joint = joint.config.name, ?why, "the feed was not taken");
+        }
+        change.is_some()
+    }
+}
