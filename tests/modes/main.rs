@@ -7,6 +7,7 @@ mod random;
 
 use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
+use quell::controller::Controller;
 use quell::learning::{Inertia, Learner, Surroundings};
 use rayon::prelude::*;
 
@@ -216,7 +217,9 @@ fn what_moves_have_said_outlives_the_description() {
         let (_, taught) = programme.run_and_learn(Policy::Learned);
         for now in [None, Some(heavy(100.0, -0.3)), Some(heavy(0.5, 0.4))] {
             programme.inertia = now;
-            let mut other = programme.untaught();
+            let settings = programme.settings(Policy::Learned);
+            let controller = Controller::new(settings, 0.0).expect("a controller");
+            let mut other = programme.learner(&controller);
             assert!(other.remember(&taught.memory()));
             let pairs = curve(&taught).into_iter().zip(curve(&other));
             for (one, two) in pairs {

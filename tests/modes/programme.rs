@@ -91,7 +91,8 @@ impl Programme {
         }
     }
 
-    fn learner(&self, controller: &Controller) -> Learner {
+    /// A learner that has heard nothing.
+    pub fn learner(&self, controller: &Controller) -> Learner {
         let settings = self.settings(Policy::Learned);
         Learner::new(LearnerSettings {
             belief: self.belief(),
@@ -106,12 +107,6 @@ impl Programme {
     /// What each move leaves.
     pub fn run(&self, policy: Policy) -> Vec<Left> {
         self.run_and_learn(policy).0
-    }
-
-    /// A learner that has heard nothing.
-    pub fn untaught(&self) -> Learner {
-        let settings = self.settings(Policy::Learned);
-        self.learner(&Controller::new(settings, self.start).expect("a controller"))
     }
 
     /// What each move leaves, and who has learned from them.
