@@ -105,8 +105,7 @@ pub fn parameters(page: Page, case: &Case) -> Page {
         names => names,
     };
     let page = page.heading("Its size").text(format!(
-        "The model that was written has {names}; the other explanations fit with a size of their \
-         own.",
+        "The model that was written has {names}. The other explanations have sizes of their own.",
     ));
     table(page, case)
 }
@@ -136,9 +135,9 @@ pub fn unknown(page: Page, case: &Case) -> Page {
         page = page.text(format!("{}.", words::capital(&words::list(&known, "and"))));
     }
     let look = location.place.as_deref().and_then(words::look);
-    let tried = "The whole catalogue was held against it and what came closest was fitted; nothing \
-                 brings the misfit down to the noise on moves that it was not fitted to. The model \
-                 is left as it was but for its own parameters.";
+    let tried = "The whole catalogue was compared with it, and the closest effects were fitted. None brings the \
+                 misfit down to the noise on moves that it was not fitted to. The model is as it was, with its own \
+                 parameters refitted.";
     page = page.text(tried);
     match look {
         Some(look) => page.text(look),

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::digits;
-use super::{law, motion, words};
+use super::{law, words};
 use quell_diagnosis::{Finding, Fit, Quality, Verdict};
 use quell_page::{self as html, Figure, Page, fixed, number};
 
@@ -23,7 +23,6 @@ pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
     Page::new(title)
         .subtitle(format!("{names}, held against the model {model_name}"))
         .verdict(sign, diagnosis.summary.clone())
-        .curves(motion::usual(case))
         .figures(figures(case))
 }
 

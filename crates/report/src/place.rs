@@ -103,12 +103,11 @@ fn reading(case: &Case) -> &'static str {
         .map(|finding| finding.place.as_str())
     {
         Some("sensor") => {
-            "What would have to act besides the model for it to move as recorded, estimated without \
-             knowing what it is. Nothing does: the sensor only makes it look so."
+            "What would have to act on the model for it to move as recorded. The estimate does not know the cause. Here \
+             nothing acts: the sensor only makes it look so."
         }
         _ => {
-            "What would have to act besides the model for it to move as recorded, estimated without \
-             knowing what it is."
+            "What would have to act on the model for it to move as recorded. The estimate does not know the cause."
         }
     }
 }

@@ -30,8 +30,8 @@ pub fn section(page: Page, case: &Case) -> Page {
 
 fn introduction(case: &Case) -> String {
     let diagnosis = case.diagnosis;
-    let how = "Each explanation was fitted together with the model's own parameters and weighed by the \
-               probability that it gives to the whole recording, what was held out included.";
+    let how = "Each explanation was fitted together with the model's own parameters. Its weight is the probability that it \
+               gives to the whole recording, the held-out part included.";
     let doubts: Vec<_> = diagnosis
         .findings
         .iter()
