@@ -1,7 +1,7 @@
 //! Recordings into a queue.
 
-use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::collections::{HashMap, HashSet};
+use std::path::PathBuf;
 
 use super::error::BatchError;
 use super::job::Job;
@@ -51,7 +51,7 @@ pub fn submit(
 ) -> Result<Submission, BatchError> {
     let mut submission = Submission::default();
     let mut known = HashSet::new();
-    for path in &batch.recordings {
+    for (path, name) in batch.recordings.iter().zip(names(&batch.recordings)) {
         let packed = match pack(path) {
             Ok(packed) => packed,
             Err(error) => {
@@ -60,7 +60,7 @@ pub fn submit(
                 continue;
             }
         };
-        let job = Job::new(name(path), &packed, &batch.model, batch.seed);
+        let job = Job::new(name, &packed, &batch.model, batch.seed);
         if batch.shard.is_some_and(|shard| !shard.has(&job.key)) {
             submission.elsewhere += 1;
             told(None);
@@ -80,16 +80,60 @@ pub fn submit(
     Ok(submission)
 }
 
-/// The name of a recording for people: its folder, or its file.
-fn name(path: &Path) -> String {
-    let named = match path.file_name() {
-        Some(name) => Path::new(name).to_path_buf(),
-        // As `.` or `..`.
+/// Names of recordings for people: folder or file of each, with as many folders above as tell it from the others.
+fn names(paths: &[PathBuf]) -> Vec<String> {
+    // As `.` or `..`: a path without a name has one where it leads.
+    let named = |path: &PathBuf| match path.file_name() {
+        Some(_) => path.clone(),
         None => path.canonicalize().unwrap_or_default(),
     };
-    named
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
+    let paths: Vec<PathBuf> = paths.iter().map(named).collect();
+    let tail = |path: &PathBuf, count: usize| -> PathBuf {
+        let skipped = path.components().count().saturating_sub(count);
+        path.components().skip(skipped).collect()
+    };
+    let mut counts = vec![1; paths.len()];
+    loop {
+        let names: Vec<PathBuf> = paths
+            .iter()
+            .zip(&counts)
+            .map(|(p, &n)| tail(p, n))
+            .collect();
+        let mut held: HashMap<&PathBuf, Vec<usize>> = HashMap::new();
+        for (index, name) in names.iter().enumerate() {
+            held.entry(name).or_default().push(index);
+        }
+        let alike = held.values().filter(|same| same.len() > 1).flatten();
+        let longer = alike.filter(|&&index| counts[index] < paths[index].components().count());
+        let longer: Vec<usize> = longer.copied().collect();
+        if longer.is_empty() {
+            return names
+                .iter()
+                .map(|name| name.to_string_lossy().into_owned())
+                .collect();
+        }
+        longer.into_iter().for_each(|index| counts[index] += 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_recordings_apart() {
+        let paths = [
+            "fleet/a/train",
+            "fleet/b/train",
+            "fleet/b/test",
+            "train",
+            "x/./train",
+            "x/./train",
+        ];
+        let named = names(&paths.map(PathBuf::from));
+        assert_eq!(
+            named,
+            ["a/train", "b/train", "test", "train", "x/train", "x/train"]
+        );
+    }
 }

@@ -49,6 +49,14 @@ impl Told {
         self.verdict == Verdict::NotExcited
     }
 
+    /// What is missing; the answer where that is not it.
+    fn found(&self) -> String {
+        match self.missing.is_empty() {
+            true => self.summary.clone(),
+            false => self.missing.join(" + "),
+        }
+    }
+
     fn lacks(&self) -> bool {
         !matches!(self.verdict, Verdict::NoMismatch | Verdict::NotExcited)
     }
@@ -162,7 +170,7 @@ impl Overview {
         let mut table = Table::new(format!("{}s", capital(self.noun)))
             .text_column(self.noun)
             .text_column("verdict")
-            .text_column("what was found")
+            .text_column("missing")
             .column("misfit", "noise")
             .column("with it", "noise");
         for line in &self.lines {
@@ -177,7 +185,7 @@ impl Overview {
                 Ok(told) => table.row([
                     name,
                     told.verdict.name().into(),
-                    told.summary.clone().into(),
+                    told.found().into(),
                     told.before.into(),
                     told.after.into(),
                 ]),

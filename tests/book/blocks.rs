@@ -133,7 +133,22 @@ fn every_page_with_rust_is_tested_as_documentation() {
     each(|file, block| {
         let name = called(file);
         let named = library.contains(&format!("include_str!(\"../{name}\")"));
-        (block.is("rust") && !named).then(|| format!("src/lib.rs does not name {name}"))
+        let is_quoted = block.is("effect");
+        (block.is("rust") && !is_quoted && !named)
+            .then(|| format!("src/lib.rs does not name {name}"))
+    });
+}
+
+/// A block marked `effect` is a file of the catalogue.
+#[test]
+fn every_effect_that_is_quoted_is_the_file() {
+    let folder = root().join("crates/model/src/effects");
+    let files = std::fs::read_dir(folder).unwrap();
+    let files = files.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap());
+    let files: Vec<String> = files.collect();
+    each(|_, block| {
+        let is_file = || files.iter().any(|file| file.trim() == block.text.trim());
+        (block.is("effect") && !is_file()).then(|| "it is no file of the catalogue".into())
     });
 }
 

@@ -215,8 +215,8 @@ fn finding(
         probability: found.probability(effect),
         parameters,
         evidence: format!(
-            "Without it the residual on what was held out is {} times the noise, with it {}; the \
-             logarithm of the evidence for it is {}.",
+            "On what was held out the residual is {} times the noise without it, and {} times with it. The log \
+             evidence for it is {}.",
             times(noise(without.held_out, rows)),
             times(noise(best.held_out, rows)),
             whole(odds),

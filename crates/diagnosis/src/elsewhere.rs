@@ -44,8 +44,8 @@ fn at_rest(problem: &Problem, left: impl Fn(usize) -> Vec<f64>) -> Option<String
     let chance = CHANCE * (2.0 / independent).sqrt();
     (rows > 0 && chi > FLOOR * (1.0 + chance)).then(|| {
         format!(
-            "While the input rests, and what it has set in motion has rung down, the rest is still {:.1} times the \
-             noise: that motion comes from elsewhere, of other joints or of what the machine stands on.",
+            "While the input rests, and its vibration has decayed, {:.1} times the noise is left. That motion comes from \
+             elsewhere: from other joints, or from what the machine stands on.",
             chi.sqrt()
         )
     })

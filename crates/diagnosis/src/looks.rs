@@ -16,9 +16,8 @@ use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 
 /// What is said of a diagnosis that was made coupled.
-const COUPLED: &str = "The motor side was simulated coupled to its measured motion by a spring and a damper, which forget \
-    before the motion turns: errors of a force that drives an axis freely add up without bound. Its residual is that of this \
-    simulation.";
+const COUPLED: &str = "Errors of a force that drives an axis freely add up without bound. So the motor side was simulated \
+    coupled to its measured motion, by a spring and a damper. Its residual is that of this simulation.";
 
 /// Says what physics a model lacks, from recordings of the machine.
 ///
@@ -166,8 +165,8 @@ fn look(
         points,
         ..
     } = once(windowed, &unknown)?;
-    let remark = "The motion was simulated in windows, each with a start of its own: errors of a force that \
-        drives an axis freely add up without bound.";
+    let remark = "Errors of a force that drives an axis freely add up without bound. So the motion was simulated in \
+        windows, each with a start of its own.";
     in_windows.diagnosis.remarks.push(remark.into());
     // A model that leaves nothing but noise of the coupled motion lacks at most what lasts longer, which windows show.
     if let Some(outcome) = in_noise {

@@ -99,8 +99,7 @@ fn investigate(
     remarks.extend(super::remarks::remarks(&problem, &found));
     remarks.extend(search.elsewhere(&found));
     if options.enough.was_asked() {
-        let remark = "The search was ended before its time: this is the best explanation so far, and further \
-            effects may be missing.";
+        let remark = "The search was ended early. This is the best explanation so far; further effects may be missing.";
         remarks.push(remark.into());
     }
     let told = (recordings, remarks);

@@ -2,7 +2,6 @@
 
 use super::document::{Diagnosis, Finding, Quality, Verdict};
 use super::excitation::figure;
-use super::found::CREDIBLE;
 use super::split::HeldOut;
 use super::thresholds::FLOOR;
 use super::tracker_scale::TrackerScale;
@@ -97,22 +96,21 @@ pub fn times(ratio: f64) -> String {
 
 /// Several explanations: other effects in the place of a finding, or none in the place of one that is not needed.
 fn ambiguous(diagnosis: &Diagnosis, catalogue: Catalogue, change: &str) -> String {
-    let others = alternatives(diagnosis, catalogue);
-    if !others.is_empty() {
-        let names = names(&diagnosis.findings, catalogue);
-        return format!(
-            "The model lacks {names}, which this recording cannot tell from {others}: {change}."
-        );
-    }
-    let is_certain = |finding: &&Finding| finding.probability >= CREDIBLE;
-    let (certain, perhaps): (Vec<&Finding>, Vec<_>) =
-        diagnosis.findings.iter().partition(is_certain);
-    let both = [certain, perhaps].map(|own| names(own, catalogue));
-    match both.each_ref().map(String::as_str) {
-        [own, ""] => format!("The model lacks {own}: {change}."),
-        ["", own] => format!("The model lacks perhaps {own}: {change}."),
-        [own, other] => format!("The model lacks {own}, and perhaps {other}: {change}."),
-    }
+    let (perhaps, there): (Vec<&Finding>, Vec<_>) = diagnosis
+        .findings
+        .iter()
+        .partition(|finding| diagnosis.may_be_absent(finding));
+    let both = [there, perhaps].map(|own| names(own, catalogue));
+    let lacks = match both.each_ref().map(String::as_str) {
+        [own, ""] => own.to_string(),
+        ["", own] => format!("perhaps {own}"),
+        [own, other] => format!("{own}, and perhaps {other}"),
+    };
+    let others = match alternatives(diagnosis, catalogue) {
+        none if none.is_empty() => none,
+        others => format!(", which this recording cannot tell from {others}"),
+    };
+    format!("The model lacks {lacks}{others}: {change}.")
 }
 
 fn names<'a>(findings: impl IntoIterator<Item = &'a Finding>, catalogue: Catalogue) -> String {

@@ -60,7 +60,7 @@ impl TrackerScale {
         let larger = if percent > 0.0 { "larger" } else { "smaller" };
         format!(
             "The motion is explained down to the noise, but the tip's circle is {:.4} % {larger} than {LEVER_ARM} \
-             says: a wrong scale of the sensor, or a wrong lever arm.",
+             says. The sensor's scale is wrong, or the lever arm.",
             percent.abs()
         )
     }
@@ -68,7 +68,7 @@ impl TrackerScale {
     /// What would tell scale and lever arm apart.
     pub fn next_move(&self) -> Option<NextMove> {
         self.is_in_doubt.then(|| NextMove {
-            why: "No motion tells a tracker's scale from the lever arm: measure a known length with the tracker, or \
+            why: "No motion tells a tracker's scale from the lever arm. Measure a known length with the tracker, or \
                   the lever arm by other means."
                 .into(),
             separates: [self.effect.name.into(), LEVER_ARM.into()],

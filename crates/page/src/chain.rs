@@ -15,6 +15,7 @@ struct Station {
     name: String,
     words: String,
     marks: Vec<String>,
+    doubts: Vec<String>,
     beside: bool,
 }
 
@@ -45,11 +46,20 @@ impl Chain {
         self
     }
 
+    /// Marks the last station as one that may be meant, and says why: paler than what is sure.
+    pub fn perhaps(mut self, why: impl Into<String>) -> Self {
+        if let Some(station) = self.stations.last_mut() {
+            station.doubts.push(why.into());
+        }
+        self
+    }
+
     fn push(mut self, name: String, words: String, beside: bool) -> Self {
         self.stations.push(Station {
             name,
             words,
             marks: Vec::new(),
+            doubts: Vec::new(),
             beside,
         });
         self
@@ -67,17 +77,18 @@ impl Chain {
 
 impl Station {
     fn render(&self) -> Markup {
-        let class = match (self.marks.is_empty(), self.beside) {
-            (false, false) => Some("mark"),
-            (false, true) => Some("mark beside"),
-            (true, true) => Some("beside"),
-            (true, false) => None,
+        let marked = match (self.marks.is_empty(), self.doubts.is_empty()) {
+            (false, _) => "mark",
+            (true, false) => "perhaps",
+            (true, true) => "",
         };
+        let beside = if self.beside { "beside" } else { "" };
         html! {
-            li class=[class] {
+            li class={ (marked) " " (beside) } {
                 b { (self.name) }
                 span { (self.words) }
                 @for why in &self.marks { strong { (why) } }
+                @for why in &self.doubts { em { (why) } }
             }
         }
     }

@@ -74,6 +74,7 @@ pub struct Page {
     figures: Vec<Figure>,
     blocks: Vec<Block>,
     footnotes: Vec<String>,
+    curves: Vec<String>,
 }
 
 impl Page {
@@ -106,6 +107,12 @@ impl Page {
     /// Adds key figures below the verdict.
     pub fn figures(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
         self.figures.extend(figures);
+        self
+    }
+
+    /// Names of curves that take the first colours, so that they have the same on every page of a kind.
+    pub fn curves(mut self, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.curves.extend(names.into_iter().map(Into::into));
         self
     }
 
@@ -223,7 +230,8 @@ impl Page {
     /// in the same chart has, then any (the script changes the dashes).
     fn colours(&self) -> Vec<(&str, usize)> {
         let mut colours: Vec<(&str, usize)> = Vec::new();
-        for name in self.companies().flatten() {
+        let first = self.curves.iter().map(String::as_str);
+        for name in first.chain(self.companies().flatten()) {
             if colours.iter().any(|(known, _)| *known == name) {
                 continue;
             }

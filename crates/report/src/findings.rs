@@ -1,7 +1,6 @@
 //! The findings: each in plain words, and its parameters.
 
 use super::case::Case;
-use super::shown::Shown;
 use super::{atlas, happened, head, law, words};
 use quell_diagnosis::{Finding, Verdict};
 use quell_model::effects::Place;
@@ -39,9 +38,12 @@ pub fn set(page: Page, case: &Case) -> Page {
             true => format!(" {}", words::at(&finding.place)),
             false => String::new(),
         };
-        page = page.text(format!(
-            "One of them is missing{place}; these recordings cannot tell which."
-        ));
+        page = page.text(match case.diagnosis.may_be_absent(finding) {
+            true => format!(
+                "One of them may be missing{place}, or nothing; these recordings cannot tell which."
+            ),
+            false => format!("One of them is missing{place}; these recordings cannot tell which."),
+        });
         page = page.table(one_of_them(case, finding));
         page = law::section(page, case, finding);
         page = atlas::pages(page, case, finding);
@@ -67,14 +69,22 @@ fn one_of_them(case: &Case, finding: &Finding) -> Table {
         .text_column("explanation")
         .column("probability", "%")
         .text_column("what it is");
-    all.into_iter().fold(table, |table, (name, probability)| {
+    let table = all.into_iter().fold(table, |table, (name, probability)| {
         let physics = case.physics(name).unwrap_or_default();
         table.row([
             words::capital(&case.title(name)).into(),
             words::percent(probability).into(),
             words::sentences(&physics, 1).into(),
         ])
-    })
+    });
+    match case.diagnosis.may_be_absent(finding) {
+        true => table.row([
+            "Nothing".into(),
+            words::percent(case.diagnosis.probability_without(finding)).into(),
+            "The model does without it.".into(),
+        ]),
+        false => table,
+    }
 }
 
 /// Whether all that cannot be told from a finding can sit at its place.
@@ -95,8 +105,7 @@ pub fn parameters(page: Page, case: &Case) -> Page {
         names => names,
     };
     let page = page.heading("Its size").text(format!(
-        "The model that was written has {names}; the other explanations fit with a size of their \
-         own.",
+        "The model that was written has {names}. The other explanations have sizes of their own.",
     ));
     table(page, case)
 }
@@ -126,9 +135,9 @@ pub fn unknown(page: Page, case: &Case) -> Page {
         page = page.text(format!("{}.", words::capital(&words::list(&known, "and"))));
     }
     let look = location.place.as_deref().and_then(words::look);
-    let tried = "The whole catalogue was held against it and what came closest was fitted; nothing \
-                 brings the misfit down to the noise on moves that it was not fitted to. The model \
-                 is left as it was but for its own parameters.";
+    let tried = "The whole catalogue was compared with it, and the closest effects were fitted. None brings the \
+                 misfit down to the noise on moves that it was not fitted to. The model is as it was, with its own \
+                 parameters refitted.";
     page = page.text(tried);
     match look {
         Some(look) => page.text(look),
@@ -138,7 +147,11 @@ pub fn unknown(page: Page, case: &Case) -> Page {
 
 /// A finding under its name: physics, what to do, and the evidence.
 fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
-    let name = words::capital(&finding.title(case.catalogue));
+    let name = finding.title(case.catalogue);
+    let name = match finding.is_certain() {
+        true => words::capital(&name),
+        false => format!("Perhaps {name}"),
+    };
     let page = page.heading(format!("{name}, {}", words::at(&finding.place)));
     let page = means(page, case, &finding.effect);
     let page = happened::of(finding).into_iter().fold(page, Page::text);
@@ -146,6 +159,13 @@ fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
     let page = match finding.evidence.is_empty() {
         true => page,
         false => page.text(finding.evidence.clone()),
+    };
+    let page = match case.diagnosis.may_be_absent(finding) {
+        true => page.text(format!(
+            "These recordings do not decide whether it is there: its probability is {:.1} %.",
+            100.0 * finding.probability
+        )),
+        false => page,
     };
     let page = match finding.alternatives.as_slice() {
         [] => page,
@@ -176,7 +196,7 @@ fn table(page: Page, case: &Case) -> Page {
     let mut rows = 0;
     for finding in &case.diagnosis.findings {
         for parameter in words::numbers(finding) {
-            let shown = Shown::of(&parameter.unit, parameter.value);
+            let shown = case.shown(&finding.effect, parameter);
             rows += 1;
             table = table.row([
                 words::capital(&case.title(&finding.effect)).into(),

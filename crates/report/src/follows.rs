@@ -21,11 +21,11 @@ pub fn scatter(case: &Case) -> Option<Chart> {
         .coordinate
         .as_ref()
         .filter(|trace| !trace.x.is_empty())?;
-    let missing = words::missing_name(case);
     let unit = match trace.unit.as_str() {
         "" => &case.traces.missing_unit,
         unit => unit,
     };
+    let missing = words::missing_name(unit);
     let (along, up) = (
         Shown::of(&trace.coordinate_unit, peak(&trace.x)),
         Shown::of(unit, peak(&trace.missing)),
@@ -45,7 +45,7 @@ pub fn scatter(case: &Case) -> Option<Chart> {
         title,
         coordinate,
         along.unit.clone(),
-        missing,
+        words::short(missing),
         up.unit.clone(),
     )
     .points(missing, &thin(&trace.x, &along), &thin(&trace.missing, &up))

@@ -1,7 +1,7 @@
 //! The top of the page: the verdict and the key figures.
 
 use super::case::Case;
-use super::shown::{Shown, digits};
+use super::shown::digits;
 use super::{law, words};
 use quell_diagnosis::{Finding, Fit, Quality, Verdict};
 use quell_page::{self as html, Figure, Page, fixed, number};
@@ -137,14 +137,10 @@ fn size(case: &Case, finding: &Finding) -> Option<Figure> {
         return largest(case, finding);
     }
     let parameter = case.size(finding)?;
-    let shown = Shown::of(&parameter.unit, parameter.value);
+    let shown = case.shown(&finding.effect, parameter);
     let name = match parameter.name.as_str() {
-        name if finding.effect.contains(name) => case.title(&finding.effect),
-        name => format!(
-            "{}: {}",
-            case.title(&finding.effect),
-            case.parameter(finding, name)
-        ),
+        name if finding.effect.contains(name) => case.told(finding),
+        name => format!("{}: {}", case.told(finding), case.parameter(finding, name)),
     };
     let figure = Figure::text(name, shown.quoted(parameter.value, parameter.ci95));
     let interval = format!("95 %: {}", shown.interval(parameter.ci95));
@@ -157,7 +153,7 @@ fn largest(case: &Case, finding: &Finding) -> Option<Figure> {
     let all = curve.values.iter().zip(&curve.ci95);
     let (value, band) = all.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     let shown = law::law_unit(curve);
-    let name = format!("{}: largest {}", case.title(&finding.effect), curve.law);
+    let name = format!("{}: largest {}", case.told(finding), curve.law);
     let interval = format!("95 %: {}", shown.interval(*band));
     let figure = Figure::text(name, shown.quoted(*value, *band));
     Some(figure.unit(shown.unit).note(interval))

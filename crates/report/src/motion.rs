@@ -25,6 +25,12 @@ pub struct Names {
 
 const RECORDED: &str = "recorded";
 
+/// The curves of every report, in the order of their colours.
+pub fn usual(case: &Case) -> [String; 3] {
+    let Names { before, after } = names(case);
+    [RECORDED.into(), before, after]
+}
+
 /// The names for a case.
 pub fn names(case: &Case) -> Names {
     let findings = &case.diagnosis.findings;

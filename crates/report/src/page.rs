@@ -17,7 +17,7 @@ pub fn page(
 
 /// The whole page of a case.
 pub fn page_of(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
-    let page = head::head(case, model_name, recording_names);
+    let page = head::head(case, model_name, recording_names).curves(motion::usual(case));
     match case.diagnosis.verdict {
         Verdict::NoMismatch => clean(page, case),
         Verdict::Ambiguous => ambiguous(page, case),

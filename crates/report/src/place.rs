@@ -13,17 +13,19 @@ pub fn chain(page: Page, case: &Case) -> Page {
     let mut chain = Chain::new("Where it sits in the machine");
     let mut any = false;
     for (place, name) in PLACES {
-        let reasons = reasons(case, name);
+        let (sure, perhaps) = (sure(case, name), perhaps(case, name));
         let outside = matches!(place, Place::Base | Place::Environment);
-        if outside && reasons.is_empty() {
+        let silent = sure.is_empty() && perhaps.is_none();
+        if outside && silent {
             continue;
         }
         chain = match outside {
             true => chain.beside(*name, words::place(*place)),
             false => chain.station(*name, words::place(*place)),
         };
-        any |= !reasons.is_empty();
-        chain = reasons.into_iter().fold(chain, Chain::marked);
+        any |= !silent;
+        chain = sure.into_iter().fold(chain, Chain::marked);
+        chain = perhaps.into_iter().fold(chain, Chain::perhaps);
     }
     match any {
         true => page.chain(chain),
@@ -31,18 +33,44 @@ pub fn chain(page: Page, case: &Case) -> Page {
     }
 }
 
-/// The words at a place, if the mismatch is there.
-fn reasons(case: &Case, place: &str) -> Vec<String> {
-    let at = |finding: &&Finding| finding.place == place;
-    let here = case.diagnosis.findings.iter().filter(at);
-    let mut reasons: Vec<_> = here
-        .map(|finding| words::capital(&words::list(&case.set(finding), "or")))
+/// What sits at a place without doubt.
+fn sure(case: &Case, place: &str) -> Vec<String> {
+    let findings = case.diagnosis.findings.iter();
+    let here = findings.filter(|finding| finding.place == place && finding.is_certain());
+    let mut sure: Vec<_> = here
+        .map(|finding| words::capital(&case.title(&finding.effect)))
         .collect();
     let located = case.diagnosis.location.place.as_deref() == Some(place);
     if located && case.diagnosis.verdict == Verdict::Unexplained {
-        reasons.push("something unknown".into());
+        sure.push("something unknown".into());
     }
-    reasons
+    sure
+}
+
+/// What may sit at a place: findings and alternatives that are in doubt.
+fn perhaps(case: &Case, place: &str) -> Option<String> {
+    let findings = case.diagnosis.findings.iter();
+    let doubtful = findings.filter(|finding| !finding.is_certain());
+    let names = doubtful.flat_map(|finding| {
+        let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
+        names.filter(|name| sits(case, finding, name) == place)
+    });
+    let names: Vec<_> = names.map(|name| case.title(name)).collect();
+    (!names.is_empty()).then(|| format!("perhaps {}", words::list(&names, "or")))
+}
+
+/// The place of a finding or of what may be there instead: that of the finding, where the catalogue allows it there.
+fn sits<'a>(case: &Case, finding: &'a Finding, name: &str) -> &'a str {
+    let first = name.split(" + ").next().unwrap_or(name);
+    let places = case
+        .catalogue
+        .effect(first)
+        .map_or(&[][..], |own| own.places);
+    let allowed = places.iter().any(|own| own.name() == finding.place);
+    match places.first() {
+        Some(own) if !allowed => own.name(),
+        _ => &finding.place,
+    }
 }
 
 /// The evidence.
@@ -75,12 +103,11 @@ fn reading(case: &Case) -> &'static str {
         .map(|finding| finding.place.as_str())
     {
         Some("sensor") => {
-            "What would have to act besides the model for it to move as recorded, estimated without \
-             knowing what it is. Nothing does: the sensor only makes it look so."
+            "What would have to act on the model for it to move as recorded. The estimate does not know the cause. Here \
+             nothing acts: the sensor only makes it look so."
         }
         _ => {
-            "What would have to act besides the model for it to move as recorded, estimated without \
-             knowing what it is."
+            "What would have to act on the model for it to move as recorded. The estimate does not know the cause."
         }
     }
 }
@@ -91,7 +118,7 @@ fn missing(case: &Case) -> Option<Chart> {
         return None;
     }
     let shown = Shown::of(&traces.missing_unit, peak(&traces.missing));
-    let name = words::missing_name(case);
+    let name = words::missing_name(&traces.missing_unit);
     let edge = |sign: f64| -> Vec<f64> {
         let pairs = traces.missing.iter().zip(&traces.missing_std);
         pairs
@@ -100,7 +127,7 @@ fn missing(case: &Case) -> Option<Chart> {
     };
     let time = &traces.missing_time;
     let title = format!("{} over time", words::capital(name));
-    let mut chart = Chart::lines(title, "time", "s", name, shown.unit.clone());
+    let mut chart = Chart::lines(title, "time", "s", words::short(name), shown.unit.clone());
     if traces.missing_std.len() == traces.missing.len() {
         chart = chart.band(
             name,

@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::shown::digits;
 use super::{head, words};
-use quell_diagnosis::Verdict;
+use quell_diagnosis::{Finding, Verdict};
 use quell_page::{Bars, Page, Table, fixed, number};
 
 /// Candidates that are drawn, and that are listed, at most.
@@ -30,28 +30,40 @@ pub fn section(page: Page, case: &Case) -> Page {
 
 fn introduction(case: &Case) -> String {
     let diagnosis = case.diagnosis;
-    let how = "Each explanation was fitted together with the model's own parameters and weighed by the \
-               probability that it gives to the whole recording, what was held out included.";
-    let doubts = diagnosis
+    let how = "Each explanation was fitted together with the model's own parameters. Its weight is the probability that it \
+               gives to the whole recording, the held-out part included.";
+    let doubts: Vec<_> = diagnosis
         .findings
         .iter()
-        .filter(|finding| !finding.alternatives.is_empty());
-    let doubts: Vec<_> = doubts
-        .map(|finding| {
-            let others = finding.alternatives.iter().map(|name| case.title(name));
-            let others: Vec<_> = others.collect();
-            let name = case.title(&finding.effect);
-            format!(
-                " The data cannot tell {name} from {}.",
-                words::list(&others, "or")
-            )
-        })
+        .filter_map(|own| doubt(case, own))
         .collect();
     let none = format!(" None comes as close as {}.", case.findings());
     match (diagnosis.verdict, doubts.is_empty()) {
         (Verdict::Unexplained, _) => how.into(),
         (_, true) => format!("{how}{none}"),
         (_, false) => format!("{how}{}", doubts.concat()),
+    }
+}
+
+/// What the data cannot tell of a finding; nothing where it is certain.
+fn doubt(case: &Case, finding: &Finding) -> Option<String> {
+    let name = case.title(&finding.effect);
+    let others: Vec<_> = finding
+        .alternatives
+        .iter()
+        .map(|other| case.title(other))
+        .collect();
+    match (others.is_empty(), case.diagnosis.may_be_absent(finding)) {
+        (false, false) => Some(format!(
+            " The data cannot tell {name} from {}.",
+            words::list(&others, "or")
+        )),
+        (false, true) => Some(format!(
+            " The data cannot tell {name} from {}, or from nothing.",
+            words::list(&others, "or")
+        )),
+        (true, true) => Some(format!(" The data do not decide whether {name} is there.")),
+        (true, false) => None,
     }
 }
 

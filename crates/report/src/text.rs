@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use super::case::Case;
 use super::score::score_line;
-use super::shown::Shown;
 use super::{happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
@@ -54,7 +53,7 @@ fn parameters(case: &Case) -> String {
         .flat_map(|finding| words::numbers(finding).iter().map(move |p| (finding, p)));
     let rows: Vec<_> = all
         .map(|(finding, parameter)| {
-            let shown = Shown::of(&parameter.unit, parameter.value);
+            let shown = case.shown(&finding.effect, parameter);
             [
                 case.title(&finding.effect),
                 finding.place.clone(),

@@ -1,9 +1,13 @@
 //! Effects and places as an engineer says them.
 
 use super::case::Case;
+use super::shown::Shown;
 use quell_diagnosis::{Diagnosis, Finding, FittedParameter};
-use quell_model::effects::Place;
 pub use quell_model::effects::words as plain;
+use quell_model::effects::{ParameterRole, Place};
+
+/// Numbers below this size are told in parts per million.
+const PER_MILLION: f64 = 1e-3;
 
 /// With a capital, to begin a sentence.
 pub fn capital(text: &str) -> String {
@@ -75,6 +79,15 @@ impl Case<'_> {
         names.map(|name| self.title(name)).collect()
     }
 
+    /// The title of a finding; one that is in doubt is told as that.
+    pub(crate) fn told(&self, finding: &Finding) -> String {
+        let title = self.title(&finding.effect);
+        match finding.is_certain() {
+            true => title,
+            false => format!("perhaps {title}"),
+        }
+    }
+
     /// A parameter of a finding in words.
     pub(crate) fn parameter(&self, finding: &Finding, name: &str) -> String {
         self.parameter_of(&finding.effect, name)
@@ -84,6 +97,24 @@ impl Case<'_> {
     pub(crate) fn parameter_of(&self, effect: &str, name: &str) -> String {
         let effect = self.catalogue.effect(effect);
         effect.map_or_else(|| plain(name), |effect| effect.parameter_title(name))
+    }
+
+    /// The unit in which a parameter of an effect is told: a phase is an angle, a small number is told in parts per
+    /// million.
+    pub(crate) fn shown(&self, effect: &str, parameter: &FittedParameter) -> Shown {
+        let FittedParameter {
+            name, value, unit, ..
+        } = parameter;
+        let of = self.catalogue.effect(effect);
+        let role = of.and_then(|effect| effect.parameters.iter().find(|own| own.name == name));
+        match role.map(|own| own.role) {
+            Some(ParameterRole::Phase) => Shown::of("rad", *value),
+            _ if unit == "1" && value.abs() > 0.0 && value.abs() < PER_MILLION => Shown {
+                factor: 1e6,
+                unit: "ppm".into(),
+            },
+            _ => Shown::of(unit, *value),
+        }
     }
 
     /// The parameter that says how large a finding is.
@@ -146,21 +177,29 @@ pub fn sentences(text: &str, length: usize) -> String {
 /// where it names an alternative, alone or beside the other findings.
 pub fn in_set(diagnosis: &Diagnosis, candidate: &str) -> bool {
     let parts: Vec<&str> = candidate.split(" + ").collect();
-    let fits = |part: &&str| {
-        let same = |finding: &Finding| {
-            finding.effect == *part || finding.alternatives.iter().any(|other| other == part)
-        };
-        diagnosis.findings.iter().any(same)
+    let is = |finding: &Finding, part: &str| {
+        finding.effect == part || finding.alternatives.iter().any(|other| other == part)
     };
-    parts.len() == diagnosis.findings.len() && parts.iter().all(fits)
+    let findings = &diagnosis.findings;
+    let known = |part: &&str| findings.iter().any(|finding| is(finding, part));
+    let held = |finding: &Finding| parts.iter().any(|part| is(finding, part));
+    let complete = findings
+        .iter()
+        .all(|finding| held(finding) || diagnosis.may_be_absent(finding));
+    parts.len() <= findings.len() && parts.iter().all(known) && complete
 }
 
 /// The missing quantity, by its unit.
-pub fn missing_name(case: &Case) -> &'static str {
-    match case.traces.missing_unit.ends_with("/s^2") {
+pub fn missing_name(unit: &str) -> &'static str {
+    match unit.ends_with("/s^2") {
         true => "missing acceleration",
         false => "missing force",
     }
+}
+
+/// Its name beside an axis, where the title says that it is missing.
+pub fn short(missing: &'static str) -> &'static str {
+    missing.trim_start_matches("missing ")
 }
 
 #[cfg(test)]

@@ -69,15 +69,20 @@ fn headline(page: Page, findings: &Findings, best: &Recommended) -> Page {
     if let Some(fit) = findings.found.reference().batch() {
         let off = 100.0 * (mode.hertz() / fit.mode.hertz() - 1.0);
         let figure = Figure::new("off-line fit", fit.mode.hertz(), "Hz");
-        let sign = if off > 0.0 { "+" } else { "" };
-        page = page.figure(figure.note(format!("recommended {sign}{} %", fixed(off, 2))));
+        let side = if off > 0.0 { "above" } else { "below" };
+        let note = format!("the recommended is {} % {side}", fixed(off.abs(), 2));
+        page = page.figure(figure.note(note));
     }
     page
 }
 
-/// A standard deviation as it is quoted.
+/// A standard deviation as it is quoted: to two digits.
 fn two_digits(value: f64) -> String {
-    number(format!("{value:.1e}").parse().unwrap_or(value))
+    number(rounded(value))
+}
+
+fn rounded(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 fn on_line(findings: &Findings) -> Table {
@@ -104,9 +109,9 @@ fn on_line(findings: &Findings) -> Table {
         table = table.row([
             line.name.into(),
             number(e.map(|e| e.mode.hertz())),
-            number(std.map(|std| std[0] / TAU)),
+            number(std.map(|std| rounded(std[0] / TAU))),
             number(e.map(|e| e.mode.damping_ratio())),
-            number(std.map(|std| std[1])),
+            number(std.map(|std| rounded(std[1]))),
             number(e.map(|e| e.gain)),
             number(result.and_then(|r| r.converged_at)),
             number(result.and_then(|r| r.periods)),
@@ -129,10 +134,10 @@ fn off_line(run: &Run) -> Table {
             line.method.into(),
             line.mode.hertz().into(),
             line.natural_frequency_std
-                .map_or(f64::NAN, |std| std / TAU)
+                .map_or(f64::NAN, |std| rounded(std / TAU))
                 .into(),
             line.mode.damping_ratio().into(),
-            line.damping_ratio_std.unwrap_or(f64::NAN).into(),
+            line.damping_ratio_std.map_or(f64::NAN, rounded).into(),
             words::used(run).into(),
         ]);
     }
@@ -269,9 +274,15 @@ fn by_amplitude(findings: &Findings) -> Option<Chart> {
             .collect()
     };
     Some(
-        Chart::lines("Damping cycle by cycle", "amplitude", "mrad", "damping ratio", "")
-            .band("one cycle", "± 1 std", &amplitude, &edge(-1.0), &edge(1.0))
-            .points("one cycle", &amplitude, &xi)
-            .note("Each point is one period of the free decay, by eq. (25); band: two standard deviations."),
+        Chart::lines(
+            "Damping cycle by cycle",
+            "amplitude",
+            "mrad",
+            "damping ratio",
+            "",
+        )
+        .band("one cycle", "± 2 std", &amplitude, &edge(-1.0), &edge(1.0))
+        .points("one cycle", &amplitude, &xi)
+        .note("Each point is one period of the free decay. Band: two standard deviations."),
     )
 }

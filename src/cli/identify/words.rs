@@ -80,7 +80,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     let mut remarks = Vec::new();
     match (found.best_decay, found.known_input_holds) {
         (None, _) => remarks.push(format!(
-            "The motor side never rests long enough for a free decay; with its motion as known \
+            "The motor side never rests long enough for a free decay. With its motion as known \
              input the model explains {:.1} % of the deformation's variance.",
             100.0 * found.explained
         )),
@@ -93,7 +93,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     }
     if found.memory.is_finite() && found.known_input_holds != Some(false) {
         remarks.push(format!(
-            "The motor side, as measured, does not carry the vibration to the end: it is taken as \
+            "The measured motor side does not explain the vibration to the end. The vibration is taken as \
              free again after every {:.2} s.",
             found.memory
         ));

@@ -211,7 +211,10 @@ fn row(comparison: &Comparison, kind: MoveKind, trace: &MoveTrace) -> [String; 8
         percent(comparison.whole_ratio(kind)),
         settling.map_or("-".to_string(), |time| format!("{time:.3}")),
         format!("{:.3}", comparison.added_delay(kind)),
-        format!("{:.1e}", trace.final_error()),
+        match trace.final_error() {
+            0.0 => "0".to_string(),
+            error => format!("{error:.1e}"),
+        },
     ]
 }
 

@@ -63,8 +63,8 @@ fn sentence(comparison: &Comparison) -> String {
     let whole = |kind| comparison.whole_ratio(kind) * 100.0;
     format!(
         "After the move the adaptive shaper leaves {:.1} % of the unshaped vibration on the first move and {:.1} % on \
-         the next; shaped by the wrong belief it is {:.0} %. In the whole move, beside the planned acceleration, it is \
-         {:.1}, {:.1} and {:.0} %.",
+         the next. The shaper of the wrong belief leaves {:.0} %. Over the whole move, without the planned \
+         acceleration, they leave {:.1} %, {:.1} % and {:.0} %.",
         percent(MoveKind::AdaptiveFirst),
         percent(MoveKind::AdaptiveNext),
         percent(MoveKind::WrongBelief),

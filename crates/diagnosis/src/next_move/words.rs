@@ -93,13 +93,13 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: 
         .collect();
     let (times, each) = match score < ENOUGH {
         true => (
-            format!("; {} times over to be sure", (ENOUGH / score).ceil()),
+            format!(", {} times over", (ENOUGH / score).ceil()),
             " each time",
         ),
         false => (String::new(), ""),
     };
     format!(
-        "{first}{}{times}: if it is {right}, {wrong} will miss by a chi-squared of at least {}{each} \
+        "{first}{}{times}. If \"{right}\" is right, \"{wrong}\" will miss by a chi-squared of at least {}{each} \
          ({SEPARATES} is very strong evidence).",
         letters.as_str(),
         rounded(score)
@@ -109,22 +109,21 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: 
 /// The sentence for a pair that nothing tried separates, and what would.
 pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> String {
     format!(
-        "No motion within the limits of the recordings tells {one} from {other}: the best that was tried \
-         makes a chi-squared of {best:.1}, and {SEPARATES} would be very strong evidence. What would tell: \
-         {remedy}."
+        "No motion within the limits of the recordings tells {one} from {other}. The best that was tried \
+         makes a chi-squared of {best:.1}; {SEPARATES} would be very strong evidence. What would tell: {remedy}."
     )
 }
 
 /// The further sentence on a pair that the proposed experiment leaves alike.
 pub fn besides([one, other]: &[String; 2], remedy: &str) -> String {
-    format!(" It does not tell {one} from {other}; what would: {remedy}.")
+    format!(" It does not tell {one} from {other}. What would: {remedy}.")
 }
 
 /// The further sentence where a payload makes the difference.
 pub fn with_payload(idea: &Idea, score: f64) -> String {
     format!(
-        " So would a known payload that makes the link's inertia half as large again, were nothing else to \
-         change: to {} would then make {}.",
+        " A known payload would tell, too. With the link's inertia half as large again, and nothing else changed, to \
+         {} makes a chi-squared of {}.",
         command(idea),
         rounded(score)
     )

@@ -267,8 +267,11 @@ impl Score {
             };
             let right = [detected, j.is_right(), j.exact, j.in_set];
             let row = rows.entry(case.truth.name()).or_default();
-            // Where nothing is hidden there is no name to be right about.
-            let asked = if j.kind == Kind::Clean { 2 } else { 4 };
+            // What is nothing, or in no catalogue, has no name to be right about.
+            let asked = match j.kind {
+                Kind::Clean | Kind::Outside => 2,
+                _ => 4,
+            };
             for (rate, right) in row.iter_mut().zip(right).take(asked) {
                 *rate = rate.and(right);
             }

@@ -24,7 +24,7 @@ impl Score {
              doubt where no catalogue helps.",
             right.right, right.of
         );
-        Page::new("Diagnosis of concealed cases")
+        let page = Page::new("Diagnosis of concealed cases")
             .subtitle(subtitle)
             .verdict(sign, sentence)
             .figures(self.key_figures())
@@ -40,12 +40,12 @@ impl Score {
             .table(self.confusion_table())
             .heading("Effect by effect")
             .bars(self.effect_bars())
-            .table(self.effects_table())
-            .table(self.wrong_table())
-            .footnote(
-                "A family is right when the first name (for two effects: each of both) is of the \
-                 hidden effect's family. Intervals of rates are Wilson's.",
-            )
+            .table(self.effects_table());
+        let page = self.wrong_table().into_iter().fold(page, Page::table);
+        page.footnote(
+            "A family is right when the first name (for two effects: each of both) is of the \
+             hidden effect's family. Intervals of rates are Wilson's.",
+        )
     }
 
     fn key_figures(&self) -> Vec<Figure> {
@@ -73,7 +73,7 @@ impl Score {
         for line in self.lines() {
             let [low, high] = line.rate.interval();
             let interval = if line.rate.of == 0 {
-                "-".into()
+                "\u{2013}".into()
             } else {
                 format!("{low:.1} to {high:.1} %")
             };
@@ -220,7 +220,8 @@ impl Score {
         table
     }
 
-    fn wrong_table(&self) -> Table {
+    /// None where all went well.
+    fn wrong_table(&self) -> Option<Table> {
         let mut table = Table::new("Cases that went wrong")
             .text_column("case")
             .text_column("hidden")
@@ -228,10 +229,13 @@ impl Score {
             .text_column("named")
             .column("refit / noise", "")
             .column("test / noise", "");
-        for case in self.cases.iter().filter(|case| !case.judgement.is_right()) {
+        let wrong = self.cases.iter().filter(|case| !case.judgement.is_right());
+        let mut wrong = wrong.peekable();
+        wrong.peek()?;
+        for case in wrong {
             table = table.row(wrong_row(case));
         }
-        table
+        Some(table)
     }
 }
 

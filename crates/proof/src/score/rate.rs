@@ -53,7 +53,8 @@ impl Rate {
         let (n, p) = (self.of as f64, self.right as f64 / self.of as f64);
         let centre = p + Z * Z / (2.0 * n);
         let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-        [centre - half, centre + half].map(|edge| 100.0 * edge / (1.0 + Z * Z / n))
+        [centre - half, centre + half]
+            .map(|edge| (100.0 * edge / (1.0 + Z * Z / n)).clamp(0.0, 100.0) + 0.0)
     }
 
     /// As `214 of 214`.

@@ -1,4 +1,4 @@
-//! On the link, under the base and from outside.
+//! Effects on the link, under the base and from outside.
 
 use super::super::joint::Body;
 use super::super::surfaces::{DryFriction, Knock, Stop};

@@ -1,4 +1,4 @@
-//! In the sensor.
+//! Effects in the sensor.
 
 use super::super::Channel;
 use super::super::joint::Lag;

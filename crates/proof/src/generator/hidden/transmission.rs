@@ -1,4 +1,4 @@
-//! Between the motor side and the link. Forces are told divided by the stiffness, in rad.
+//! Effects between the motor side and the link. Forces are told divided by the stiffness, in rad.
 
 use super::super::surfaces::{BoucWen, Bristles, DryFriction, Gap};
 use super::{Arm, Entry, Parameters, Scales, between, entry, log_between, sign};
