@@ -8,7 +8,7 @@ use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::pool::Pool;
 use super::screen::Table;
-use super::search::{BEAM, Search};
+use super::search::Search;
 use super::thresholds::MOST_EFFECTS;
 
 impl Search<'_> {
@@ -22,7 +22,7 @@ impl Search<'_> {
         }
         let mut ahead = pool.clone();
         for count in 1..MOST_EFFECTS {
-            let own = most_likely(&ahead, count);
+            let own = ahead.most_likely(count);
             for own in &own {
                 if self.is_over() {
                     return false;
@@ -31,7 +31,7 @@ impl Search<'_> {
                     self.add_extended(&mut ahead, own, Table::Named);
                 }
             }
-            let next = most_likely(&ahead, count + 1);
+            let next = ahead.most_likely(count + 1);
             if next.iter().any(|own| self.leaves_noise(own)) {
                 *pool = ahead;
                 return true;
@@ -48,11 +48,4 @@ impl Search<'_> {
 /// How likely an explanation would be, were only noise left in the end.
 fn score(own: &Explanation) -> f64 {
     own.log_evidence(CALIBRATED)
-}
-
-/// The most likely structures of a number of effects, were only noise left in the end.
-pub fn most_likely(pool: &Pool, count: usize) -> Vec<Explanation> {
-    let ranked = pool.ranked(CALIBRATED).into_iter().map(|own| own.0);
-    let named = ranked.filter(|own| own.terms() == count && !own.is_learned());
-    named.take(BEAM).cloned().collect()
 }

@@ -5,6 +5,7 @@ use super::explanation::Explanation;
 use super::judge::Judge;
 use super::point::Point;
 use super::screen::Table;
+use super::thresholds::BEAM;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -107,6 +108,13 @@ impl Pool {
     /// The most probable one.
     pub fn best(&self, judge: &Judge) -> &Explanation {
         self.ranked(self.temperature(judge))[0].0
+    }
+
+    /// The most likely structures of a number of named effects, were only noise left in the end.
+    pub fn most_likely(&self, count: usize) -> Vec<Explanation> {
+        let ranked = self.ranked(CALIBRATED).into_iter().map(|own| own.0);
+        let named = ranked.filter(|own| own.terms() == count && !own.is_learned());
+        named.take(BEAM).cloned().collect()
     }
 
     /// Marks a structure as extended by the effects of a table.

@@ -4,19 +4,14 @@
 use super::candidate::Known;
 use super::explanation::Explanation;
 use super::judge::Judge;
-use super::look_ahead::most_likely;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::projector::Projector;
 use super::screen::Table;
-use super::thresholds::{LONG, MOST_EFFECTS};
+use super::thresholds::{BEAM, LONG, MOST_EFFECTS};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering::Relaxed;
-
-/// Structures of as many effects that are extended: the first effect of two that mask each other may not be the best
-/// single one.
-pub const BEAM: usize = 2;
 
 /// Steps simulated after which the search for further effects ends with the best so far: what a core simulates in some
 /// thirty seconds.
@@ -169,7 +164,7 @@ impl Search<'_> {
             }
         }
         if best.is_learned() {
-            for own in most_likely(pool, best.terms()) {
+            for own in pool.most_likely(best.terms()) {
                 if !pool.is_extended(&own, Table::Named) && !self.is_over() {
                     self.extend_by(pool, &own, Table::Named);
                 }

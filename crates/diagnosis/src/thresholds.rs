@@ -9,6 +9,9 @@ pub const FLOOR: f64 = 1.21;
 pub const LONG: usize = 100;
 /// Most terms in one explanation: what a search of minutes can tell apart.
 pub const MOST_EFFECTS: usize = 6;
+/// Structures of as many effects that are extended: the first effect of two that mask each other may not be the best
+/// single one.
+pub const BEAM: usize = 2;
 /// Cost over that of the start of a continuation, of the fit ahead, or of a simpler model, from which one has gone too
 /// far: twice the residual.
 pub const LOST: f64 = 4.0;
