@@ -78,13 +78,17 @@ impl Chain {
 impl Station {
     fn render(&self) -> Markup {
         let marked = match (self.marks.is_empty(), self.doubts.is_empty()) {
-            (false, _) => "mark",
-            (true, false) => "perhaps",
-            (true, true) => "",
+            (false, _) => Some("mark"),
+            (true, false) => Some("perhaps"),
+            (true, true) => None,
         };
-        let beside = if self.beside { "beside" } else { "" };
+        let classes: Vec<&str> = marked
+            .into_iter()
+            .chain(self.beside.then_some("beside"))
+            .collect();
+        let class = (!classes.is_empty()).then(|| classes.join(" "));
         html! {
-            li class={ (marked) " " (beside) } {
+            li class=[class] {
                 b { (self.name) }
                 span { (self.words) }
                 @for why in &self.marks { strong { (why) } }
