@@ -119,30 +119,30 @@ impl SampledTrajectory {
     /// acceleration, or mean jerk from sample to sample. Allocates.
     pub fn at_rate(&self, ramp: &RateRamp, limits: &[Limits]) -> Option<Self> {
         let (period, end) = (self.period(), self.duration());
-        let mut places = vec![ramp.from];
-        while places.last()?.time < end * (1.0 - ROUNDING) {
-            let next = ramp.after(places.len() as f64 * period);
-            if !(next.rate > 0.0 && places.len() < crate::MAX_SAMPLES) {
-                return None;
-            }
-            places.push(next);
-        }
-        // The last sample is the end to the bit.
-        let last = places.len() - 1;
-        let mut states = Vec::with_capacity(places.len() * self.degrees_of_freedom());
-        for axis in 0..self.degrees_of_freedom() {
-            for (index, &place) in places.iter().enumerate() {
-                let now = match index == last {
+        let mut axes = vec![Vec::new(); self.degrees_of_freedom()];
+        let mut place = ramp.from;
+        for index in 0.. {
+            // The last sample is the end to the bit.
+            let is_last = place.time >= end * (1.0 - ROUNDING);
+            for (axis, states) in axes.iter_mut().enumerate() {
+                let now = match is_last {
                     true => self.state(axis, self.samples() - 1)?,
                     false => self.run_through(axis, place)?,
                 };
-                if index > 0 {
-                    let before = states.last()?;
+                if let Some(before) = states.last() {
                     keeps(before, &now, limits.get(axis)?, period).then_some(())?;
                 }
                 states.push(now);
             }
+            if is_last {
+                break;
+            }
+            place = ramp.after((index + 1) as f64 * period);
+            if !(place.rate > 0.0 && index + 1 < crate::MAX_SAMPLES) {
+                return None;
+            }
         }
+        let states = axes.concat();
         Some(Self::of_states(period, self.degrees_of_freedom(), &states))
     }
 
