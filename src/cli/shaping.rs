@@ -3,7 +3,7 @@
 use quell_shapers::{
     GridTrain, Setpoint, Shaper, ShaperError, ShapingFilter, UncertainMode, common_train,
 };
-use quell_trajectories::{AxisState, Limits, Planner};
+use quell_trajectories::{Limits, Planner};
 
 use super::CliError;
 use crate::closed_loop::ClosedLoopError;
@@ -105,18 +105,4 @@ pub fn slowed(shaper: &str, speed: f64) -> String {
         "the negative impulses of {shaper} would exceed the limits; slowed to {:.2} % speed",
         100.0 * speed
     )
-}
-
-/// The planner's state as the shapers' crate names it; the two crates do not know each other.
-pub fn setpoint(state: AxisState) -> Setpoint {
-    let AxisState {
-        position,
-        velocity,
-        acceleration,
-    } = state;
-    Setpoint {
-        position,
-        velocity,
-        acceleration,
-    }
 }

@@ -3,6 +3,8 @@
 use quell_shapers::Setpoint;
 use quell_trajectories::AxisState;
 
+use crate::controller::setpoint;
+
 /// [`AxisState::between`] of setpoints.
 pub fn between([from, to]: [Setpoint; 2], share: f64, period: f64) -> Setpoint {
     setpoint(state(from).between(state(to), share, period))
@@ -15,14 +17,6 @@ pub fn within_limits([from, to]: [Setpoint; 2], share: f64, period: f64) -> Setp
 
 fn state(of: Setpoint) -> AxisState {
     AxisState {
-        position: of.position,
-        velocity: of.velocity,
-        acceleration: of.acceleration,
-    }
-}
-
-fn setpoint(of: AxisState) -> Setpoint {
-    Setpoint {
         position: of.position,
         velocity: of.velocity,
         acceleration: of.acceleration,

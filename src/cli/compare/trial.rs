@@ -1,6 +1,7 @@
 //! The robot's own move, simulated with the machine's frequency beside the believed one.
 
 use crate::cli::{CliError, effort::affordable, shaping};
+use crate::controller::setpoint;
 use crate::plant::{ArmSimulation, Command, ModeOfJoint, Robot, SimulationOptions};
 use quell_shapers::{GridTrain, Mode, ShapingFilter};
 use quell_trajectories::{AxisState, SampledTrajectory};
@@ -75,7 +76,7 @@ impl<'a> Trial<'a> {
         let (mut peak, mut arrived) = (0.0_f64, None);
         for tick in 0..last {
             let planned = plan.state(0, tick).unwrap_or(AxisState::at_rest(target));
-            let shaped = filter.step(shaping::setpoint(planned));
+            let shaped = filter.step(setpoint(planned));
             let command = Command {
                 position: shaped.position,
                 velocity: Some(shaped.velocity),

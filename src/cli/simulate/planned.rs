@@ -7,7 +7,7 @@ use super::Args;
 use super::motion::{Knot, Leg, Motion, rounding};
 use super::setup::Setup;
 use crate::cli::{CliError, effort::affordable, shaping};
-use crate::controller::SlowedPlan;
+use crate::controller::{SlowedPlan, setpoint};
 use crate::tolerance::{self, Moving, Tolerance};
 
 /// Rest before the first move, s: what the sensors say of a joint that stands.
@@ -153,7 +153,7 @@ impl<'a> Writer<'a> {
         self.affordable(duration)?;
         for tick in 1..ticks {
             if let Some(state) = plan.state(0, tick) {
-                self.tick(shaping::setpoint(state));
+                self.tick(setpoint(state));
             }
         }
         self.legs.push(Leg {

@@ -1,12 +1,12 @@
 //! A move from its first tick until it has rung out.
 
-use quell_shapers::{GridTrain, Mode, Setpoint, shaped_peak_ratios};
+use quell_shapers::{GridTrain, Mode, Setpoint};
 use quell_trajectories::{AxisState, Limits, SampledTrajectory};
 
 use super::cruise::Cruise;
 use super::learned::WITHIN;
 use super::pacing::Pacing;
-use crate::controller::motion_limits;
+use crate::controller::{setpoint, shaped_peaks};
 use crate::estimators::Sample;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
@@ -110,7 +110,10 @@ impl Running {
             .train
             .as_ref()
             .filter(|train| train.gain() > 1.0 + ROUNDING);
-        train.is_none_or(|train| keeps_shaped(&self.plan.then(sample, rest), train, limits))
+        train.is_none_or(|train| {
+            let plan = self.plan.then(sample, rest);
+            shaped_peaks(&plan, limits, train).worst() <= 1.0 + ROUNDING
+        })
     }
 
     /// Where the present plan ends, rad.
@@ -216,20 +219,5 @@ impl Running {
             modes: Vec::new(),
             recording: self.recording.clone(),
         }
-    }
-}
-
-/// Whether a plan from rest, shaped by a train, keeps limits.
-fn keeps_shaped(plan: &SampledTrajectory, train: &GridTrain, limits: Limits) -> bool {
-    let states = (0..plan.samples()).filter_map(|tick| plan.state(0, tick));
-    let planned: Vec<_> = states.map(setpoint).collect();
-    shaped_peak_ratios(train, &planned, &motion_limits(limits)).worst() <= 1.0 + ROUNDING
-}
-
-fn setpoint(state: AxisState) -> Setpoint {
-    Setpoint {
-        position: state.position,
-        velocity: state.velocity,
-        acceleration: state.acceleration,
     }
 }

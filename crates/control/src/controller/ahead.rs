@@ -1,7 +1,7 @@
 //! The rest of the plan ahead of the axis.
 
 use quell_shapers::Setpoint;
-use quell_trajectories::SampledTrajectory;
+use quell_trajectories::{AxisState, SampledTrajectory};
 
 /// The planned setpoints from the present tick on.
 pub struct Ahead<'a> {
@@ -26,12 +26,22 @@ impl<'a> Ahead<'a> {
     pub fn setpoint(&self, ticks: usize) -> Setpoint {
         let tick = self.cursor.saturating_add(ticks);
         match self.plan.and_then(|plan| plan.state(0, tick)) {
-            Some(state) => Setpoint {
-                position: state.position,
-                velocity: state.velocity,
-                acceleration: state.acceleration,
-            },
+            Some(state) => setpoint(state),
             None => self.rest,
         }
+    }
+}
+
+/// The planner's state as the shapers' crate names it; the two crates do not know each other.
+pub fn setpoint(state: AxisState) -> Setpoint {
+    let AxisState {
+        position,
+        velocity,
+        acceleration,
+    } = state;
+    Setpoint {
+        position,
+        velocity,
+        acceleration,
     }
 }

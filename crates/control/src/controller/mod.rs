@@ -15,12 +15,13 @@ mod settings;
 mod slow_down;
 
 pub use adapting::ringing_time;
+pub use ahead::setpoint;
 pub use axis::{Axis, AxisStatus};
 pub use foresight::Lent;
 pub use path::KeptPath;
 pub use quell_shapers::{RetuneOutcome, Setpoint};
 pub use settings::{AxisSettings, RetunePolicy, motion_limits};
-pub use slow_down::{SlowedPlan, plan_shaped, plan_shaped_by};
+pub use slow_down::{SlowedPlan, plan_shaped, plan_shaped_by, shaped_peaks};
 
 use quell_shapers::{Refusal, ShaperError};
 use quell_trajectories::SampledTrajectory;

@@ -1,8 +1,9 @@
 //! Moves for trains with negative impulses, which can exceed limits that the plan keeps.
 
-use quell_shapers::{GridTrain, PeakRatios, Setpoint, ShapingFilter, peak_ratios};
+use quell_shapers::{GridTrain, PeakRatios, ShapingFilter, peak_ratios};
 use quell_trajectories::{AxisState, Limits, PlanError, Planner, SampledTrajectory};
 
+use super::ahead::setpoint;
 use super::settings::motion_limits;
 
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
@@ -87,7 +88,8 @@ fn worst_of(one: PeakRatios, other: PeakRatios) -> PeakRatios {
     }
 }
 
-fn shaped_peaks(plan: &SampledTrajectory, limits: Limits, train: &GridTrain) -> PeakRatios {
+/// The largest velocity, acceleration and jerk of the first axis of a plan from rest, shaped by a train, over limits.
+pub fn shaped_peaks(plan: &SampledTrajectory, limits: Limits, train: &GridTrain) -> PeakRatios {
     let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
     let start = plan.positions(0)[0];
     // The filter's own capacity is the train's length, so that it cannot refuse the train.
@@ -97,11 +99,7 @@ fn shaped_peaks(plan: &SampledTrajectory, limits: Limits, train: &GridTrain) -> 
     filter.reset(start);
     let command = (0..plan.samples() + train.duration_in_ticks()).map(|tick| {
         let planned = plan.state(0, tick).unwrap_or(AxisState::at_rest(start));
-        filter.step(Setpoint {
-            position: planned.position,
-            velocity: planned.velocity,
-            acceleration: planned.acceleration,
-        })
+        filter.step(setpoint(planned))
     });
     peak_ratios(command, &motion_limits(limits), train.sample_time())
 }
