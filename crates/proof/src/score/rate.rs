@@ -53,6 +53,7 @@ impl Rate {
         let (n, p) = (self.of as f64, self.right as f64 / self.of as f64);
         let centre = p + Z * Z / (2.0 * n);
         let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+        // Rounding: a bound that is 0 is none below it.
         [centre - half, centre + half]
             .map(|edge| (100.0 * edge / (1.0 + Z * Z / n)).clamp(0.0, 100.0) + 0.0)
     }
