@@ -3,7 +3,7 @@
 //!
 //! A replicate takes the best explanation for the truth. Its outputs are what that predicts for the
 //! recorded input, plus noise ([`output_noise`]); its input is the recorded one with the error of its
-//! encoder put on once more ([`input_error`]), since the encoder that drives the model is itself
+//! encoder put on once more ([`InputError`]), since the encoder that drives the model is itself
 //! rounded and noisy: what a model makes of that lies at its resonance, where the parameters are
 //! learned. One Gauss-Newton step from the best point, with its derivatives, refits all unknowns:
 //! shared ones, clocks, departures, linear nuisances. It is exact for a small change; where a second
@@ -16,18 +16,17 @@
 //! Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapters 6 and 12; Bardsley,
 //! Solonen, Haario and Laine, SIAM J. Scientific Computing 36 (2014) on beliefs that are drawn, too.
 
-mod input_error;
 mod output_noise;
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::found::Found;
+use super::input_error::InputError;
 use super::normal::{deviations, solve};
 use super::point::{Global, Point};
 use super::problem::Problem;
 use super::search::Search;
-use input_error::InputError;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
 use quell_model::effects::ParameterRole;

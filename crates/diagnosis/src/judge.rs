@@ -4,13 +4,14 @@ use super::baseline;
 use super::data::Data;
 use super::fit::Fitted;
 use super::point::Point;
-use super::problem::{Problem, Rows};
+use super::problem::{Problem, Responses, Rows};
 use super::projector::Projector;
 use super::rounding::rounding;
 use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
 use quell_model::{Model, StartComponent};
+use std::sync::Arc;
 
 /// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
 /// windows in which friction sticks take more.
@@ -30,6 +31,8 @@ pub struct Judge<'a> {
     pub rounding: f64,
     /// Components of the start that are free in the recordings kept apart, once that is decided.
     starts: Option<Vec<StartComponent>>,
+    /// What the recordings kept apart show of the rounding of their inputs.
+    rounding_apart: Arc<Vec<Responses>>,
 }
 
 impl<'a> Judge<'a> {
@@ -47,11 +50,13 @@ impl<'a> Judge<'a> {
             held_out_rows: count(&data.held_out) + apart,
             rounding: rounding(&data.experiments, &data.held_out),
             starts: None,
+            rounding_apart: Arc::default(),
         };
         if !data.apart.is_empty() {
             let (mut apart, still) = judge.apart(problem, refitted);
             let projector = Projector::new(&apart);
-            ringing(&mut apart, still, &projector);
+            let still = ringing(&mut apart, still, &projector).point;
+            judge.rounding_apart = Arc::new(apart.responses_to_rounding(&still));
             judge.starts = Some(apart.departures);
         }
         judge
@@ -80,6 +85,7 @@ impl<'a> Judge<'a> {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
+        problem.rounding = self.rounding_apart.clone();
         if let Some(starts) = &self.starts {
             problem.departures.clone_from(starts);
         }

@@ -13,6 +13,10 @@ use std::sync::atomic::AtomicU64;
 /// Rows of one output that count, as ranges of samples.
 pub type Rows = Vec<Range<usize>>;
 
+/// What the outputs of an experiment show of the errors of its input: for each error, of one standard deviation, a series
+/// an output.
+pub type Responses = Vec<Vec<Vec<f64>>>;
+
 /// What is known, and what is to be explained.
 #[derive(Clone)]
 pub struct Problem<'a> {
@@ -26,6 +30,8 @@ pub struct Problem<'a> {
     pub noise: Vec<Vec<Whitening>>,
     /// The same as it weighs the rows: several outputs that are all far above their noise count alike.
     pub whitening: Vec<Vec<Whitening>>,
+    /// For each experiment what its outputs show of the rounding of its input; empty where that is not known.
+    pub rounding: Arc<Vec<Responses>>,
     /// Keys of the model that are free.
     pub free: Vec<usize>,
     /// Beliefs on the keys: value, standard deviation (of the logarithm where `logarithmic`).
@@ -190,10 +196,15 @@ impl Problem<'_> {
 
     /// Weighted, whitened rows of one experiment from one series an output.
     pub fn weigh(&self, experiment: usize, series: &[Vec<f64>]) -> Vec<f64> {
+        self.weigh_rows(experiment, series, &self.rows[experiment])
+    }
+
+    /// The same of other rows.
+    pub fn weigh_rows(&self, experiment: usize, series: &[Vec<f64>], own: &[Rows]) -> Vec<f64> {
         let mut rows = Vec::new();
         for (output, values) in series.iter().enumerate() {
             let whitening = &self.whitening[experiment][output];
-            for range in &self.rows[experiment][output] {
+            for range in &own[output] {
                 whitening.apply(&values[range.clone()], &mut rows);
             }
         }

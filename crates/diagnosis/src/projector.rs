@@ -1,12 +1,15 @@
-//! Linear nuisances, projected out of residuals.
+//! Linear nuisances, projected out of residuals that were made white.
 //!
 //! Source: Golub and Pereyra, Inverse Problems 19 (2003) on separable least squares.
 
+use super::input_rounding::RoundingCovariance;
 use super::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 
 /// Projects the linear nuisances of every experiment out of residuals.
 pub struct Projector {
+    /// What is not white yet, an experiment each.
+    rounding: Vec<RoundingCovariance>,
     /// Orthonormal basis of the columns, an experiment each.
     bases: Vec<DMatrix<f64>>,
 }
@@ -14,19 +17,32 @@ pub struct Projector {
 impl Projector {
     /// For the rows of a problem.
     pub fn new(problem: &Problem) -> Self {
-        let basis = |experiment| orthonormal(problem.linear(experiment));
+        let all = || 0..problem.experiments.len();
+        let own = |e: usize| RoundingCovariance::new(problem, e, &problem.rows[e]);
+        let rounding: Vec<RoundingCovariance> = all().map(own).collect();
+        let basis = |e: usize| {
+            let mut columns = problem.linear(e);
+            for mut column in columns.column_iter_mut() {
+                rounding[e].whiten(column.as_mut_slice());
+            }
+            orthonormal(columns)
+        };
         Self {
-            bases: (0..problem.experiments.len()).map(basis).collect(),
+            bases: all().map(basis).collect(),
+            rounding,
         }
     }
 
     /// The part of the rows that no linear nuisance explains.
     pub fn remove(&self, experiment: usize, rows: &DVector<f64>) -> DVector<f64> {
         let basis = &self.bases[experiment];
-        if basis.ncols() == 0 {
-            return rows.clone();
+        let mut rows = rows.clone();
+        self.rounding[experiment].whiten(rows.as_mut_slice());
+        if basis.ncols() > 0 {
+            let shares = basis.tr_mul(&rows);
+            rows.gemv(-1.0, basis, &shares, 1.0);
         }
-        rows - basis * basis.tr_mul(rows)
+        rows
     }
 }
 

@@ -26,6 +26,7 @@ use super::units::units;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
+use std::sync::Arc;
 
 /// What a look ends with.
 pub(super) struct Looked {
@@ -147,6 +148,7 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     first = ringing(problem, first, &projector);
     // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
+    problem.rounding = Arc::new(problem.responses_to_rounding(&first.point));
     projector = Projector::new(problem);
     (problem.fit(&first.point, &projector, LONG), projector)
 }

@@ -1,5 +1,6 @@
 //! Fitted and held-out rows of a problem, and their derivatives.
 
+use super::input_rounding::RoundingCovariance;
 use super::judge::Judge;
 use super::point::{Global, Point};
 use super::problem::Problem;
@@ -18,6 +19,8 @@ pub struct Views<'a> {
     problem: &'a Problem<'a>,
     projector: &'a Projector,
     apart: Option<Apart<'a>>,
+    /// What makes the held-out rows of an experiment white.
+    rounding: Vec<RoundingCovariance>,
 }
 
 /// Recordings kept apart, where an explanation was held against them.
@@ -48,8 +51,10 @@ impl<'a> Views<'a> {
                 nuisances: nuisances.into_iter().map(orthonormal).collect(),
             }
         };
+        let rounding = |e: usize| RoundingCovariance::new(problem, e, &judge.data.held_out[e]);
         Self {
             apart: (!judge.data.apart.is_empty()).then(apart),
+            rounding: (0..problem.experiments.len()).map(rounding).collect(),
             judge,
             problem,
             projector,
@@ -65,7 +70,9 @@ impl<'a> Views<'a> {
             let rows = self.projector.remove(e, &self.problem.complete(e, &raw));
             fitted.extend(rows.iter().copied());
             if self.apart.is_none() {
+                let first = held.len();
                 self.judge.push_held_out(self.problem, e, raw, &mut held);
+                self.rounding[e].whiten(&mut held[first..]);
             }
         }
         if let Some(apart) = &self.apart {

@@ -16,6 +16,7 @@ use crate::projector::Projector;
 use crate::split;
 use quell_model::{Departure, Experiment};
 use std::slice::from_ref;
+use std::sync::Arc;
 
 /// Steps of a fit that starts near its end.
 const STEPS: usize = 6;
@@ -113,6 +114,8 @@ fn with<'b>(problem: &Problem<'b>, experiments: &'b [Experiment]) -> Problem<'b>
     Problem {
         experiments,
         rows: experiments.iter().map(split::whole).collect(),
+        // What is imagined is not rounded.
+        rounding: Arc::default(),
         ..problem.clone()
     }
 }

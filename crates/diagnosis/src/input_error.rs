@@ -91,7 +91,7 @@ fn rounded_again(values: &[f64], step: f64, random: &mut impl Rng) -> Vec<f64> {
 }
 
 /// Stretches of equal values.
-fn levels(values: &[f64], step: f64) -> Vec<Range<usize>> {
+pub fn levels(values: &[f64], step: f64) -> Vec<Range<usize>> {
     let mut levels: Vec<Range<usize>> = Vec::new();
     for (k, value) in values.iter().enumerate() {
         match levels.last_mut() {
