@@ -79,27 +79,30 @@ impl RoundingCovariance {
         let column =
             |series: &Vec<Vec<f64>>| DVector::from_vec(problem.weigh_rows(e, series, rows));
         let columns: Vec<DVector<f64>> = responses.map(column).collect();
-        if columns.is_empty() {
-            return Self {
+        match columns.is_empty() {
+            true => Self {
                 directions: DMatrix::zeros(0, 0),
                 shrinks: DVector::zeros(0),
-            };
-        }
-        let all = DMatrix::from_columns(&columns);
-        let eigen = all.tr_mul(&all).symmetric_eigen();
-        let seen: Vec<usize> = (0..columns.len())
-            .filter(|&k| eigen.eigenvalues[k] > NONE)
-            .collect();
-        let direction =
-            |&k: &usize| &all * eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt();
-        let directions: Vec<DVector<f64>> = seen.iter().map(direction).collect();
-        let shrink = |&k: &usize| 1.0 - (1.0 + eigen.eigenvalues[k]).sqrt().recip();
-        Self {
-            shrinks: DVector::from_iterator(seen.len(), seen.iter().map(shrink)),
-            directions: match directions.is_empty() {
-                true => DMatrix::zeros(0, 0),
-                false => DMatrix::from_columns(&directions),
             },
+            false => Self::of(&DMatrix::from_columns(&columns)),
+        }
+    }
+
+    /// Beside unit variance: `B B'`.
+    fn of(b: &DMatrix<f64>) -> Self {
+        let eigen = b.tr_mul(b).symmetric_eigen();
+        let squares = &eigen.eigenvalues;
+        let seen: Vec<usize> = (0..b.ncols()).filter(|&k| squares[k] > NONE).collect();
+        let mut directions = b * eigen.eigenvectors.select_columns(&seen);
+        for (mut direction, &k) in directions.column_iter_mut().zip(&seen) {
+            direction.unscale_mut(squares[k].sqrt());
+        }
+        let shrinks = seen
+            .iter()
+            .map(|&k| 1.0 - (1.0 + squares[k]).sqrt().recip());
+        Self {
+            shrinks: DVector::from_iterator(seen.len(), shrinks),
+            directions,
         }
     }
 
@@ -112,5 +115,32 @@ impl RoundingCovariance {
         let mut rows = nalgebra::DVectorViewMut::from_slice(&mut rows[..count], count);
         let shares = self.directions.tr_mul(&rows).component_mul(&self.shrinks);
         rows.gemv(-1.0, &self.directions, &shares, 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Twice whitened and multiplied by `I + B B'`, rows are what they were; those behind them always are.
+        #[test]
+        fn whitens_twice_to_the_inverse(
+            values in proptest::collection::vec(-3.0..3.0f64, 60),
+            rows in proptest::collection::vec(-1e3..1e3f64, 22),
+        ) {
+            let b = DMatrix::from_column_slice(20, 3, &values);
+            let covariance = RoundingCovariance::of(&b);
+            let mut white = rows.clone();
+            covariance.whiten(&mut white);
+            covariance.whiten(&mut white);
+            prop_assert_eq!(&white[20..], &rows[20..]);
+            let white = DVector::from_column_slice(&white[..20]);
+            let back = &white + &b * b.tr_mul(&white);
+            let first = DVector::from_column_slice(&rows[..20]);
+            // Directions of less than `NONE` are left out.
+            prop_assert!((back - &first).norm() <= 2.0 * NONE * first.norm());
+        }
     }
 }
