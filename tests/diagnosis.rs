@@ -248,3 +248,18 @@ fn rounding_at_rest_is_no_mismatch() {
     }
     assert!(told.len() <= 1, "{told:#?}");
 }
+
+/// A tracker that sees a single move over a short arc, which the unknown frame of the tracker explains: the sensor is not dead.
+#[test]
+fn a_short_arc_is_no_dead_sensor() {
+    let case = generate_kind(Kind::Single, 4407, 13).unwrap();
+    let model = Model::from_toml(&case.model, "model.toml").unwrap();
+    let (train, options) = ([case.train], Options::default());
+    let outcome = diagnose(&model, &train, &[], &options, &|_, _| {}).unwrap();
+    assert_eq!(
+        outcome.diagnosis.verdict,
+        Verdict::Named,
+        "{}",
+        outcome.diagnosis.summary
+    );
+}

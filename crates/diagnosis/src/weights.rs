@@ -72,7 +72,8 @@ fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
     problem.experiments.iter().enumerate().map(of).unzip()
 }
 
-fn spread(values: &[f64]) -> f64 {
+/// Standard deviation of values.
+pub fn spread(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()

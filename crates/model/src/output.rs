@@ -170,11 +170,6 @@ impl Output {
         }
     }
 
-    /// The columns of offset and frame: all but that of an unknown gain, which is the motion itself.
-    pub fn frame(&self) -> &[Vec<f64>] {
-        &self.columns[..self.columns.len() - usize::from(self.gain.is_some())]
-    }
-
     /// The same sensor with other values, which need no correction of its frame, offset or gain.
     pub fn showing(&self, time: Vec<f64>, values: Vec<f64>) -> Self {
         let columns = match (self.channel, &self.gain) {

@@ -2,10 +2,9 @@
 
 use super::words::figure;
 use crate::error::DiagnosisError;
-use crate::projector::orthonormal;
 use crate::units::of_values;
-use nalgebra::{DMatrix, DVector};
-use quell_model::{Departure, Experiment, Model, Output, predict_windows};
+use crate::weights::spread;
+use quell_model::{Departure, Experiment, Model, predict_windows};
 use quell_recording::Recording;
 use quell_signal::noise_floor;
 
@@ -35,7 +34,8 @@ pub fn mute(
         let start = &[Departure::default()];
         let shown = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
         for (output, shown) in experiment.outputs.iter().zip(shown) {
-            let [recorded, predicted] = [&output.values, &shown.values].map(|v| rms(output, v));
+            // Not without the columns of a tracker's frame: over a short arc these are the motion itself.
+            let [recorded, predicted] = [&output.values, &shown.values].map(|v| spread(v));
             let noise = noise_floor(&output.values).standard_deviation;
             let noisy = recorded > 0.0 && is_noise(recorded.powi(2), noise, shown.values.len());
             if noisy && predicted > MUTE * recorded {
@@ -56,15 +56,4 @@ pub fn mute(
 /// Whether a variance of so many samples is that of noise of this level, but for chance.
 pub fn is_noise(variance: f64, noise: f64, samples: usize) -> bool {
     variance <= noise.powi(2) * (1.0 + SPREAD / (samples as f64).sqrt())
-}
-
-/// Root mean square of a series without what an offset or the sensor's frame explains.
-fn rms(output: &Output, values: &[f64]) -> f64 {
-    let rows = values.len();
-    let frame = output.frame();
-    let columns = DMatrix::from_fn(rows, frame.len(), |i, j| frame[j][i]);
-    let basis = orthonormal(columns);
-    let all = DVector::from_column_slice(values);
-    let rest = &all - &basis * basis.tr_mul(&all);
-    (rest.norm_squared() / rows as f64).sqrt()
 }
