@@ -5,7 +5,7 @@
 mod shared;
 
 use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose, score};
-use quell::model::Model;
+use quell::model::{Experiment, Model};
 use quell::proof::{FindingSummary, Judgement, Kind, generate_kind, read_cases, read_truths};
 use quell::recording::{Recording, Role};
 use quell::signal::noise_floor;
@@ -262,4 +262,22 @@ fn a_short_arc_is_no_dead_sensor() {
         "{}",
         outcome.diagnosis.summary
     );
+}
+
+/// What a tracker rounds in space is rounding of the angle that is made of it.
+#[test]
+fn the_step_of_coordinates_is_that_of_the_angle() {
+    let cases = (0..).map(|index| generate_kind(Kind::Clean, 3, index).unwrap());
+    let is_tip = |case: &quell::proof::Case| case.train.channel(Role::TipPosition).is_some();
+    let mut case = cases.into_iter().find(is_tip).unwrap();
+    let channels = case.train.channels.iter_mut();
+    let tip = channels.filter(|own| own.role == Role::TipPosition);
+    for value in tip.flat_map(|own| own.columns.iter_mut().flatten()) {
+        *value = 1e-4 * (*value / 1e-4).round();
+    }
+    let model = Model::from_toml(&case.model, "model.toml").unwrap();
+    let experiment = Experiment::new(&model, &case.train).unwrap();
+    let step = experiment.outputs[0].coordinate_step.unwrap();
+    let arm = model.value("lever_arm_m").unwrap();
+    assert!((step * arm / 1e-4 - 1.0).abs() < 0.01, "{step}");
 }

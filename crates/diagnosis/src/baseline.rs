@@ -101,7 +101,7 @@ pub fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
         // A recording without any noise: the rounding of a number written with nine digits.
         let least = (1e-9 * size).max(f64::MIN_POSITIVE);
         let level = output.noise_witness.unwrap_or(floor);
-        Whitening::white(level.max(least).max(rounding(&output.values)))
+        Whitening::white(level.max(least).max(rounding(output)))
     };
     experiment.outputs.iter().map(guess).collect()
 }

@@ -54,7 +54,7 @@ fn shown(
     (frequency, decay): (f64, f64),
 ) -> Whitening {
     let white = noise_floor(residual).standard_deviation;
-    let least = rounding(&output.values).max(f64::MIN_POSITIVE);
+    let least = rounding(output).max(f64::MIN_POSITIVE);
     let quiet = quiet(experiment, output, decay);
     // Where nothing moves what was recorded is noise, too: what a model makes there, as one that was given a start to
     // make up for what it lacks, is none.
@@ -99,9 +99,11 @@ fn shown(
 
 /// What rounding makes of the noise of a sensor: `q / sqrt 12`, with the step that is seen in its changes, or, of
 /// one that shows a few values only, the least distance between these; 0 where there is none.
-pub fn rounding(values: &[f64]) -> f64 {
-    let step = noise_floor(values).quantisation;
-    let step = step.or_else(|| least_increment(values));
+pub fn rounding(output: &Output) -> f64 {
+    let step = output
+        .coordinate_step
+        .or_else(|| noise_floor(&output.values).quantisation);
+    let step = step.or_else(|| least_increment(&output.values));
     step.map_or(0.0, |step| step / 12f64.sqrt())
 }
 

@@ -37,6 +37,8 @@ pub struct Output {
     pub clock_offset: f64,
     /// Noise that other coordinates of the sensor show, in the unit of the values.
     pub noise_witness: Option<f64>,
+    /// Step by which the coordinates are rounded that the values are made of, in the unit of the values.
+    pub coordinate_step: Option<f64>,
 }
 
 /// The start of a window.

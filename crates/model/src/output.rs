@@ -7,7 +7,7 @@ use super::{ExperimentError, Model};
 use nalgebra::Point3;
 use quell_recording::{Channel, Role};
 use quell_shapers::Mode;
-use quell_signal::{CubicSpline, End, JointArc, register_arc};
+use quell_signal::{CubicSpline, End, JointArc, noise_floor, register_arc};
 use std::f64::consts::{PI, TAU};
 
 /// Fewest samples of an output that are worth looking at.
@@ -57,6 +57,7 @@ pub(super) fn output(
         unit,
         clock_offset: 0.0,
         noise_witness: None,
+        coordinate_step: None,
     })
 }
 
@@ -129,7 +130,18 @@ fn tip(
         own_clock: true,
         clock_offset: registration.clock.offset,
         noise_witness: Some(registration.normal_rms / arm),
+        coordinate_step: coordinate_step(&channel.columns).map(|step| step / arm),
     })
+}
+
+/// Root mean square of the steps of those coordinates that are rounded; along an arc the error is as large as that of each.
+fn coordinate_step(coordinates: &[Vec<f64>]) -> Option<f64> {
+    let steps = coordinates
+        .iter()
+        .filter_map(|own| noise_floor(own).quantisation);
+    let squares: Vec<f64> = steps.map(|step| step * step).collect();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    (!squares.is_empty()).then(|| mean.sqrt())
 }
 
 impl Output {
