@@ -12,12 +12,11 @@ use quell::signal::noise_floor;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use shared::shared;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-fn outcome(model: &Path, train: &Recording) -> Outcome {
-    let model = Model::from_path(model).unwrap();
+fn outcome(model: &Model, train: &Recording) -> Outcome {
     let train = std::slice::from_ref(train);
-    diagnose(&model, train, &[], &Options::default(), &|_, _| {}).unwrap()
+    diagnose(model, train, &[], &Options::default(), &|_, _| {}).unwrap()
 }
 
 /// The concealed cases.
@@ -50,7 +49,8 @@ fn val_concealed_cases_of_another_simulator() {
     let Some(folder) = concealed() else { return };
     let (mut verdicts, mut scores) = (Vec::new(), Vec::new());
     for case in read_cases(&folder).unwrap() {
-        let outcome = outcome(&case.model, &Recording::from_path(&case.train).unwrap());
+        let model = Model::from_path(&case.model).unwrap();
+        let outcome = outcome(&model, &Recording::from_path(&case.train).unwrap());
         let test = Recording::from_path(&case.test).unwrap();
         scores.push(score(&outcome.model, &test).unwrap().rms_over_noise);
         verdicts.push((case.name.clone(), outcome.diagnosis));
@@ -92,7 +92,8 @@ fn the_same_input_gives_the_same_answer() {
     let folder = tempfile::tempdir().unwrap();
     let sealed = quell::proof::write_case(folder.path(), 0, &case).unwrap();
     let train = Recording::from_path(&sealed.train).unwrap();
-    let [first, second] = [0, 1].map(|_| outcome(&sealed.model, &train));
+    let model = Model::from_path(&sealed.model).unwrap();
+    let [first, second] = [0, 1].map(|_| outcome(&model, &train));
     assert_eq!(first.diagnosis, second.diagnosis);
     let text = first.model.to_toml();
     let again = Model::from_toml(&text, "model.toml").unwrap();
@@ -195,8 +196,7 @@ fn hum_and_drift_are_no_mismatch() {
         let mut case = generate_kind(Kind::Clean, 3, index).unwrap();
         hum(&mut case.train, &mut random);
         let model = Model::from_toml(&case.model, "model.toml").unwrap();
-        let (train, options) = ([case.train], Options::default());
-        let outcome = diagnose(&model, &train, &[], &options, &|_, _| {}).unwrap();
+        let outcome = outcome(&model, &case.train);
         if outcome.diagnosis.verdict != Verdict::NoMismatch {
             wrong.push((index, outcome.diagnosis.summary));
         }
@@ -240,8 +240,7 @@ fn rounding_at_rest_is_no_mismatch() {
         let mut case = generate_kind(Kind::Clean, 3, index).unwrap();
         let model = Model::from_toml(&case.model, "model.toml").unwrap();
         round_coarsely(&model, &mut case.train);
-        let (train, options) = ([case.train], Options::default());
-        let outcome = diagnose(&model, &train, &[], &options, &|_, _| {}).unwrap();
+        let outcome = outcome(&model, &case.train);
         if !outcome.diagnosis.findings.is_empty() {
             told.push((index, outcome.diagnosis.summary));
         }
@@ -254,8 +253,7 @@ fn rounding_at_rest_is_no_mismatch() {
 fn a_short_arc_is_no_dead_sensor() {
     let case = generate_kind(Kind::Single, 4407, 13).unwrap();
     let model = Model::from_toml(&case.model, "model.toml").unwrap();
-    let (train, options) = ([case.train], Options::default());
-    let outcome = diagnose(&model, &train, &[], &options, &|_, _| {}).unwrap();
+    let outcome = outcome(&model, &case.train);
     assert_eq!(
         outcome.diagnosis.verdict,
         Verdict::Named,

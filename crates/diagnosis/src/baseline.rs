@@ -55,7 +55,7 @@ pub fn problem<'a>(
         rows,
         whitening: noise.clone(),
         noise,
-        rounding: Arc::default(),
+        input_rounding: Arc::default(),
         free,
         beliefs,
         bounds,

@@ -2,6 +2,7 @@
 
 use super::error::DiagnosisError;
 use super::excitation::at_rest;
+use super::spread::spread;
 use super::stretches::Stretches;
 use quell_model::chain::MotorSide;
 use quell_model::{Experiment, Model};
@@ -45,19 +46,11 @@ fn rate(model: &Model, own: &Experiment) -> Option<f64> {
     let MotorSide::Free { inertia, .. } = linear.motor else {
         return None;
     };
-    let acceleration = (linear.motor_gain * deviation(&own.input_values) / inertia).abs();
+    let acceleration = (linear.motor_gain * spread(&own.input_values) / inertia).abs();
     let noise = noise_floor(&encoder.values).standard_deviation;
     let rate = strongest(own).min((SEEN * acceleration / noise).sqrt());
-    let turns = PI / (acceleration / deviation(&encoder.values)).sqrt();
+    let turns = PI / (acceleration / spread(&encoder.values)).sqrt();
     (rate * turns > FORGOTTEN).then_some(rate)
-}
-
-/// Root mean square about the mean.
-fn deviation(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (squares / n).sqrt()
 }
 
 /// Rate of a coupling that remembers four samples, rad/s: what a sampled force is wrong by within a sample stays small.

@@ -19,8 +19,9 @@ use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use nalgebra::{DMatrix, DVector};
 use quell_model::Experiment;
+use std::ops::Range;
 
-/// Variance of a direction, in that of the noise, below which it is none.
+/// Variance of a direction, in that of the noise, below which it is left out: chi-squared is then too large by as much.
 const NONE: f64 = 1e-3;
 
 impl Problem<'_> {
@@ -44,12 +45,12 @@ impl Problem<'_> {
         let rests = levels(values, step).into_iter();
         let rests = rests.filter(|own| time[own.end - 1] - time[own.start] >= self.scales.period());
         let here = self.run(point, e).residuals;
-        let response = |rest: std::ops::Range<usize>| {
+        let mut experiments = self.experiments.to_vec();
+        let response = |rest: Range<usize>| {
             let mut other = values.clone();
             for value in &mut other[rest] {
                 *value += step / 12f64.sqrt();
             }
-            let mut experiments = self.experiments.to_vec();
             experiments[e] = experiment.with_input(other);
             let moved = Problem {
                 experiments: &experiments,
@@ -75,7 +76,7 @@ pub struct RoundingCovariance {
 impl RoundingCovariance {
     /// Of these rows of an experiment.
     pub fn new(problem: &Problem, e: usize, rows: &[Rows]) -> Self {
-        let responses = problem.rounding.get(e).into_iter().flatten();
+        let responses = problem.input_rounding.get(e).into_iter().flatten();
         let column =
             |series: &Vec<Vec<f64>>| DVector::from_vec(problem.weigh_rows(e, series, rows));
         let columns: Vec<DVector<f64>> = responses.map(column).collect();

@@ -32,7 +32,7 @@ pub struct Judge<'a> {
     /// Components of the start that are free in the recordings kept apart, once that is decided.
     starts: Option<Vec<StartComponent>>,
     /// What the recordings kept apart show of the rounding of their inputs.
-    rounding_apart: Arc<Vec<Responses>>,
+    input_rounding_apart: Arc<Vec<Responses>>,
 }
 
 impl<'a> Judge<'a> {
@@ -50,13 +50,13 @@ impl<'a> Judge<'a> {
             held_out_rows: count(&data.held_out) + apart,
             rounding: rounding(&data.experiments, &data.held_out),
             starts: None,
-            rounding_apart: Arc::default(),
+            input_rounding_apart: Arc::default(),
         };
         if !data.apart.is_empty() {
             let (mut apart, still) = judge.apart(problem, refitted);
             let projector = Projector::new(&apart);
             let still = ringing(&mut apart, still, &projector).point;
-            judge.rounding_apart = Arc::new(apart.responses_to_rounding(&still));
+            judge.input_rounding_apart = Arc::new(apart.responses_to_rounding(&still));
             judge.starts = Some(apart.departures);
         }
         judge
@@ -85,7 +85,7 @@ impl<'a> Judge<'a> {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
-        problem.rounding = self.rounding_apart.clone();
+        problem.input_rounding = self.input_rounding_apart.clone();
         if let Some(starts) = &self.starts {
             problem.departures.clone_from(starts);
         }

@@ -67,6 +67,7 @@ mod search;
 mod settled;
 mod shape;
 mod split;
+mod spread;
 mod start;
 mod stop;
 mod stretches;

@@ -31,7 +31,7 @@ pub struct Problem<'a> {
     /// The same as it weighs the rows: several outputs that are all far above their noise count alike.
     pub whitening: Vec<Vec<Whitening>>,
     /// For each experiment what its outputs show of the rounding of its input; empty where that is not known.
-    pub rounding: Arc<Vec<Responses>>,
+    pub input_rounding: Arc<Vec<Responses>>,
     /// Keys of the model that are free.
     pub free: Vec<usize>,
     /// Beliefs on the keys: value, standard deviation (of the logarithm where `logarithmic`).

@@ -148,7 +148,7 @@ fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     first = ringing(problem, first, &projector);
     // What rings at the start would be taken for noise, were it not fitted first.
     measure_noise(problem, &first.point);
-    problem.rounding = Arc::new(problem.responses_to_rounding(&first.point));
+    problem.input_rounding = Arc::new(problem.responses_to_rounding(&first.point));
     projector = Projector::new(problem);
     (problem.fit(&first.point, &projector, LONG), projector)
 }

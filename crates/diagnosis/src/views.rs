@@ -20,7 +20,7 @@ pub struct Views<'a> {
     projector: &'a Projector,
     apart: Option<Apart<'a>>,
     /// What makes the held-out rows of an experiment white.
-    rounding: Vec<RoundingCovariance>,
+    input_rounding: Vec<RoundingCovariance>,
 }
 
 /// Recordings kept apart, where an explanation was held against them.
@@ -51,10 +51,10 @@ impl<'a> Views<'a> {
                 nuisances: nuisances.into_iter().map(orthonormal).collect(),
             }
         };
-        let rounding = |e: usize| RoundingCovariance::new(problem, e, &judge.data.held_out[e]);
+        let covariance = |e: usize| RoundingCovariance::new(problem, e, &judge.data.held_out[e]);
         Self {
             apart: (!judge.data.apart.is_empty()).then(apart),
-            rounding: (0..problem.experiments.len()).map(rounding).collect(),
+            input_rounding: (0..problem.experiments.len()).map(covariance).collect(),
             judge,
             problem,
             projector,
@@ -72,7 +72,7 @@ impl<'a> Views<'a> {
             if self.apart.is_none() {
                 let first = held.len();
                 self.judge.push_held_out(self.problem, e, raw, &mut held);
-                self.rounding[e].whiten(&mut held[first..]);
+                self.input_rounding[e].whiten(&mut held[first..]);
             }
         }
         if let Some(apart) = &self.apart {

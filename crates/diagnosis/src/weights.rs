@@ -4,6 +4,7 @@
 use super::noise::{LOUDER, noise};
 use super::point::Point;
 use super::problem::Problem;
+use super::spread::spread;
 use super::thresholds::FLOOR;
 use super::whitening::Whitening;
 use quell_model::Experiment;
@@ -70,13 +71,6 @@ fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
         each.unzip()
     };
     problem.experiments.iter().enumerate().map(of).unzip()
-}
-
-/// Standard deviation of values.
-pub fn spread(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// The noise, made louder for those outputs that are further above theirs than the nearest one.

@@ -2,8 +2,8 @@
 
 use super::words::figure;
 use crate::error::DiagnosisError;
+use crate::spread::spread;
 use crate::units::of_values;
-use crate::weights::spread;
 use quell_model::{Departure, Experiment, Model, predict_windows};
 use quell_recording::Recording;
 use quell_signal::noise_floor;
@@ -34,7 +34,7 @@ pub fn mute(
         let start = &[Departure::default()];
         let shown = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
         for (output, shown) in experiment.outputs.iter().zip(shown) {
-            // Not without the columns of a tracker's frame: over a short arc these are the motion itself.
+            // About the mean alone: the columns of a tracker's frame are made of its angle, and explain a short arc.
             let [recorded, predicted] = [&output.values, &shown.values].map(|v| spread(v));
             let noise = noise_floor(&output.values).standard_deviation;
             let noisy = recorded > 0.0 && is_noise(recorded.powi(2), noise, shown.values.len());

@@ -115,7 +115,7 @@ fn with<'b>(problem: &Problem<'b>, experiments: &'b [Experiment]) -> Problem<'b>
         experiments,
         rows: experiments.iter().map(split::whole).collect(),
         // What is imagined is not rounded.
-        rounding: Arc::default(),
+        input_rounding: Arc::default(),
         ..problem.clone()
     }
 }
