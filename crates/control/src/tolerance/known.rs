@@ -12,8 +12,10 @@ const WITHIN: f64 = 2.0;
 const PER_HUMP: f64 = 6.0;
 /// Most nodes over the frequency.
 const MOST: f64 = 49.0;
-/// How many times finer the grid is on which a motion is checked.
-pub const FINER: usize = 4;
+/// How many times finer the nodes are by which a motion is checked. The parabola between them errs by some 1e-5 of a hump.
+const FINER: usize = 4;
+/// Nodes over the damping ratio at an end of the frequency, where a motion is checked: there are no humps over it.
+const OVER_DAMPING: usize = 5;
 /// Damping ratio above which nothing rings.
 const HIGHEST_DAMPING: f64 = 0.99;
 
@@ -44,10 +46,7 @@ impl Known {
             allowed: f64::INFINITY,
             lever: joint.lever,
         };
-        let left = known.nodes(duration, FINER);
-        let left = left
-            .map(|swing| swing.left_by_plan(full))
-            .fold(0.0, f64::max);
+        let left = known.most(duration, |swing| swing.left_by_plan(full));
         known.unshaped = joint.distance().abs() * left;
         if let Some(share) = tolerance.residual {
             known.allowed = share * known.unshaped;
@@ -67,18 +66,26 @@ impl Known {
         }
     }
 
-    /// Modes all over the boxes, as many as a motion of a duration (s) asks for, and `finer` times as many.
-    pub fn nodes(&self, duration: f64, finer: usize) -> impl Iterator<Item = Swing> {
+    /// Modes all over the boxes, as many as a motion of a duration (s) asks for.
+    pub fn nodes(&self, duration: f64) -> impl Iterator<Item = Swing> {
         self.boxes.iter().flat_map(move |one| {
-            let [low, high] = one.frequency;
-            let humps = duration * (high - low) / core::f64::consts::TAU;
-            let frequencies = (3.0 + PER_HUMP * humps).min(MOST) as usize * finer + 1;
-            let frequencies = evenly(one.frequency, frequencies);
-            frequencies.flat_map(move |frequency| {
-                let ratios = evenly(one.damping_ratio, 2 * finer.min(2));
+            let frequencies = evenly(one.frequency, one.humps(duration) + 1);
+            frequencies.flat_map(|frequency| {
+                let ratios = evenly(one.damping_ratio, 2);
                 ratios.map(move |ratio| Swing::new(frequency, ratio))
             })
         })
+    }
+
+    /// The largest amplitude that a motion of a duration (s) leaves of a mode anywhere in the boxes.
+    ///
+    /// It is on the edge of a box. The amplitude is `|f(mu)| / omega_d`, where `f` is analytic in the pole `mu`. The logarithm of that is
+    /// subharmonic, as is `-log omega_d`. Between nodes of an edge the square of the amplitude is a parabola.
+    pub fn most(&self, duration: f64, left: impl Fn(Swing) -> f64) -> f64 {
+        let edges = self.boxes.iter().flat_map(|one| one.edges(duration));
+        edges
+            .map(|edge| peak(edge.into_iter().map(&left)))
+            .fold(0.0, f64::max)
     }
 }
 
@@ -93,6 +100,46 @@ impl ModeBox {
             damping_ratio: [(ratio - rise).max(0.0), (ratio + rise).min(HIGHEST_DAMPING)],
         }
     }
+
+    /// Intervals between nodes that the humps over the frequency ask for.
+    fn humps(&self, duration: f64) -> usize {
+        let [low, high] = self.frequency;
+        let humps = duration * (high - low) / core::f64::consts::TAU;
+        (3.0 + PER_HUMP * humps).min(MOST) as usize
+    }
+
+    /// Modes along the four edges.
+    fn edges(&self, duration: f64) -> Vec<Vec<Swing>> {
+        let count = self.humps(duration) * FINER + 1;
+        let over_frequency = self.damping_ratio.map(|ratio| {
+            let frequencies = evenly(self.frequency, count);
+            frequencies
+                .map(|frequency| Swing::new(frequency, ratio))
+                .collect()
+        });
+        let over_damping = self.frequency.map(|frequency| {
+            let ratios = evenly(self.damping_ratio, OVER_DAMPING);
+            ratios.map(|ratio| Swing::new(frequency, ratio)).collect()
+        });
+        over_frequency.into_iter().chain(over_damping).collect()
+    }
+}
+
+/// The highest point of a curve through these values: of the squares, by parabolas through three of them.
+fn peak(values: impl Iterator<Item = f64>) -> f64 {
+    let squares: Vec<f64> = values.map(|value| value * value).collect();
+    let between = squares.windows(3).filter_map(|three| {
+        let [before, here, after] = three else {
+            return None;
+        };
+        let bend = 2.0 * here - before - after;
+        (here >= before && here >= after && bend > 0.0)
+            .then(|| here + (after - before).powi(2) / (8.0 * bend))
+    });
+    between
+        .chain(squares.iter().copied())
+        .fold(0.0, f64::max)
+        .sqrt()
 }
 
 /// Evenly from one end to the other; one value where both are the same.

@@ -6,7 +6,7 @@
 //!   joint space, by more; and no vibration after the end is larger. A single joint cannot leave its path before the end.
 //!
 //! For each duration the motion that leaves least is a convex problem ([`program`]). The least duration is found by bisection. What is
-//! found is checked on its own: limits, end, residual on a finer grid, path at every tick.
+//! found is checked on its own: limits, end, residual along the edges of the boxes, path at every tick.
 
 mod check;
 mod known;

@@ -4,7 +4,7 @@ use quell_shapers::GridTrain;
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory, Trajectory};
 
 use super::check::{exact_end, keeps_limits};
-use super::known::{FINER, Known};
+use super::known::Known;
 use super::program::{Axis, Program};
 use super::swing::Swing;
 use super::{Bounds, Fastest, Moving, Tolerance, ToleranceError};
@@ -89,12 +89,11 @@ impl<'a> Search<'a> {
     pub fn share_left(&self, train: &GridTrain) -> f64 {
         let known = &self.known[0];
         let full = &self.full.axes()[0];
-        let nodes = known.nodes(self.full.duration(), FINER);
-        let left = nodes.map(|swing| {
+        let left = known.most(self.full.duration(), |swing| {
             let (frequency, ratio) = (swing.frequency(), swing.damping_ratio());
             swing.left_by_plan(full) * train.residual_vibration(frequency, ratio)
         });
-        self.joints[0].distance().abs() * left.fold(0.0, f64::max) / known.unshaped
+        self.joints[0].distance().abs() * left / known.unshaped
     }
 
     /// Ticks of the unshaped move, and of the longest that is tried.
@@ -221,16 +220,14 @@ impl<'a> Search<'a> {
         let strictest = self.known.iter().map(Known::share).fold(1.0, f64::min);
         let known = &self.known[index];
         let weight = factor * strictest / known.allowed;
-        let nodes = known.nodes(ticks as f64 * self.period, 1);
+        let nodes = known.nodes(ticks as f64 * self.period);
         nodes.map(|swing| (swing, weight)).collect()
     }
 
     /// The largest amplitude that steps of jerk leave of the modes of a joint.
     fn left_by(&self, jerks: &[f64], h: f64, index: usize) -> f64 {
-        let nodes = self.known[index].nodes(jerks.len() as f64 * h, FINER);
-        nodes
-            .map(|swing| swing.left_by(jerks, h))
-            .fold(0.0, f64::max)
+        let duration = jerks.len() as f64 * h;
+        self.known[index].most(duration, |swing| swing.left_by(jerks, h))
     }
 
     fn plan(&self, jerks: &[f64], h: f64, ends: [f64; 2]) -> Option<SampledTrajectory> {
