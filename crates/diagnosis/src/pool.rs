@@ -82,10 +82,14 @@ impl Pool {
         let is_kept = |own: &Explanation| {
             own.terms() == 0 || first.iter().any(|other| std::ptr::eq(*other, own))
         };
-        let entry = |entry: &Entry| Entry {
-            own: refit(&entry.own),
-            extended: entry.extended.clone(),
-            thinned: entry.thinned,
+        let entry = |entry: &Entry| {
+            let own = refit(&entry.own);
+            Entry {
+                // What had no end before may have one now, and what is without it may have been hopeless.
+                thinned: entry.thinned && !own.is_at_end,
+                extended: entry.extended.clone(),
+                own,
+            }
         };
         let kept = self.all.par_iter().filter(|entry| is_kept(&entry.own));
         Self {
@@ -108,6 +112,14 @@ impl Pool {
     /// The most probable one.
     pub fn best(&self, judge: &Judge) -> &Explanation {
         self.ranked(self.temperature(judge))[0].0
+    }
+
+    /// The most probable one, whether its parameters mean something or not.
+    pub fn leader(&self, judge: &Judge) -> &Explanation {
+        let temperature = self.temperature(judge);
+        let ranked = self.ranked(temperature);
+        let leader = ranked.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        leader.map_or(self.baseline(), |own| own.0)
     }
 
     /// The most likely structures of a number of named effects, were only noise left in the end.

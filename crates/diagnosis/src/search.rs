@@ -124,16 +124,18 @@ impl Search<'_> {
         })
     }
 
-    /// Drops from the best explanation every term without which the evidence is no less, or puts a simpler law in its
-    /// place that it contains. What is known without it is fitted again from where this one ended: a term may have led
-    /// the others out of a minimum that was none of theirs.
-    fn thin_out(&self, pool: &mut Pool) {
+    /// Drops from the best explanation, and from one that would be better were no parameter of it at the end of its range,
+    /// every term without which the evidence is no less, or puts a simpler law in its place that it contains. What is known
+    /// without it is fitted again from where this one ended: a term may have led the others out of a minimum that was none
+    /// of theirs.
+    pub fn thin_out(&self, pool: &mut Pool) {
         loop {
-            let best = pool.best(self.judge).clone();
-            let point = &best.fitted.point;
-            if best.terms() < 2 || pool.thin_out(&best) {
+            let first = [pool.leader(self.judge), pool.best(self.judge)].map(Explanation::clone);
+            let mut first = first.into_iter();
+            let Some(own) = first.find(|own| own.terms() > 1 && !pool.thin_out(own)) else {
                 return;
-            }
+            };
+            let point = &own.fitted.point;
             let terms: Vec<usize> = (point.given_terms..point.terms.len()).collect();
             let simpler = terms.into_par_iter().flat_map_iter(|term| {
                 let limits = self.limits_of(point, term);
@@ -141,9 +143,6 @@ impl Search<'_> {
             });
             let simpler: Vec<Explanation> = simpler.map(|point| self.refitted(&point)).collect();
             simpler.into_iter().for_each(|next| pool.add(next));
-            if pool.best(self.judge).is_like(&best) {
-                return;
-            }
         }
     }
 

@@ -56,9 +56,9 @@ fn with_noise_of_best(
 }
 
 impl Search<'_> {
-    /// The most probable explanations of a pool, fitted again.
+    /// The most probable explanations of a pool, fitted again and thinned out: what had no end may have one now.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
-        pool.map(self.judge, |own| {
+        let mut again = pool.map(self.judge, |own| {
             let (problem, projector) = (self.problem, self.projector);
             let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
             descent.run(LONG);
@@ -66,7 +66,9 @@ impl Search<'_> {
                 descent.hop();
             }
             self.judge.judge(problem, projector, descent.end())
-        })
+        });
+        self.thin_out(&mut again);
+        again
     }
 }
 
