@@ -24,8 +24,8 @@ pub fn rounding(experiments: &[Experiment], rows: &[Vec<Rows>]) -> f64 {
     2.0 * (0.8 * squares).sqrt()
 }
 
-/// Sum of the squared lengths of the stretches in which values stay within one step. Half a step is added, for
-/// rounding of the differences.
+/// Sum of the squared lengths of the stretches in which values stay within one and a half steps: half a step allows
+/// for rounding of the differences.
 fn rests(values: &[f64], step: f64) -> f64 {
     let (mut sum, mut start) = (0.0, 0);
     for k in 1..=values.len() {
