@@ -19,8 +19,8 @@ const INERTIA: Spread = Spread {
     pose: 0.4,
     load: (0.5, 0.25),
 };
-/// Inertia relative to that of a description: the same, but smaller where the description knows it, as for the
-/// payload.
+/// Inertia relative to that of a description: the same, except for the payload, which the description already
+/// includes.
 const DESCRIBED: Spread = Spread {
     load: (0.0, 0.25),
     ..INERTIA

@@ -40,7 +40,7 @@ pub fn least_on_simplex(gram: &DMatrix<f64>) -> DVector<f64> {
                     .for_each(|(&k, v)| x[k] = *v);
                 break;
             }
-            // As far towards it as all stay non-negative; variables that reach 0 become passive no more.
+            // The step ends where a variable reaches 0; such variables leave the passive set.
             let reach = passive.iter().zip(inner.iter()).filter(|(_, v)| **v <= 0.0);
             let reach = reach
                 .map(|(&k, v)| x[k] / (x[k] - v).max(f64::MIN_POSITIVE))

@@ -25,8 +25,8 @@ const HOLDS: f64 = 1e15;
 /// Damping above which no gain is left with the present samples: a millionth of a step gains two millionths of
 /// the predicted gain.
 const STUCK: f64 = 1e6;
-/// Factor of the damping after a failed step, and its inverse after a successful one, as in Marquardt's paper.
-/// It is also the divisor of the first damping, which shortens a step by a thousandth.
+/// Factor of the damping after a failed step, and its inverse after a successful one, as in Marquardt's paper;
+/// and the first damping, which shortens a step by a thousandth.
 const FACTOR: f64 = 10.0;
 const FIRST: f64 = 1e-3;
 /// Factor of the damping with each new sample: a failed step is tried again after 22 of them.
