@@ -4,8 +4,8 @@ use super::piecewise::{Cubic, Grid, RADIANS_A_STEP, smooth};
 use quell_signal::{CubicSpline, End};
 use std::sync::Arc;
 
-/// A critically damped spring from the motor side to its measured position: `u'' = ... + w^2 (r - u) + 2 w (r'
-/// - u')`.
+/// A critically damped spring from the motor side to its measured position:
+/// `u'' = ... + w^2 (r - u) + 2 w (r' - u')`.
 ///
 /// Nothing brings the motor side of a force-driven axis back, so that the error by a small force error grows
 /// without bound. Coupled to the measured motion `r`, the simulation has a memory of `1 / w` only. A force
